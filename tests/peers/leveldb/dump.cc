@@ -1,10 +1,10 @@
-// Tells every record of a LevelDB database, or fails when anything is wrong in it.
+// Prints every record of a LevelDB database; fails if the database is damaged.
 //
 //   dump FOLDER
 //
 // First a line `levels` with the number of tables on each level, then a line for
-// each record. Every record is looked up by its key, too: that takes the way
-// through index and filter of its table.
+// each record. Every record is also looked up by its key, which exercises the
+// index and the Bloom filter of its table.
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,9 +1,9 @@
-// Writes a LevelDB database and tells every record that must be in it.
+// Writes a LevelDB test database and prints every record that it must contain.
 //
 //   fill FOLDER snappy|plain
 //
 // Keys and values of many lengths, batches that put and delete, tables on
-// several levels with filters, and a log with what came last.
+// several levels with filters, and a log with the last writes.
 
 #include <cstdint>
 #include <cstdio>
@@ -36,8 +36,8 @@ uint64_t Random() {
   return z ^ (z >> 31);
 }
 
-// One of so few that many come again, to be overwritten or deleted. Never empty:
-// rusty-leveldb panics when it writes a block that ends with the empty key.
+// Random key from a small set, so that many keys are overwritten or deleted.
+// Never empty: rusty-leveldb panics when it writes a block that ends with the empty key.
 std::string Key() {
   const uint64_t n = Random() % 20000;
   std::string key(1 + n % 40, static_cast<char>(n));
@@ -45,7 +45,7 @@ std::string Key() {
   return key;
 }
 
-// Now and then empty or longer than a log's block; half of them compressible.
+// Random value: sometimes empty or longer than a log block; half are compressible.
 std::string Value() {
   const bool is_long = Random() % 200 == 0;
   std::string value(Random() % (is_long ? 200000 : 2000), '\0');

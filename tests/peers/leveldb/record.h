@@ -1,4 +1,4 @@
-// How a record is told: key in hex, length of the value, CRC-32 of the value.
+// Text form of a record: key in hex, length of the value, CRC-32 of the value.
 
 #ifndef TABULA_PEERS_RECORD_H
 #define TABULA_PEERS_RECORD_H

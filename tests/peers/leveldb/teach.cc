@@ -1,4 +1,4 @@
-// C++ LevelDB doing the durable work of the store of tabula, timed.
+// Replay benchmark: C++ LevelDB performs the durable writes of tabula's store.
 //
 //   teach write FOLDER TRACE FIRST COUNT CALLERS
 //       Writes batches of the trace, each synced, from several threads. Prints
@@ -34,9 +34,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Batches = std::vector<leveldb::WriteBatch>;
 
-// First letter of the keys of descriptors and of clouds.
+// First byte of the keys of descriptors and of clouds.
 constexpr char kDescriptor = 'd';
 constexpr char kPoints = 'p';
+// Number of records per batch of a copy.
 constexpr int kCopiedTogether = 128;
 
 void Check(const leveldb::Status& status) {
@@ -47,8 +48,8 @@ int64_t NanosecondsSince(Clock::time_point begin) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - begin).count();
 }
 
-// LevelDB's defaults but for what the store of tabula has otherwise: no
-// compression, filters, and checksums checked whenever something is read.
+// LevelDB with its defaults and the settings of tabula's store: no compression,
+// Bloom filters, and checksums verified on every read.
 std::unique_ptr<leveldb::DB> Open(const std::string& folder) {
   static const leveldb::FilterPolicy* const filter = leveldb::NewBloomFilterPolicy(10);
   leveldb::Options options;
@@ -61,7 +62,7 @@ std::unique_ptr<leveldb::DB> Open(const std::string& folder) {
   return std::unique_ptr<leveldb::DB>(db);
 }
 
-// Nanoseconds of the write.
+// Latency of a synced write, nanoseconds.
 int64_t WriteSynced(leveldb::DB* db, leveldb::WriteBatch* batch) {
   leveldb::WriteOptions durable;
   durable.sync = true;
@@ -70,7 +71,7 @@ int64_t WriteSynced(leveldb::DB* db, leveldb::WriteBatch* batch) {
   return NanosecondsSince(begin);
 }
 
-// Writes all batches from so many threads; nanoseconds of each.
+// Writes all batches from several threads and returns their latencies, nanoseconds.
 std::vector<int64_t> WriteAll(leveldb::DB* db, Batches* batches, int n_callers) {
   std::vector<int64_t> latencies_ns(batches->size());
   std::atomic<size_t> next{0};
@@ -122,7 +123,7 @@ void WriteBeside(char** arguments) {
   Print(NanosecondsSince(begin), latencies_ns);
 }
 
-// A figure of /proc/self/status, kilobytes.
+// Field of /proc/self/status, kilobytes.
 std::string MemoryKilobytes(const std::string& name) {
   std::ifstream status("/proc/self/status");
   std::string word;
@@ -184,6 +185,6 @@ int main(int argc, char** argv) {
       return 0;
     }
   }
-  fprintf(stderr, "teach: what is asked is not understood; see teach.cc\n");
+  fprintf(stderr, "teach: unknown command or wrong number of arguments; see teach.cc\n");
   return 2;
 }

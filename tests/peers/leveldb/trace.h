@@ -1,4 +1,4 @@
-// The batches that the store of tabula wrote, one for each of its changes.
+// Trace file of the write batches of tabula's store, one per mutation.
 //
 // A trace is a file of batches, each after its length in four bytes, in
 // LevelDB's own form: sequence (8 bytes), count (4), then for each operation its
@@ -23,7 +23,8 @@
   exit(1);
 }
 
-// Seven bits a byte, lowest first, the top bit saying that more follow.
+// Takes a slice after its length as a varint: seven bits per byte, lowest first;
+// the top bit means that more bytes follow.
 inline leveldb::Slice TakeSlice(leveldb::Slice* rest) {
   uint32_t size = 0;
   for (int shift = 0; !rest->empty(); shift += 7) {
@@ -38,6 +39,7 @@ inline leveldb::Slice TakeSlice(leveldb::Slice* rest) {
   return taken;
 }
 
+// Decodes one batch.
 inline leveldb::WriteBatch Batch(leveldb::Slice rest) {
   leveldb::WriteBatch batch;
   rest.remove_prefix(12);

@@ -1,19 +1,20 @@
-//! What is measured of every actor system: a crew of adders.
+//! Benchmark interface of an actor system: a group of actors that add numbers.
 
-/// So many messages wait for one actor, where the system has a bound.
-pub const MAILBOX: usize = 4;
+/// Mailbox capacity of each actor, in messages, for systems with bounded mailboxes.
+pub const MAILBOX_CAPACITY: usize = 4;
 
-/// A number of actors that add up what they are sent and answer the total.
+/// Group of actors, each of which adds the numbers it receives and replies with its total.
 #[allow(async_fn_in_trait, reason = "one thread runs everything")]
-pub trait Crew: Sized {
+pub trait AdderGroup: Sized {
+    /// Name of the actor system in reports.
     const NAME: &'static str;
 
-    /// Begins so many actors; they need not have run yet.
+    /// Spawns `n` actors, without waiting until they run.
     fn spawn(n: usize) -> Self;
 
-    /// Asks each to add one, then awaits all answers; returns their sum.
+    /// Request-reply round: sends 1 to each actor, awaits all replies and returns their sum.
     async fn round(&mut self) -> u64;
 
-    /// Tells all to stop, then waits until each has ended.
+    /// Stops all actors and awaits their termination.
     async fn stop(self);
 }

@@ -1,29 +1,29 @@
-//! How many bytes of the heap are in use.
+//! Counting global allocator: heap bytes in use, per thread.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-/// The system's allocator, counting for each thread what it was asked for and
-/// gave back.
-pub struct Counting;
+/// System allocator that counts allocated minus freed bytes of each thread.
+pub struct CountingAllocator;
 
 thread_local! {
     static IN_USE: Cell<isize> = const { Cell::new(0) };
 }
 
-/// Bytes this thread has asked for and not given back, without the allocator's
-/// own overhead.
+/// Heap bytes that this thread has allocated and not freed, without the allocator's own
+/// overhead.
 pub fn in_use() -> isize {
     IN_USE.get()
 }
 
+/// Adds a change in bytes to the counter of this thread.
 fn count(change: isize) {
-    // A thread that ends frees after its counter is gone.
+    // A thread that ends may free memory after its thread-local counter is destroyed.
     let _ = IN_USE.try_with(|n| n.set(n.get() + change));
 }
 
 // SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);
         // SAFETY: the caller keeps the contract of `alloc`.

@@ -1,7 +1,6 @@
-//! kameo: bounded mailboxes that let the sender wait; nobody supervises these
-//! actors.
+//! kameo actors with bounded mailboxes and back-pressure, without supervision.
 
-use crate::crew::{Crew, MAILBOX};
+use crate::adder_group::{AdderGroup, MAILBOX_CAPACITY};
 use kameo::Actor;
 use kameo::actor::{ActorRef, Spawn};
 use kameo::mailbox;
@@ -9,6 +8,7 @@ use kameo::message::{Context, Message};
 use kameo::request::PendingReply;
 use std::convert::Infallible;
 
+/// Actor with its running total.
 struct Adder(u64);
 
 impl Actor for Adder {
@@ -20,6 +20,7 @@ impl Actor for Adder {
     }
 }
 
+/// Message: number to add.
 struct Add(u64);
 
 impl Message<Add> for Adder {
@@ -31,37 +32,38 @@ impl Message<Add> for Adder {
     }
 }
 
-pub struct ByKameo {
+/// Group of kameo adders.
+pub struct KameoAdders {
     actors: Vec<ActorRef<Adder>>,
-    answers: Vec<PendingReply<Add, u64>>,
+    replies: Vec<PendingReply<Add, u64>>,
 }
 
-impl Crew for ByKameo {
+impl AdderGroup for KameoAdders {
     const NAME: &'static str = "kameo";
 
     fn spawn(n: usize) -> Self {
-        let spawn = |_| Adder::spawn_with_mailbox(Adder(0), mailbox::bounded(MAILBOX));
+        let spawn = |_| Adder::spawn_with_mailbox(Adder(0), mailbox::bounded(MAILBOX_CAPACITY));
         Self {
             actors: (0..n).map(spawn).collect(),
-            answers: Vec::with_capacity(n),
+            replies: Vec::with_capacity(n),
         }
     }
 
     async fn round(&mut self) -> u64 {
         for actor in &self.actors {
-            let asked = actor.ask(Add(1)).try_enqueue();
-            self.answers.push(asked.expect("there is room"));
+            let pending = actor.ask(Add(1)).try_enqueue();
+            self.replies.push(pending.expect("room in the mailbox"));
         }
         let mut sum = 0;
-        for answer in self.answers.drain(..) {
-            sum += answer.await.expect("it answers");
+        for reply in self.replies.drain(..) {
+            sum += reply.await.expect("a reply");
         }
         sum
     }
 
     async fn stop(self) {
         for actor in &self.actors {
-            actor.stop_gracefully().await.expect("it lives");
+            actor.stop_gracefully().await.expect("a running actor");
         }
         for actor in &self.actors {
             actor.wait_for_shutdown().await;

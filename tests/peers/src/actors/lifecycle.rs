@@ -1,52 +1,57 @@
-//! The four figures and the memory of one system at one size.
+//! Life-cycle benchmark of an actor group: spawn, first message, steady state, stop, idle memory.
 
-use crate::allocation;
-use crate::crew::Crew;
+use crate::adder_group::AdderGroup;
+use crate::counting_allocator;
 use std::hint::black_box;
 use std::time::Instant;
 use tokio::runtime::{Builder, Runtime};
 
-/// Steady rounds for each life of a crew.
-const N_STEADY: usize = 20;
+/// Number of steady-state rounds per group. Chosen.
+const N_STEADY_ROUNDS: usize = 20;
 
-/// The figures of one crew's life, for one actor (or message).
+/// Costs of the life cycle of a group, per actor or message.
 #[derive(Clone, Copy)]
-pub struct Life {
+pub struct LifecycleCosts {
+    /// Spawn call, nanoseconds per actor.
     pub spawn_ns: f64,
+    /// First request-reply round with the start of the actors, nanoseconds per actor.
     pub first_ns: f64,
+    /// Later request-reply rounds, nanoseconds per message.
     pub steady_ns: f64,
+    /// Stop until termination, nanoseconds per actor.
     pub stop_ns: f64,
+    /// Heap after the first message, bytes per actor.
     pub idle_bytes: f64,
 }
 
-/// One reactor thread, so that the figures are costs, not the luck of waking.
+/// Single-threaded tokio runtime, which excludes the jitter of waking other threads.
 fn runtime() -> Runtime {
     Builder::new_current_thread()
         .enable_time()
         .build()
-        .expect("a runtime")
+        .expect("a tokio runtime")
 }
 
-/// A whole life of a crew of `n`.
-pub fn live<C: Crew>(n: usize) -> Life {
+/// Measures one life cycle of a group of `n` actors.
+pub fn measure_lifecycle<G: AdderGroup>(n: usize) -> LifecycleCosts {
     runtime().block_on(async {
         let per = |begin: Instant, count: usize| begin.elapsed().as_nanos() as f64 / count as f64;
-        let bytes = allocation::in_use();
+        let bytes = counting_allocator::in_use();
         let begin = Instant::now();
-        let mut crew = C::spawn(n);
+        let mut group = G::spawn(n);
         let spawn_ns = per(begin, n);
         let begin = Instant::now();
-        black_box(crew.round().await);
+        black_box(group.round().await);
         let first_ns = per(begin, n);
-        let idle_bytes = (allocation::in_use() - bytes) as f64 / n as f64;
+        let idle_bytes = (counting_allocator::in_use() - bytes) as f64 / n as f64;
         let begin = Instant::now();
-        for _ in 0..N_STEADY {
-            black_box(crew.round().await);
+        for _ in 0..N_STEADY_ROUNDS {
+            black_box(group.round().await);
         }
-        let steady_ns = per(begin, n * N_STEADY);
+        let steady_ns = per(begin, n * N_STEADY_ROUNDS);
         let begin = Instant::now();
-        crew.stop().await;
-        Life {
+        group.stop().await;
+        LifecycleCosts {
             spawn_ns,
             first_ns,
             steady_ns,
@@ -56,18 +61,18 @@ pub fn live<C: Crew>(n: usize) -> Life {
     })
 }
 
-/// The median of each figure over several lives.
-pub fn median(lives: &[Life]) -> Life {
-    let of = |figure: fn(&Life) -> f64| {
-        let mut figures: Vec<f64> = lives.iter().map(figure).collect();
+/// Median of each cost over several life cycles.
+pub fn median(costs: &[LifecycleCosts]) -> LifecycleCosts {
+    let of = |figure: fn(&LifecycleCosts) -> f64| {
+        let mut figures: Vec<f64> = costs.iter().map(figure).collect();
         figures.sort_by(f64::total_cmp);
         figures[figures.len() / 2]
     };
-    Life {
-        spawn_ns: of(|life| life.spawn_ns),
-        first_ns: of(|life| life.first_ns),
-        steady_ns: of(|life| life.steady_ns),
-        stop_ns: of(|life| life.stop_ns),
-        idle_bytes: of(|life| life.idle_bytes),
+    LifecycleCosts {
+        spawn_ns: of(|costs| costs.spawn_ns),
+        first_ns: of(|costs| costs.first_ns),
+        steady_ns: of(|costs| costs.steady_ns),
+        stop_ns: of(|costs| costs.stop_ns),
+        idle_bytes: of(|costs| costs.idle_bytes),
     }
 }

@@ -1,62 +1,65 @@
-//! What an actor costs beside a bare task, ractor and kameo, in one run.
+//! Actor benchmark: `shared/platform/actor` compared with bare tokio tasks, ractor and kameo.
 
-mod allocation;
-mod bare;
-mod by_kameo;
-mod by_ractor;
-mod crew;
-mod measurement;
-mod ours;
+mod adder_group;
+mod counting_allocator;
+mod kameo_adders;
+mod lifecycle;
+mod ractor_adders;
 mod report;
+mod tabula_adders;
+mod tokio_adders;
 
-use bare::Bare;
-use by_kameo::ByKameo;
-use by_ractor::ByRactor;
-use crew::Crew;
-use measurement::{Life, live, median};
-use ours::Ours;
+use adder_group::AdderGroup;
+use kameo_adders::KameoAdders;
+use lifecycle::{LifecycleCosts, measure_lifecycle, median};
+use ractor_adders::RactorAdders;
 use report::Row;
 use std::process::ExitCode;
+use tabula_adders::TabulaAdders;
+use tokio_adders::TokioAdders;
 
 #[global_allocator]
-static ALLOCATOR: allocation::Counting = allocation::Counting;
+static ALLOCATOR: counting_allocator::CountingAllocator = counting_allocator::CountingAllocator;
 
-/// Unless the command line says otherwise.
+/// Default group sizes, in actors.
 const SIZES: [usize; 5] = [1, 10, 100, 1_000, 10_000];
 
-/// Actors that live in a measurement of one size, one crew after the other.
+/// Number of actors spawned in total per group size, in consecutive groups. Chosen.
 const N_ACTORS: usize = 100_000;
-/// So few crews are enough, and so many, for a median.
-const N_CREWS: [usize; 2] = [15, 2_000];
+/// Least and greatest number of groups per size. Chosen: enough for a median.
+const N_GROUPS_RANGE: [usize; 2] = [15, 2_000];
 
-type System = (&'static str, fn(usize) -> Life);
+/// Name of an actor system and its benchmark.
+type System = (&'static str, fn(usize) -> LifecycleCosts);
 
+/// Actor systems under test; the first is the baseline of the ratios.
 const SYSTEMS: [System; 4] = [
-    (Bare::NAME, live::<Bare>),
-    (Ours::NAME, live::<Ours>),
-    (ByRactor::NAME, live::<ByRactor>),
-    (ByKameo::NAME, live::<ByKameo>),
+    (TokioAdders::NAME, measure_lifecycle::<TokioAdders>),
+    (TabulaAdders::NAME, measure_lifecycle::<TabulaAdders>),
+    (RactorAdders::NAME, measure_lifecycle::<RactorAdders>),
+    (KameoAdders::NAME, measure_lifecycle::<KameoAdders>),
 ];
 
-/// The systems take turns, so that what disturbs the machine disturbs all.
+/// Interleaved benchmark of all systems at one size, so that a disturbance of the machine affects
+/// all of them alike.
 fn measure(n: usize) -> Vec<Row> {
-    let n_crews = (N_ACTORS / n).clamp(N_CREWS[0], N_CREWS[1]);
-    let mut lives = SYSTEMS.map(|_| Vec::with_capacity(n_crews));
-    for _ in 0..n_crews {
-        for ((_, live), lives) in SYSTEMS.iter().zip(&mut lives) {
-            lives.push(live(n));
+    let n_groups = (N_ACTORS / n).clamp(N_GROUPS_RANGE[0], N_GROUPS_RANGE[1]);
+    let mut costs = SYSTEMS.map(|_| Vec::with_capacity(n_groups));
+    for _ in 0..n_groups {
+        for ((_, measure), costs) in SYSTEMS.iter().zip(&mut costs) {
+            costs.push(measure(n));
         }
     }
-    let rows = SYSTEMS.iter().zip(&lives);
-    rows.map(|((system, _), lives)| Row {
+    let rows = SYSTEMS.iter().zip(&costs);
+    rows.map(|((system, _), costs)| Row {
         system,
         n,
-        life: median(lives),
+        costs: median(costs),
     })
     .collect()
 }
 
-/// What the command line asks for: JSON or a table, of which sizes.
+/// Parses the command line: `--json` or a table, and the group sizes. `None` if invalid.
 fn parse(arguments: impl Iterator<Item = String>) -> Option<(bool, Vec<usize>)> {
     let (mut as_json, mut sizes) = (false, Vec::new());
     for argument in arguments {

@@ -1,12 +1,14 @@
-//! ractor: unbounded mailboxes; nobody supervises these actors.
+//! ractor actors with unbounded mailboxes, without supervision.
 
-use crate::crew::Crew;
+use crate::adder_group::AdderGroup;
 use ractor::concurrency::{JoinHandle, oneshot};
 use ractor::{Actor, ActorProcessingErr, ActorRef, ActorRuntime, RpcReplyPort, SpawnErr};
 use tokio::sync::oneshot::Receiver;
 
+/// Actor without fields; its state is the running total.
 struct Adder;
 
+/// Message: number to add, and the port for the reply.
 struct Add(u64, RpcReplyPort<u64>);
 
 impl Actor for Adder {
@@ -34,37 +36,41 @@ impl Actor for Adder {
     }
 }
 
-type Life = JoinHandle<Result<JoinHandle<()>, SpawnErr>>;
+/// Handle of the start of an actor, which gives the handle of its run.
+type StartHandle = JoinHandle<Result<JoinHandle<()>, SpawnErr>>;
 
-pub struct ByRactor {
+/// Group of ractor adders.
+pub struct RactorAdders {
     actors: Vec<ActorRef<Add>>,
-    lives: Vec<Life>,
-    answers: Vec<Receiver<u64>>,
+    handles: Vec<StartHandle>,
+    replies: Vec<Receiver<u64>>,
 }
 
-impl Crew for ByRactor {
+impl AdderGroup for RactorAdders {
     const NAME: &'static str = "ractor";
 
     fn spawn(n: usize) -> Self {
-        let (actors, lives) = (0..n)
-            .map(|_| ActorRuntime::spawn_instant(None, Adder, 0).expect("no name can be taken"))
+        let (actors, handles) = (0..n)
+            .map(|_| ActorRuntime::spawn_instant(None, Adder, 0).expect("an actor without a name"))
             .unzip();
         Self {
             actors,
-            lives,
-            answers: Vec::with_capacity(n),
+            handles,
+            replies: Vec::with_capacity(n),
         }
     }
 
     async fn round(&mut self) -> u64 {
         for actor in &self.actors {
-            let (reply, answer) = oneshot();
-            actor.send_message(Add(1, reply.into())).expect("it lives");
-            self.answers.push(answer);
+            let (sender, reply) = oneshot();
+            actor
+                .send_message(Add(1, sender.into()))
+                .expect("a running actor");
+            self.replies.push(reply);
         }
         let mut sum = 0;
-        for answer in self.answers.drain(..) {
-            sum += answer.await.expect("it answers");
+        for reply in self.replies.drain(..) {
+            sum += reply.await.expect("a reply");
         }
         sum
     }
@@ -73,9 +79,12 @@ impl Crew for ByRactor {
         for actor in &self.actors {
             actor.stop(None);
         }
-        for life in self.lives {
-            let running = life.await.expect("it starts").expect("it starts");
-            running.await.expect("it ends");
+        for handle in self.handles {
+            let running = handle
+                .await
+                .expect("a task without panic")
+                .expect("a started actor");
+            running.await.expect("an actor without panic");
         }
     }
 }

@@ -1,9 +1,9 @@
-//! `shared/platform/actor`: supervised, with a committed copy of the state.
+//! Supervised actors of `shared/platform/actor`, with a checkpoint after each message.
 
-use crate::crew::{Crew, MAILBOX};
+use crate::adder_group::{AdderGroup, MAILBOX_CAPACITY};
 use actor::{
-    Actor, Address, PendingReply, Config, Flow, DropOldest, Placement, Progress, Restart, RestartPolicy,
-    Supervisor,
+    Actor, Address, Config, DropOldest, Flow, PendingReply, Placement, Progress, Restart,
+    RestartPolicy, Supervisor,
 };
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::runtime::Handle;
 
+/// Actor with its running total.
 struct Adder(u64);
 
 impl Actor for Adder {
@@ -35,12 +36,14 @@ impl Actor for Adder {
     }
 }
 
-pub struct Ours {
+/// Supervised group of adders.
+pub struct TabulaAdders {
     supervisor: Supervisor<u64, Adder>,
     actors: Vec<Address<Adder>>,
-    answers: Vec<PendingReply<u64>>,
+    replies: Vec<PendingReply<u64>>,
 }
 
+/// Supervisor configuration: handlers run inline in the actor's task.
 fn config() -> Config {
     let policy = RestartPolicy::new(
         30,
@@ -52,33 +55,33 @@ fn config() -> Config {
         restart: Restart::Permanent,
         policy: policy.expect("a valid policy"),
         placement: Placement::Inline,
-        mailbox_capacity: NonZeroUsize::new(MAILBOX).expect("not empty"),
+        mailbox_capacity: NonZeroUsize::new(MAILBOX_CAPACITY).expect("above zero"),
         shutdown: Duration::from_secs(5),
-        event_capacity: NonZeroUsize::new(64).expect("not empty"),
+        event_capacity: NonZeroUsize::new(64).expect("above zero"),
     }
 }
 
-impl Crew for Ours {
+impl AdderGroup for TabulaAdders {
     const NAME: &'static str = "ours";
 
     fn spawn(n: usize) -> Self {
         let (supervisor, _events) = Supervisor::new(config(), Arc::new(()), Handle::current());
-        let spawn = |id| supervisor.spawn(id, 0).expect("a new id");
+        let spawn = |id| supervisor.spawn(id, 0).expect("an unused id");
         let actors = (0..n as u64).map(spawn).collect();
         Self {
             supervisor,
             actors,
-            answers: Vec::with_capacity(n),
+            replies: Vec::with_capacity(n),
         }
     }
 
     async fn round(&mut self) -> u64 {
         for actor in &self.actors {
-            self.answers.push(actor.ask(0, 1).expect("it lives"));
+            self.replies.push(actor.ask(0, 1).expect("a running actor"));
         }
         let mut sum = 0;
-        for answer in self.answers.drain(..) {
-            sum += answer.await.expect("it answers");
+        for reply in self.replies.drain(..) {
+            sum += reply.await.expect("a reply");
         }
         sum
     }

@@ -1,18 +1,21 @@
-//! What one would write without an actor system.
+//! Baseline without an actor system: tokio tasks that own a bounded channel.
 
-use crate::crew::{Crew, MAILBOX};
+use crate::adder_group::{AdderGroup, MAILBOX_CAPACITY};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
 
-type Question = (u64, oneshot::Sender<u64>);
+/// Number to add, and the channel for the reply.
+type Request = (u64, oneshot::Sender<u64>);
 
-pub struct Bare {
-    tasks: Vec<mpsc::Sender<Question>>,
-    ends: Vec<JoinHandle<()>>,
-    answers: Vec<oneshot::Receiver<u64>>,
+/// Group of adders as plain tokio tasks.
+pub struct TokioAdders {
+    tasks: Vec<mpsc::Sender<Request>>,
+    handles: Vec<JoinHandle<()>>,
+    replies: Vec<oneshot::Receiver<u64>>,
 }
 
-async fn add_up(mut mailbox: mpsc::Receiver<Question>) {
+/// Adder task: replies with the running total until all senders are dropped.
+async fn add_up(mut mailbox: mpsc::Receiver<Request>) {
     let mut total = 0;
     while let Some((n, reply)) = mailbox.recv().await {
         total += n;
@@ -20,40 +23,40 @@ async fn add_up(mut mailbox: mpsc::Receiver<Question>) {
     }
 }
 
-impl Crew for Bare {
+impl AdderGroup for TokioAdders {
     const NAME: &'static str = "bare task";
 
     fn spawn(n: usize) -> Self {
-        let (tasks, ends) = (0..n)
+        let (tasks, handles) = (0..n)
             .map(|_| {
-                let (sender, receiver) = mpsc::channel(MAILBOX);
+                let (sender, receiver) = mpsc::channel(MAILBOX_CAPACITY);
                 (sender, tokio::spawn(add_up(receiver)))
             })
             .unzip();
         Self {
             tasks,
-            ends,
-            answers: Vec::with_capacity(n),
+            handles,
+            replies: Vec::with_capacity(n),
         }
     }
 
     async fn round(&mut self) -> u64 {
         for task in &self.tasks {
-            let (reply, answer) = oneshot::channel();
-            task.try_send((1, reply)).expect("there is room");
-            self.answers.push(answer);
+            let (sender, reply) = oneshot::channel();
+            task.try_send((1, sender)).expect("room in the mailbox");
+            self.replies.push(reply);
         }
         let mut sum = 0;
-        for answer in self.answers.drain(..) {
-            sum += answer.await.expect("it answers");
+        for reply in self.replies.drain(..) {
+            sum += reply.await.expect("a reply");
         }
         sum
     }
 
     async fn stop(self) {
         drop(self.tasks);
-        for end in self.ends {
-            end.await.expect("it ends");
+        for handle in self.handles {
+            handle.await.expect("a task without panic");
         }
     }
 }

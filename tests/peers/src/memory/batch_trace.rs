@@ -1,30 +1,34 @@
-//! Writes down the batches that the store makes of its changes, so that another
-//! LevelDB can write the same bytes.
+//! Recording of the store's write batches, so that another LevelDB can replay the same bytes.
 //!
-//! Each is read from the log just after it was written. Formats: LevelDB's
+//! Each batch is read from the write-ahead log just after it was written. Formats: LevelDB's
 //! `doc/log_format.md`; `leveldb/trace.h` for the trace.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::ours;
-use crate::plan::Plan;
+use crate::tabula_store;
+use crate::workload::Workload;
 
+/// Block size of the log, bytes.
 const BLOCK_BYTES: usize = 32 * 1024;
+/// Size of a fragment header, bytes: checksum (4), length (2), kind (1).
 const HEADER_BYTES: usize = 7;
 
-/// Makes all steps of the plan on a store that is thrown away, in memory where
-/// there is a folder for that, and writes their batches to `path`.
-pub fn write(plan: &Plan, path: &Path) -> io::Result<()> {
+/// Applies the workload to a temporary store, in memory where `/dev/shm` exists, and writes its
+/// batches to `path`.
+///
+/// # Errors
+/// If a file cannot be read or written.
+pub fn write(workload: &Workload, path: &Path) -> io::Result<()> {
     let folder = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir())?;
     let mut trace = BufWriter::new(File::create(path)?);
-    let mut memory = ours::open(folder.path());
+    let mut memory = tabula_store::open_new(folder.path());
     let mut log = LogTail::new(folder.path().join("database"));
-    // What a new store begins with.
+    // The first records of a new store and its lease of track ids are not part of the trace.
     log.next_batch()?;
-    for step in 0..plan.n_steps() {
-        ours::apply(&mut memory, plan, step);
+    for step in 0..workload.n_steps() {
+        tabula_store::apply(&mut memory, workload, step);
         let batch = log.next_batch()?;
         trace.write_all(&(batch.len() as u32).to_le_bytes())?;
         trace.write_all(&batch)?;
@@ -32,7 +36,7 @@ pub fn write(plan: &Plan, path: &Path) -> io::Result<()> {
     trace.flush()
 }
 
-/// Follows the database from log to log.
+/// Tail of the write-ahead log, across log files.
 struct LogTail {
     database: PathBuf,
     log: PathBuf,
@@ -48,7 +52,7 @@ impl LogTail {
         }
     }
 
-    /// The one batch written since the last one.
+    /// The batch written since the last call.
     fn next_batch(&mut self) -> io::Result<Vec<u8>> {
         let newest = self.newest_log()?;
         if newest != self.log {
@@ -64,11 +68,12 @@ impl LogTail {
         Ok(batch)
     }
 
+    /// Path of the newest log file.
     fn newest_log(&self) -> io::Result<PathBuf> {
         let mut newest = PathBuf::new();
         for entry in fs::read_dir(&self.database)? {
             let path = entry?.path();
-            // Their numbers have leading zeros.
+            // The file names are numbers with leading zeros, so they sort as text.
             if path.extension().is_some_and(|e| e == "log") && path > newest {
                 newest = path;
             }
@@ -77,7 +82,7 @@ impl LogTail {
     }
 }
 
-/// The content of the fragments in a part of a log that begins at `offset`.
+/// Joins the fragments of a part of a log that begins at `offset`.
 fn join_fragments(offset: usize, mut bytes: &[u8]) -> Vec<u8> {
     let n_bytes = bytes.len();
     let mut joined = Vec::with_capacity(n_bytes);
@@ -94,4 +99,27 @@ fn join_fragments(offset: usize, mut bytes: &[u8]) -> Vec<u8> {
         bytes = rest;
     }
     joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trace_has_one_batch_per_step() {
+        let workload = Workload::new(0.01);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trace");
+        write(&workload, &path).unwrap();
+        let trace = fs::read(path).unwrap();
+        let (mut rest, mut n_batches) = (&trace[..], 0);
+        while let Some((length, after)) = rest.split_first_chunk() {
+            let (batch, after) = after.split_at(u32::from_le_bytes(*length) as usize);
+            // Sequence (8 bytes), number of operations (4 bytes), operations.
+            let n_operations = u32::from_le_bytes(batch[8..12].try_into().unwrap());
+            assert!(n_operations > 0);
+            (rest, n_batches) = (after, n_batches + 1);
+        }
+        assert_eq!(n_batches, workload.n_steps());
+    }
 }

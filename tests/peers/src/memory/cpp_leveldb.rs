@@ -1,4 +1,4 @@
-//! C++ LevelDB: the program `leveldb/teach.cc`, built and run.
+//! C++ LevelDB under test: builds and runs the program `leveldb/teach.cc`.
 
 use std::ffi::OsStr;
 use std::ops::Range;
@@ -6,16 +6,20 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::figures::{Load, Run};
-use crate::plan::{Beside, Plan, Scenario};
+use crate::timing::{LoadTiming, MutationTiming};
+use crate::workload::{BackgroundLoad, Scenario, Workload};
 
-pub struct Cpp {
+/// Built program with the trace of batches that it replays.
+pub struct CppLevelDb {
     program: PathBuf,
     trace: PathBuf,
 }
 
-impl Cpp {
-    /// Builds the program into `folder`.
+impl CppLevelDb {
+    /// Compiles the program with g++ into `folder`.
+    ///
+    /// # Panics
+    /// If g++ or `libleveldb-dev` is missing.
     pub fn build(folder: &Path, trace: PathBuf) -> Self {
         let program = folder.join("teach");
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("leveldb/teach.cc");
@@ -25,54 +29,66 @@ impl Cpp {
             .arg("-lleveldb")
             .status();
         let is_built = built.is_ok_and(|status| status.success());
-        assert!(is_built, "it needs g++ and libleveldb-dev");
+        assert!(is_built, "g++ and libleveldb-dev are needed");
         Self { program, trace }
     }
 
-    /// Makes the steps before those that are timed.
-    pub fn prefill(&self, folder: &Path, plan: &Plan) {
-        self.write(folder, &plan.prefill(), 1);
+    /// Replays the untimed steps that precede all scenarios.
+    pub fn prefill(&self, folder: &Path, workload: &Workload) {
+        self.write(folder, &workload.prefill(), 1);
     }
 
-    pub fn run(&self, folder: &Path, scenario: &Scenario) -> Run {
-        match &scenario.beside {
-            Beside::Nothing => self.write(folder, &scenario.steps, scenario.n_callers),
-            Beside::Views(views, n) => self.write_beside("views", folder, scenario, views, *n),
-            Beside::Compaction => self.write_beside("compaction", folder, scenario, &(0..0), 0),
+    /// Replays and times the steps of a scenario.
+    pub fn run(&self, folder: &Path, scenario: &Scenario) -> MutationTiming {
+        match &scenario.background {
+            BackgroundLoad::Nothing => self.write(folder, &scenario.steps, scenario.n_callers),
+            BackgroundLoad::Views(views, n) => {
+                self.write_under_load("views", folder, scenario, views, *n)
+            }
+            BackgroundLoad::Compaction => {
+                self.write_under_load("compaction", folder, scenario, &(0..0), 0)
+            }
         }
     }
 
-    fn write(&self, folder: &Path, steps: &Range<usize>, n_callers: usize) -> Run {
+    /// Synced writes of some steps from several threads.
+    fn write(&self, folder: &Path, steps: &Range<usize>, n_callers: usize) -> MutationTiming {
         let mut command = self.command("write");
         command.args([folder, &self.trace]);
-        command.args(numbers(steps)).arg(n_callers.to_string());
-        run_of(&lines_of(command))
+        command
+            .args(range_arguments(steps))
+            .arg(n_callers.to_string());
+        parse_mutation_timing(&output_lines(command))
     }
 
-    fn write_beside(
+    /// Synced writes from one thread while a background load runs.
+    fn write_under_load(
         &self,
-        what: &str,
+        load: &str,
         folder: &Path,
         scenario: &Scenario,
         views: &Range<usize>,
         n_callers: usize,
-    ) -> Run {
+    ) -> MutationTiming {
         let mut command = self.command("beside");
-        command.arg(what).args([folder, &self.trace]);
-        command.args(numbers(&scenario.steps)).args(numbers(views));
-        run_of(&lines_of(command.arg(n_callers.to_string())))
+        command.arg(load).args([folder, &self.trace]);
+        command
+            .args(range_arguments(&scenario.steps))
+            .args(range_arguments(views));
+        parse_mutation_timing(&output_lines(command.arg(n_callers.to_string())))
     }
 
-    /// Writes all records of a database into a new one.
+    /// Copies all records of a database into a new one.
     pub fn copy(&self, from: &Path, to: &Path) {
-        lines_of(self.command("copy").args([from, to]));
+        output_lines(self.command("copy").args([from, to]));
     }
 
-    /// Loads in a process of its own.
-    pub fn load(&self, folder: &Path) -> Load {
-        load_of(self.command("load").arg(folder))
+    /// Loads all descriptors in a separate process.
+    pub fn load(&self, folder: &Path) -> LoadTiming {
+        run_load(self.command("load").arg(folder))
     }
 
+    /// Command line of the program with its verb.
     fn command(&self, verb: &str) -> Command {
         let mut command = Command::new(&self.program);
         command.arg(verb);
@@ -80,26 +96,31 @@ impl Cpp {
     }
 }
 
-fn numbers(steps: &Range<usize>) -> [String; 2] {
+/// First index and length of a range, as arguments.
+fn range_arguments(steps: &Range<usize>) -> [String; 2] {
     [steps.start.to_string(), steps.len().to_string()]
 }
 
-fn run_of(lines: &[String]) -> Run {
+/// Parses elapsed nanoseconds, then the latency of each batch, one per line.
+fn parse_mutation_timing(lines: &[String]) -> MutationTiming {
     let mut ns = lines.iter().map(|line| line.parse().expect("nanoseconds"));
-    let elapsed = Duration::from_nanos(ns.next().expect("a time"));
-    Run::new(elapsed, ns.collect())
+    let elapsed = Duration::from_nanos(ns.next().expect("an elapsed time"));
+    MutationTiming::new(elapsed, ns.collect())
 }
 
-/// What a process tells that has loaded.
-pub fn load_of(command: &mut Command) -> Load {
-    let lines = lines_of(command);
-    Load::parse(&lines.concat()).expect("five numbers")
+/// Runs a process that loads a database, and parses its timing.
+pub fn run_load(command: &mut Command) -> LoadTiming {
+    let lines = output_lines(command);
+    LoadTiming::parse(&lines.concat()).expect("five numbers")
 }
 
-/// The lines that a program prints.
-fn lines_of(mut command: impl std::borrow::BorrowMut<Command>) -> Vec<String> {
+/// Standard output of a program, in lines.
+///
+/// # Panics
+/// If the program fails; with its standard error.
+fn output_lines(mut command: impl std::borrow::BorrowMut<Command>) -> Vec<String> {
     let command = command.borrow_mut();
-    let output = command.output().expect("the program runs");
+    let output = command.output().expect("a program that starts");
     let errors = String::from_utf8_lossy(&output.stderr);
     let verb: Vec<&OsStr> = command.get_args().collect();
     assert!(output.status.success(), "{verb:?}: {errors}");

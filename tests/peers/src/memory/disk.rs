@@ -1,13 +1,14 @@
-//! What the disk under both is: its file system, and what it takes to sync.
+//! Disk probe: type of the file system and latency of `fdatasync`.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
 
+/// Size of one append, bytes.
 const APPENDED_BYTES: usize = 4096;
 
-/// The type of the file system a folder lies in.
+/// File-system type of a folder, from the mount table; "unknown" without an entry.
 pub fn file_system(folder: &Path) -> io::Result<String> {
     let folder = folder.canonicalize()?;
     let mounts = fs::read_to_string("/proc/self/mounts")?;
@@ -16,12 +17,12 @@ pub fn file_system(folder: &Path) -> io::Result<String> {
         Some((fields.next()?, fields.next()?))
     });
     let over = fields.filter(|(place, _)| folder.starts_with(place));
-    // Of mounts over one another the last one counts.
+    // The last of several mounts on one path is the visible one.
     let nearest = over.max_by_key(|(place, _)| place.len());
     Ok(nearest.map_or_else(|| "unknown".to_owned(), |(_, kind)| kind.to_owned()))
 }
 
-/// Milliseconds of so many small appends, each with `fdatasync`.
+/// Latencies of `n_appended` appends of 4 kB with `fdatasync`, milliseconds.
 pub fn sync_ms(folder: &Path, n_appended: usize) -> io::Result<Vec<f64>> {
     let path = folder.join("appended");
     let mut file = File::create(&path)?;

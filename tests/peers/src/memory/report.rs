@@ -1,39 +1,49 @@
-//! The figures as a table or as JSON.
+//! Report of the store benchmark as a text table or as JSON.
 
 use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::figures::{Load, Run, median, quantile};
+use crate::timing::{LoadTiming, MutationTiming, median, quantile};
 
-/// One figure of both systems.
-pub struct Row {
-    pub what: String,
+/// One figure of both stores.
+pub struct FigureRow {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Name and unit of the figure.
     pub figure: &'static str,
-    /// None when the store does not offer it.
+    /// Value of the store of tabula; `None` if it does not support the scenario.
     pub ours: Option<f64>,
+    /// Value of C++ LevelDB.
     pub cpp: f64,
 }
 
-/// What the rows were measured on.
-pub struct Disk {
+/// Disk on which the figures were measured.
+pub struct DiskProfile {
+    /// Type of the file system.
     pub file_system: String,
-    /// Median and 99th percentile of a 4 kB append with `fdatasync`.
+    /// Median and 99th percentile of a 4 kB append with `fdatasync`, milliseconds.
     pub sync_ms: [f64; 2],
 }
 
-/// The rows of a scenario: medians of the turns, but the longest of all latencies.
-pub fn rows_of_runs(what: &str, ours: &[Run], cpp: &[Run]) -> Vec<Row> {
-    type Figure = (&'static str, fn(&[Run]) -> f64);
+/// Rows of a scenario: medians over the rounds, and the maximum of all latencies.
+pub fn mutation_rows(
+    scenario: &str,
+    ours: &[MutationTiming],
+    cpp: &[MutationTiming],
+) -> Vec<FigureRow> {
+    type Figure = (&'static str, fn(&[MutationTiming]) -> f64);
     let figures: [Figure; 5] = [
-        ("per s", |runs| median(runs.iter().map(Run::per_second))),
+        ("per s", |runs| {
+            median(runs.iter().map(MutationTiming::per_second))
+        }),
         ("p50 ms", |runs| median(latencies_ms(runs, 0.5))),
         ("p99 ms", |runs| median(latencies_ms(runs, 0.99))),
         ("max ms", |runs| quantile(latencies_ms(runs, 1.0), 1.0)),
         ("bare ms", |runs| median(runs.iter().map(|run| run.sync_ms))),
     ];
-    let row = |(figure, of): Figure| Row {
-        what: what.to_owned(),
+    let row = |(figure, of): Figure| FigureRow {
+        scenario: scenario.to_owned(),
         figure,
         ours: (!ours.is_empty()).then(|| of(ours)),
         cpp: of(cpp),
@@ -41,21 +51,22 @@ pub fn rows_of_runs(what: &str, ours: &[Run], cpp: &[Run]) -> Vec<Row> {
     figures.map(row).into()
 }
 
-fn latencies_ms(runs: &[Run], share: f64) -> impl Iterator<Item = f64> {
+/// Quantile of the latency of each run at `share`, milliseconds.
+fn latencies_ms(runs: &[MutationTiming], share: f64) -> impl Iterator<Item = f64> {
     runs.iter().map(move |run| run.latency_ms(share))
 }
 
-/// The rows of a loading: medians.
-pub fn rows_of_loads(what: &str, ours: &[Load], cpp: &[Load]) -> Vec<Row> {
-    type Figure = (&'static str, fn(&Load) -> f64);
+/// Rows of the loading benchmark: medians over the runs.
+pub fn load_rows(scenario: &str, ours: &[LoadTiming], cpp: &[LoadTiming]) -> Vec<FigureRow> {
+    type Figure = (&'static str, fn(&LoadTiming) -> f64);
     let figures: [Figure; 4] = [
         ("open ms", |load| load.opening_ms),
-        ("all ms", |load| load.all_ms),
+        ("all ms", |load| load.total_ms),
         ("RSS MB", |load| load.memory_kb / 1024.0),
-        ("peak MB", |load| load.most_memory_kb / 1024.0),
+        ("peak MB", |load| load.peak_memory_kb / 1024.0),
     ];
-    let row = |(figure, of): Figure| Row {
-        what: what.to_owned(),
+    let row = |(figure, of): Figure| FigureRow {
+        scenario: scenario.to_owned(),
         figure,
         ours: Some(median(ours.iter().map(of))),
         cpp: median(cpp.iter().map(of)),
@@ -63,8 +74,8 @@ pub fn rows_of_loads(what: &str, ours: &[Load], cpp: &[Load]) -> Vec<Row> {
     figures.map(row).into()
 }
 
-/// Each figure of ours, of C++ LevelDB, and the ratio.
-pub fn table(disk: &Disk, rows: &[Row]) -> String {
+/// Text table of each figure of both stores and their ratio.
+pub fn table(disk: &DiskProfile, rows: &[FigureRow]) -> String {
     let [median, p99] = disk.sync_ms;
     let mut text = format!(
         "{}, fdatasync of 4 kB: {median:.2} ms, p99 {p99:.2} ms\n\n{:<38}{:<8}{:>10}{:>10}{:>8}\n",
@@ -72,10 +83,14 @@ pub fn table(disk: &Disk, rows: &[Row]) -> String {
     );
     let mut before = "";
     for row in rows {
-        let what = if row.what == before { "" } else { &row.what };
-        before = &row.what;
-        let begin = if what.is_empty() { "" } else { "\n" };
-        let _ = write!(text, "{begin}{what:<38}{:<8}", row.figure);
+        let scenario = if row.scenario == before {
+            ""
+        } else {
+            &row.scenario
+        };
+        before = &row.scenario;
+        let begin = if scenario.is_empty() { "" } else { "\n" };
+        let _ = write!(text, "{begin}{scenario:<38}{:<8}", row.figure);
         let _ = match row.ours {
             Some(ours) => writeln!(text, "{ours:>10.2}{:>10.2}{:>8.2}", row.cpp, ours / row.cpp),
             None => writeln!(text, "{:>10}{:>10.2}", "-", row.cpp),
@@ -84,11 +99,11 @@ pub fn table(disk: &Disk, rows: &[Row]) -> String {
     text
 }
 
-/// The disk, and one object for each figure.
-pub fn json(disk: &Disk, rows: &[Row]) -> Value {
-    let object = |row: &Row| {
+/// JSON object with the disk and an array of figures.
+pub fn json(disk: &DiskProfile, rows: &[FigureRow]) -> Value {
+    let object = |row: &FigureRow| {
         json!({
-            "what": row.what,
+            "what": row.scenario,
             "figure": row.figure,
             "ours": row.ours,
             "cpp_leveldb": row.cpp,

@@ -1,28 +1,34 @@
-//! What was measured of one system.
+//! Timings of one store: latencies of mutations, and loading of a whole database.
 
 use std::time::Duration;
 
-/// Changes made one after the other or by several callers.
-pub struct Run {
+/// Timing of a scenario's mutations.
+pub struct MutationTiming {
+    /// Time of the whole scenario, nanoseconds.
     pub elapsed_ns: u64,
-    /// Of each change that was timed.
+    /// Latency of each timed mutation, nanoseconds.
     pub latencies_ns: Vec<u64>,
-    /// A bare `fdatasync` just before.
+    /// Disk baseline: latency of a bare `fdatasync` just before the scenario, milliseconds.
     pub sync_ms: f64,
 }
 
-/// All labelled views loaded by a process of its own.
+/// Timing and memory of a separate process that loads all labelled views.
 #[derive(Clone, Copy)]
-pub struct Load {
+pub struct LoadTiming {
+    /// Opening of the database, milliseconds.
     pub opening_ms: f64,
-    /// With the opening.
-    pub all_ms: f64,
+    /// Opening and loading, milliseconds.
+    pub total_ms: f64,
+    /// Number of loaded views.
     pub n_views: f64,
+    /// Resident memory at the end (`VmRSS`), kilobytes.
     pub memory_kb: f64,
-    pub most_memory_kb: f64,
+    /// Peak resident memory (`VmHWM`), kilobytes.
+    pub peak_memory_kb: f64,
 }
 
-impl Run {
+impl MutationTiming {
+    /// Timing without a disk baseline; [`Self::sync_ms`] is NaN.
     pub fn new(elapsed: Duration, latencies_ns: Vec<u64>) -> Self {
         Self {
             elapsed_ns: elapsed.as_nanos() as u64,
@@ -31,34 +37,38 @@ impl Run {
         }
     }
 
+    /// Throughput, mutations per second.
     pub fn per_second(&self) -> f64 {
         self.latencies_ns.len() as f64 / (self.elapsed_ns as f64 * 1e-9)
     }
 
-    /// Milliseconds that `share` of the changes do not exceed.
+    /// Quantile of the latency at `share` (0 to 1), milliseconds.
     pub fn latency_ms(&self, share: f64) -> f64 {
         quantile(self.latencies_ns.iter().map(|&ns| ns as f64 * 1e-6), share)
     }
 }
 
-impl Load {
-    /// Reads the line that a process prints when it has loaded.
+impl LoadTiming {
+    /// Parses the line of five numbers that a loading process prints.
     pub fn parse(line: &str) -> Option<Self> {
         let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
-        let [opening_ms, all_ms, n_views, memory_kb, most_memory_kb] = numbers.ok()?[..] else {
+        let [opening_ms, total_ms, n_views, memory_kb, peak_memory_kb] = numbers.ok()?[..] else {
             return None;
         };
         Some(Self {
             opening_ms,
-            all_ms,
+            total_ms,
             n_views,
             memory_kb,
-            most_memory_kb,
+            peak_memory_kb,
         })
     }
 }
 
-/// The value that `share` of all do not exceed.
+/// Quantile by nearest rank: the smallest value that at least `share` (0 to 1) of all do not exceed.
+///
+/// # Panics
+/// If there are no values.
 pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
@@ -66,6 +76,7 @@ pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
     values[rank.clamp(1, values.len()) - 1]
 }
 
+/// Median by nearest rank (the lower one of an even number).
 pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     quantile(values, 0.5)
 }

@@ -1,77 +1,85 @@
-//! Plain CDR, version 1, little-endian: numbers aligned to their size, counted
-//! from the end of the encapsulation header (OMG DDS-XTypes 1.3, 7.4.3).
+//! CDR serialisation (plain, version 1, little-endian; OMG DDS-XTypes 1.3, 7.4.3).
+//!
+//! Numbers are aligned to their size, counted from the end of the encapsulation header.
 
-/// Representation identifier of plain little-endian CDR, and no options.
+/// Encapsulation header: representation identifier of plain little-endian CDR, no options.
 const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
-/// Writes a message into bytes of its own.
-pub struct Writer {
+/// CDR encoder into a growing buffer.
+pub struct CdrWriter {
     bytes: Vec<u8>,
 }
 
-/// Reads what a [`Writer`] wrote. `None` when the bytes end too early or are no
-/// such message.
-pub struct Reader<'a> {
+/// CDR decoder of a buffer; its methods return `None` if the bytes are truncated or invalid.
+pub struct CdrReader<'a> {
     body: &'a [u8],
     at: usize,
 }
 
-/// Bytes up to the next multiple of `alignment`.
+/// Padding up to the next multiple of `alignment`, bytes.
 fn padding(at: usize, alignment: usize) -> usize {
     at.next_multiple_of(alignment) - at
 }
 
-impl Writer {
+impl CdrWriter {
+    /// Encoder with the encapsulation header written.
     pub fn with_capacity(n_bytes: usize) -> Self {
         let mut bytes = Vec::with_capacity(n_bytes);
         bytes.extend(ENCAPSULATION);
         Self { bytes }
     }
 
+    /// Writes an octet.
     pub fn octet(&mut self, value: u8) {
         self.bytes.push(value);
     }
 
+    /// Writes an aligned unsigned long (32 bits).
     pub fn unsigned(&mut self, value: u32) {
         let n_zeros = padding(self.bytes.len() - ENCAPSULATION.len(), size_of::<u32>());
         self.bytes.extend(&[0; size_of::<u32>()][..n_zeros]);
         self.bytes.extend(value.to_le_bytes());
     }
 
-    /// Its length with the closing zero, its bytes, the zero.
+    /// Writes a string: length with the terminating zero, bytes, zero.
     pub fn text(&mut self, value: &str) {
         self.unsigned(value.len() as u32 + 1);
         self.bytes.extend(value.as_bytes());
         self.bytes.push(0);
     }
 
-    /// Its length, its bytes.
+    /// Writes a sequence of octets: length, bytes.
     pub fn octets(&mut self, values: &[u8]) {
         self.unsigned(values.len() as u32);
         self.bytes.extend(values);
     }
 
+    /// Encoded bytes.
     pub fn finish(self) -> Vec<u8> {
         self.bytes
     }
 }
 
-impl<'a> Reader<'a> {
+impl<'a> CdrReader<'a> {
+    /// Decoder after a valid encapsulation header.
     pub fn new(bytes: &'a [u8]) -> Option<Self> {
         let body = bytes.strip_prefix(&ENCAPSULATION)?;
         Some(Self { body, at: 0 })
     }
 
+    /// Reads an octet.
     pub fn octet(&mut self) -> Option<u8> {
         Some(self.take(1)?[0])
     }
 
+    /// Reads an aligned unsigned long (32 bits).
     pub fn unsigned(&mut self) -> Option<u32> {
         self.take(padding(self.at, size_of::<u32>()))?;
         let bytes = self.take(size_of::<u32>())?;
         Some(u32::from_le_bytes(bytes.try_into().ok()?))
     }
 
+    /// Reads a string.
     pub fn text(&mut self) -> Option<&'a str> {
         let n_bytes = self.unsigned()?;
         let (zero, text) = self.take(n_bytes as usize)?.split_last()?;
@@ -79,11 +87,13 @@ impl<'a> Reader<'a> {
         str::from_utf8(text).ok()
     }
 
+    /// Reads a sequence of octets.
     pub fn octets(&mut self) -> Option<&'a [u8]> {
         let n_bytes = self.unsigned()?;
         self.take(n_bytes as usize)
     }
 
+    /// Takes the next bytes.
     fn take(&mut self, n_bytes: usize) -> Option<&'a [u8]> {
         let taken = self.body.get(self.at..)?.get(..n_bytes)?;
         self.at += n_bytes;
@@ -96,8 +106,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_bytes_are_those_of_the_specification() {
-        let mut writer = Writer::with_capacity(0);
+    fn encoding_matches_the_specification() {
+        let mut writer = CdrWriter::with_capacity(0);
         writer.text("ab");
         writer.unsigned(0x0102_0304);
         writer.octet(9);
@@ -112,14 +122,14 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read() {
-        let mut writer = Writer::with_capacity(64);
+    fn encoding_round_trips() {
+        let mut writer = CdrWriter::with_capacity(64);
         writer.octet(1);
         writer.text("camera");
         writer.octets(&[1, 2, 3]);
         writer.unsigned(u32::MAX);
         let bytes = writer.finish();
-        let mut reader = Reader::new(&bytes).unwrap();
+        let mut reader = CdrReader::new(&bytes).unwrap();
         assert_eq!(reader.octet(), Some(1));
         assert_eq!(reader.text(), Some("camera"));
         assert_eq!(reader.octets(), Some(&[1, 2, 3][..]));
@@ -128,12 +138,12 @@ mod tests {
     }
 
     #[test]
-    fn other_encapsulations_and_wrong_lengths_are_refused() {
-        assert!(Reader::new(&[0, 0, 0, 0]).is_none(), "big-endian");
-        assert!(Reader::new(&[0, 1]).is_none());
+    fn other_encapsulations_and_wrong_lengths_are_rejected() {
+        assert!(CdrReader::new(&[0, 0, 0, 0]).is_none(), "big-endian");
+        assert!(CdrReader::new(&[0, 1]).is_none());
         let longer_than_all = [0, 1, 0, 0, 255, 255, 255, 255, 1];
-        assert!(Reader::new(&longer_than_all).unwrap().octets().is_none());
+        assert!(CdrReader::new(&longer_than_all).unwrap().octets().is_none());
         let without_zero = [0, 1, 0, 0, 1, 0, 0, 0, b'a'];
-        assert!(Reader::new(&without_zero).unwrap().text().is_none());
+        assert!(CdrReader::new(&without_zero).unwrap().text().is_none());
     }
 }

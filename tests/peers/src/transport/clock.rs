@@ -1,30 +1,31 @@
-//! The clocks of the figures, in nanoseconds.
+//! Monotonic and processor-time clocks, in nanoseconds.
 
 use rustix::time::{ClockId, Timespec, clock_gettime};
 use std::time::Duration;
 
+/// Reads a POSIX clock, nanoseconds.
 fn read(clock: ClockId) -> u64 {
     let Timespec { tv_sec, tv_nsec } = clock_gettime(clock);
     tv_sec as u64 * 1_000_000_000 + tv_nsec as u64
 }
 
-/// The same in every process of the machine.
+/// Monotonic time, comparable between the processes of a machine, nanoseconds.
 #[inline]
 pub fn now_ns() -> u64 {
     read(ClockId::Monotonic)
 }
 
-/// Processor time of all threads of this process.
+/// Processor time of all threads of this process, nanoseconds.
 pub fn process_ns() -> u64 {
     read(ClockId::ProcessCPUTime)
 }
 
-/// Processor time of this thread.
+/// Processor time of this thread, nanoseconds.
 pub fn thread_ns() -> u64 {
     read(ClockId::ThreadCPUTime)
 }
 
-/// Sleeps, or spins so that the processor stays with this thread.
+/// Waits until a monotonic time; spins if `spins`, else sleeps.
 pub fn wait_until(instant_ns: u64, spins: bool) {
     loop {
         let now_ns = now_ns();

@@ -1,9 +1,9 @@
-//! iceoryx2 without anything of ours: the same types, limits and configuration.
+//! Bare iceoryx2 ports with the types, limits and configuration of our topic.
 
-use crate::log::Log;
-use crate::place::Place;
-use crate::plan::{System, Task};
-use crate::{clock, payload::Fill, ports, reactor};
+use crate::benchmark_case::{BenchmarkCase, System};
+use crate::ipc_namespace::IpcNamespace;
+use crate::latency_recorder::LatencyRecorder;
+use crate::{clock, payload::PayloadWriter, ports, tokio_runtime};
 use channel::topic::{CameraCloud, Topic};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
@@ -16,10 +16,11 @@ use message::{CloudPoint, FrameHeader};
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, RawFd};
 use tokio::io::unix::AsyncFd;
 
-fn node<S: Service>(place: &Place) -> Node<S> {
+/// Node in the namespace, without signal handling.
+fn node<S: Service>(namespace: &IpcNamespace) -> Node<S> {
     set_log_level(LogLevel::Error);
-    let root = Path::new(place.root_of_iceoryx2().as_os_str().as_encoded_bytes());
-    let prefix = FileName::new(place.prefix_of_iceoryx2().as_bytes());
+    let root = Path::new(namespace.iceoryx2_root().as_os_str().as_encoded_bytes());
+    let prefix = FileName::new(namespace.iceoryx2_prefix().as_bytes());
     let mut config = Config::default();
     config.global.set_root_path(&root.expect("a path"));
     config.global.prefix = prefix.expect("a file name");
@@ -33,12 +34,15 @@ fn node<S: Service>(place: &Place) -> Node<S> {
         .expect("a node")
 }
 
+/// Name of the service.
 fn name() -> ServiceName {
     "cloud".try_into().expect("a name")
 }
 
+/// Publish-subscribe service of point clouds.
 type Clouds<S> = publish_subscribe::PortFactory<S, [CloudPoint], FrameHeader>;
 
+/// Opens or creates the publish-subscribe service.
 fn clouds<S: Service>(node: &Node<S>) -> Clouds<S> {
     let limits = CameraCloud::LIMITS;
     node.service_builder(&name())
@@ -55,22 +59,24 @@ fn clouds<S: Service>(node: &Node<S>) -> Clouds<S> {
         .expect("a service")
 }
 
+/// Opens or creates the event service that wakes the receiver.
 fn wake_ups<S: Service>(node: &Node<S>) -> event::PortFactory<S> {
     let events = node.service_builder(&name()).event();
     events.open_or_create().expect("an event")
 }
 
-pub struct Sending<S: Service> {
+/// Sending port.
+pub struct Iceoryx2Sender<S: Service> {
     publisher: Publisher<S, [CloudPoint], FrameHeader>,
-    /// None when the receiver polls.
+    /// Notifier of a blocking receiver; `None` if it polls.
     notifier: Option<Notifier<S>>,
     n_points: usize,
     _node: Node<S>,
 }
 
-impl<S: Service> Sending<S> {
-    pub fn new(task: &Task, place: &Place) -> Self {
-        let node = node(place);
+impl<S: Service> Iceoryx2Sender<S> {
+    pub fn new(case: &BenchmarkCase, namespace: &IpcNamespace) -> Self {
+        let node = node(namespace);
         let publisher = clouds(&node)
             .publisher_builder()
             .initial_max_slice_len(CameraCloud::MAX_ITEMS)
@@ -81,46 +87,50 @@ impl<S: Service> Sending<S> {
         let notifier = || wake_ups(&node).notifier_builder().create();
         Self {
             publisher,
-            notifier: (!task.is_polled()).then(|| notifier().expect("a notifier")),
-            n_points: task.n_points(),
+            notifier: (!case.is_polled()).then(|| notifier().expect("a notifier")),
+            n_points: case.n_points(),
             _node: node,
         }
     }
 }
 
-impl<S: Service> ports::Sender for Sending<S> {
-    fn send(&mut self, number: u64, fill: &mut Fill) {
+impl<S: Service> ports::Sender for Iceoryx2Sender<S> {
+    fn send(&mut self, number: u64, writer: &mut PayloadWriter) {
         let sample = self.publisher.loan_slice_uninit(self.n_points);
-        // SAFETY: the memory is a mapped file, which the kernel hands out zeroed;
-        // any bytes are points.
+        // SAFETY: the memory is a mapped file, which the kernel provides zeroed; any bytes are
+        // valid points.
         let mut sample = unsafe { sample.expect("a loan").assume_init() };
-        fill.write(number, bytemuck::cast_slice_mut(sample.payload_mut()));
+        writer.write(number, bytemuck::cast_slice_mut(sample.payload_mut()));
         let header = sample.user_header_mut();
         header.sequence = number;
         header.published_stamp_ns = clock::now_ns();
         sample.send().expect("sent");
         if let Some(notifier) = &self.notifier {
-            notifier.notify().expect("woken");
+            notifier.notify().expect("a notification");
         }
     }
 }
 
-pub struct Receiving<S: Service> {
+/// Receiving port.
+pub struct Iceoryx2Receiver<S: Service> {
     subscriber: Subscriber<S, [CloudPoint], FrameHeader>,
-    wait: Wait<S>,
+    wait: WaitStrategy<S>,
     _node: Node<S>,
 }
 
-/// How the receiver waits.
-enum Wait<S: Service> {
+/// Waiting strategy of the receiver.
+enum WaitStrategy<S: Service> {
+    /// Busy polling.
     Polled,
-    Task(Descriptor<S>),
+    /// Tokio task on the listener's descriptor.
+    Task(ListenerDescriptor<S>),
+    /// Blocking wait of the thread.
     Thread(Listener<S>),
 }
 
-impl<S: Service> Receiving<S> {
-    pub fn new(task: &Task, place: &Place) -> Self {
-        let node = node(place);
+impl<S: Service> Iceoryx2Receiver<S> {
+    pub fn new(case: &BenchmarkCase, namespace: &IpcNamespace) -> Self {
+        let node = node(namespace);
         let subscriber = clouds(&node)
             .subscriber_builder()
             .buffer_size(CameraCloud::LIMITS.buffer)
@@ -129,10 +139,10 @@ impl<S: Service> Receiving<S> {
             let listener = wake_ups(&node).listener_builder().create();
             listener.expect("a listener")
         };
-        let wait = match task.system {
-            _ if task.is_polled() => Wait::Polled,
-            System::Iceoryx2Thread => Wait::Thread(listener()),
-            _ => Wait::Task(Descriptor(listener())),
+        let wait = match case.system {
+            _ if case.is_polled() => WaitStrategy::Polled,
+            System::Iceoryx2Thread => WaitStrategy::Thread(listener()),
+            _ => WaitStrategy::Task(ListenerDescriptor(listener())),
         };
         Self {
             subscriber: subscriber.expect("a subscriber"),
@@ -142,55 +152,58 @@ impl<S: Service> Receiving<S> {
     }
 }
 
-/// Notes what is there; tells whether the last message was.
-fn drain<S: Service>(subscriber: &Subscriber<S, [CloudPoint], FrameHeader>, log: &mut Log) -> bool {
+/// Records all available messages; `true` if the last one was among them.
+fn drain<S: Service>(
+    subscriber: &Subscriber<S, [CloudPoint], FrameHeader>,
+    recorder: &mut LatencyRecorder,
+) -> bool {
     while let Some(sample) = subscriber.receive().expect("an answer") {
         let header = sample.user_header();
         let payload = bytemuck::cast_slice(sample.payload());
-        if log.note(header.sequence, header.published_stamp_ns, payload) {
+        if recorder.record(header.sequence, header.published_stamp_ns, payload) {
             return true;
         }
     }
     false
 }
 
-impl<S: Service> ports::Receiver for Receiving<S>
+impl<S: Service> ports::Receiver for Iceoryx2Receiver<S>
 where
     Listener<S>: FileDescriptorBased,
 {
-    fn receive(self: Box<Self>, mut log: Log) -> Log {
+    fn receive(self: Box<Self>, mut recorder: LatencyRecorder) -> LatencyRecorder {
         let Self {
             subscriber, wait, ..
         } = *self;
         match wait {
-            Wait::Polled => {
-                while !drain(&subscriber, &mut log) {
+            WaitStrategy::Polled => {
+                while !drain(&subscriber, &mut recorder) {
                     std::hint::spin_loop();
                 }
             }
-            Wait::Thread(listener) => {
-                while !drain(&subscriber, &mut log) {
+            WaitStrategy::Thread(listener) => {
+                while !drain(&subscriber, &mut recorder) {
                     listener.blocking_wait(|_| {}).expect("a wake-up");
                 }
             }
-            Wait::Task(descriptor) => reactor::runtime().block_on(async {
-                // SAFETY: `Descriptor` gives the number of the one descriptor that its
+            WaitStrategy::Task(descriptor) => tokio_runtime::runtime().block_on(async {
+                // SAFETY: `ListenerDescriptor` gives the number of the one descriptor that its
                 // listener keeps open until it is dropped.
                 let listener = unsafe { AsyncFd::register(descriptor) };
                 let listener = listener.expect("a descriptor");
-                while !drain(&subscriber, &mut log) {
-                    woken(&listener).await;
+                while !drain(&subscriber, &mut recorder) {
+                    wait_for_wake_up(&listener).await;
                 }
             }),
         }
-        log
+        recorder
     }
 }
 
-/// The listener's descriptor as tokio wants it.
-struct Descriptor<S: Service>(Listener<S>);
+/// File descriptor of a listener, for the reactor of tokio.
+struct ListenerDescriptor<S: Service>(Listener<S>);
 
-impl<S: Service> AsFd for Descriptor<S>
+impl<S: Service> AsFd for ListenerDescriptor<S>
 where
     Listener<S>: FileDescriptorBased,
 {
@@ -202,7 +215,7 @@ where
     }
 }
 
-impl<S: Service> AsRawFd for Descriptor<S>
+impl<S: Service> AsRawFd for ListenerDescriptor<S>
 where
     Listener<S>: FileDescriptorBased,
 {
@@ -211,12 +224,13 @@ where
     }
 }
 
-async fn woken<S: Service>(listener: &AsyncFd<Descriptor<S>>)
+/// Waits for at least one wake-up.
+async fn wait_for_wake_up<S: Service>(listener: &AsyncFd<ListenerDescriptor<S>>)
 where
     Listener<S>: FileDescriptorBased,
 {
     loop {
-        let mut ready = listener.readable().await.expect("a reactor");
+        let mut ready = listener.readable().await.expect("a tokio reactor");
         let n_wake_ups = ready.get_inner().0.try_wait(|_| {}).expect("a listener");
         ready.clear_ready();
         if n_wake_ups > 0 {

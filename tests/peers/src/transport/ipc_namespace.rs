@@ -1,79 +1,96 @@
-//! Where a pair of processes meets, and nothing else does.
+//! IPC namespace: folder and names that isolate a process pair from all others.
 
 use channel::{DomainName, RunFolder};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+/// Mount point of POSIX shared memory.
 const SHARED_MEMORY: &str = "/dev/shm";
 
-/// A folder in memory and the names that go with it.
+/// Folder in memory and the names derived from it.
 #[derive(Debug, Clone)]
-pub struct Place {
+pub struct IpcNamespace {
+    /// Folder of the sockets and run-time files.
     pub folder: PathBuf,
+    /// Domain of the channel.
     pub domain: DomainName,
 }
 
-/// A place of this run, removed with all that processes have left in it.
+/// Namespace owned by this process; dropping it removes all files that its processes left.
 #[derive(Debug)]
-pub struct OwnPlace {
-    pub place: Place,
+pub struct OwnedIpcNamespace {
+    /// Namespace of the folder.
+    pub namespace: IpcNamespace,
     folder: tempfile::TempDir,
 }
 
-impl Place {
-    /// The place in a folder that somebody else has made.
+impl IpcNamespace {
+    /// Namespace of an existing folder; `None` if its name is no domain name.
     pub fn at(folder: PathBuf) -> Option<Self> {
         let name = folder.file_name()?.to_str()?;
         let domain = name.parse().ok()?;
         Some(Self { folder, domain })
     }
 
+    /// Run folder of the channel.
     pub fn run_folder(&self) -> RunFolder {
         RunFolder::at(self.folder.join("run"))
     }
 
-    pub fn root_of_iceoryx2(&self) -> PathBuf {
+    /// Root path of iceoryx2.
+    pub fn iceoryx2_root(&self) -> PathBuf {
         self.folder.join("iceoryx2")
     }
 
-    pub fn prefix_of_iceoryx2(&self) -> String {
+    /// File-name prefix of iceoryx2.
+    pub fn iceoryx2_prefix(&self) -> String {
         format!("{}_", self.domain)
     }
 
+    /// Path of the Unix socket.
     pub fn socket(&self) -> PathBuf {
         self.folder.join("socket")
     }
 
-    /// Files in shared memory that have the place's name: those of iceoryx2 and
-    /// of our domain.
+    /// Files in shared memory with the namespace's prefix: those of iceoryx2 and of our channel.
+    ///
+    /// # Errors
+    /// If shared memory cannot be listed.
     pub fn files(&self) -> io::Result<Vec<PathBuf>> {
         let name = format!("{}_", self.domain);
-        let is_of_it = |path: &PathBuf| path.is_file() && path.to_string_lossy().contains(&name);
+        let has_prefix = |path: &PathBuf| path.is_file() && path.to_string_lossy().contains(&name);
         let entries = fs::read_dir(SHARED_MEMORY)?.flatten();
-        Ok(entries.map(|entry| entry.path()).filter(is_of_it).collect())
+        Ok(entries
+            .map(|entry| entry.path())
+            .filter(has_prefix)
+            .collect())
     }
 }
 
-impl OwnPlace {
+impl OwnedIpcNamespace {
+    /// New namespace, named after this process.
+    ///
+    /// # Errors
+    /// If its folder cannot be created.
     pub fn new() -> io::Result<Self> {
         let folder = tempfile::Builder::new()
             .prefix(&format!("peers-{}-", std::process::id()))
             .rand_bytes(0)
             .tempdir_in(Path::new(SHARED_MEMORY))?;
-        let place = Place::at(folder.path().to_owned());
-        let place = place.ok_or_else(|| io::Error::other("a folder with an odd name"))?;
-        fs::create_dir(place.root_of_iceoryx2())?;
-        Ok(Self { place, folder })
+        let namespace = IpcNamespace::at(folder.path().to_owned());
+        let namespace = namespace.ok_or_else(|| io::Error::other("a folder with an odd name"))?;
+        fs::create_dir(namespace.iceoryx2_root())?;
+        Ok(Self { namespace, folder })
     }
 }
 
-impl Drop for OwnPlace {
+impl Drop for OwnedIpcNamespace {
     fn drop(&mut self) {
-        for file in self.place.files().unwrap_or_default() {
+        for file in self.namespace.files().unwrap_or_default() {
             let _ = fs::remove_file(file);
         }
-        // zenoh's names are random; it removes those that no process has open.
+        // The names of zenoh's segments are random; zenoh removes those that no process has open.
         zenoh::shm::cleanup_orphaned_shm_segments();
         let _ = fs::remove_dir_all(self.folder.path());
     }
@@ -84,19 +101,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_is_left_of_a_place() {
-        let own = OwnPlace::new().unwrap();
-        let place = own.place.clone();
+    fn drop_removes_all_files_of_the_namespace() {
+        let own = OwnedIpcNamespace::new().unwrap();
+        let namespace = own.namespace.clone();
         assert_eq!(
-            Place::at(place.folder.clone()).unwrap().domain,
-            place.domain
+            IpcNamespace::at(namespace.folder.clone()).unwrap().domain,
+            namespace.domain
         );
-        let file = Path::new(SHARED_MEMORY).join(format!("{}left", place.prefix_of_iceoryx2()));
+        let file = Path::new(SHARED_MEMORY).join(format!("{}left", namespace.iceoryx2_prefix()));
         fs::write(&file, "").unwrap();
-        fs::write(place.socket(), "").unwrap();
-        assert_eq!(place.files().unwrap(), [file]);
+        fs::write(namespace.socket(), "").unwrap();
+        assert_eq!(namespace.files().unwrap(), [file]);
         drop(own);
-        assert!(place.files().unwrap().is_empty());
-        assert!(!place.folder.exists());
+        assert!(namespace.files().unwrap().is_empty());
+        assert!(!namespace.folder.exists());
     }
 }

@@ -1,27 +1,30 @@
-//! The payload's bytes and the header before them, where there is no header of
-//! the system's own.
+//! Test payload and, for systems without a header of their own, the header before it.
 
 use crate::clock;
 use bytemuck::{Pod, Zeroable};
 
-/// So far apart the receiver reads one byte.
+/// Stride of the bytes that the receiver touches: one memory page.
 const PAGE_BYTES: usize = 4_096;
-const POINT_BYTES: usize = crate::plan::POINT_BYTES;
+/// Size of a point, bytes.
+const POINT_BYTES: usize = crate::benchmark_case::POINT_BYTES;
 
-/// As large as a frame's header in shared memory.
+/// Message header with the size of a frame header in shared memory.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub struct Header {
+pub struct MessageHeader {
+    /// Sequence number of the message, from 0.
     pub number: u64,
+    /// Monotonic time of sending, nanoseconds.
     pub sent_ns: u64,
-    /// Of what follows.
+    /// Size of the payload that follows, bytes.
     pub payload_bytes: u64,
     reserved: [[u64; 15]; 3],
 }
 
-const _: () = assert!(size_of::<Header>() == size_of::<message::FrameHeader>());
+const _: () = assert!(size_of::<MessageHeader>() == size_of::<message::FrameHeader>());
 
-impl Header {
+impl MessageHeader {
+    /// Header without a time stamp.
     pub fn new(number: u64, payload_bytes: usize) -> Self {
         Self {
             number,
@@ -31,14 +34,14 @@ impl Header {
     }
 }
 
-/// Writes payloads and remembers what that took.
+/// Payload generator that records the processor time of each payload.
 #[derive(Debug, Default)]
-pub struct Fill {
+pub struct PayloadWriter {
     cpu_ns: Vec<u64>,
 }
 
-impl Fill {
-    /// Writes each byte, points that tell the message's number, as a camera does.
+impl PayloadWriter {
+    /// Writes every byte of a payload, as points that depend on the message's number.
     pub fn write(&mut self, number: u64, payload: &mut [u8]) {
         let begin_ns = clock::thread_ns();
         let point: [u8; POINT_BYTES] =
@@ -48,16 +51,16 @@ impl Fill {
         self.cpu_ns.push(clock::thread_ns() - begin_ns);
     }
 
-    /// Processor time of each writing but the first ones.
-    pub fn without(mut self, n_first: u64) -> Vec<u64> {
+    /// Processor times of all payloads but the first `n_first`, nanoseconds.
+    pub fn into_cpu_ns_after(mut self, n_first: u64) -> Vec<u64> {
         self.cpu_ns.split_off(n_first as usize)
     }
 }
 
-/// Reads the first byte of each page.
+/// Reads the first byte of each page of a payload.
 ///
 /// # Panics
-/// When this is not the payload of that message.
+/// If it is not the payload of message `number`.
 pub fn touch(number: u64, payload: &[u8]) {
     let mut bytes = payload.iter().step_by(PAGE_BYTES);
     assert!(bytes.all(|&byte| byte == number as u8), "another payload");
@@ -68,15 +71,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_payload_is_known_by_its_number() {
+    fn payload_of_another_message_is_detected() {
         let mut payload = vec![0; 3 * PAGE_BYTES];
-        let mut fill = Fill::default();
-        fill.write(6, &mut payload);
-        fill.write(7, &mut payload);
+        let mut writer = PayloadWriter::default();
+        writer.write(6, &mut payload);
+        writer.write(7, &mut payload);
         touch(7, &payload);
         assert!(std::panic::catch_unwind(|| touch(8, &payload)).is_err());
         payload[2 * PAGE_BYTES] = 0;
         assert!(std::panic::catch_unwind(|| touch(7, &payload)).is_err());
-        assert_eq!(fill.without(1).len(), 1);
+        assert_eq!(writer.into_cpu_ns_after(1).len(), 1);
     }
 }

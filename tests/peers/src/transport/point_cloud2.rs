@@ -1,14 +1,17 @@
-//! `sensor_msgs/msg/PointCloud2` of ROS 2, field by field.
+//! ROS 2 message `sensor_msgs/msg/PointCloud2` with its CDR serialisation.
 
-use crate::cdr::{Reader, Writer};
+use crate::cdr::{CdrReader, CdrWriter};
 
-/// Number of `FLOAT32` and `UINT32` in `sensor_msgs/msg/PointField`.
+/// Datatype code of `FLOAT32` in `sensor_msgs/msg/PointField`.
 const FLOAT32: u8 = 7;
+/// Datatype code of `UINT32` in `sensor_msgs/msg/PointField`.
 const UINT32: u8 = 6;
-/// Bytes of a message beside its data, with room.
-const MOST_OTHER_BYTES: usize = 256;
+/// Upper bound of a message's size without its data, bytes.
+const MAX_OTHER_BYTES: usize = 256;
+/// Size of a point, bytes.
 const POINT_BYTES: u32 = 16;
 
+/// Point cloud message; the fields are those of the ROS definition.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PointCloud2 {
     pub stamp_s: i32,
@@ -24,6 +27,7 @@ pub struct PointCloud2 {
     pub is_dense: bool,
 }
 
+/// Description of one field of a point (`sensor_msgs/msg/PointField`).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PointField {
     pub name: String,
@@ -33,8 +37,8 @@ pub struct PointField {
 }
 
 impl PointCloud2 {
-    /// A row of points of x, y, z and colour, with all data zero.
-    pub fn of_bytes(n_bytes: usize) -> Self {
+    /// Unorganised cloud of x, y, z and colour with `n_bytes` of zero data.
+    pub fn with_data_bytes(n_bytes: usize) -> Self {
         let field = |(name, datatype), offset| PointField {
             name: String::from(name),
             offset,
@@ -58,19 +62,20 @@ impl PointCloud2 {
         }
     }
 
+    /// Sets the time stamp from nanoseconds.
     pub fn set_stamp(&mut self, stamp_ns: u64) {
         self.stamp_s = (stamp_ns / 1_000_000_000) as i32;
         self.stamp_ns = (stamp_ns % 1_000_000_000) as u32;
     }
 
-    /// The stamp in nanoseconds.
+    /// Time stamp, nanoseconds.
     pub fn stamp(&self) -> u64 {
         self.stamp_s as u64 * 1_000_000_000 + u64::from(self.stamp_ns)
     }
 
-    /// Into new bytes, as a middleware serialises: everything is copied.
-    pub fn serialised(&self) -> Vec<u8> {
-        let mut writer = Writer::with_capacity(self.data.len() + MOST_OTHER_BYTES);
+    /// Serialises into a new buffer, as a middleware does: all data is copied.
+    pub fn serialize(&self) -> Vec<u8> {
+        let mut writer = CdrWriter::with_capacity(self.data.len() + MAX_OTHER_BYTES);
         writer.unsigned(self.stamp_s.cast_unsigned());
         writer.unsigned(self.stamp_ns);
         writer.text(&self.frame_id);
@@ -91,9 +96,9 @@ impl PointCloud2 {
         writer.finish()
     }
 
-    /// A new message of what was serialised; `None` when it is not whole.
-    pub fn deserialised(bytes: &[u8]) -> Option<Self> {
-        let mut reader = Reader::new(bytes)?;
+    /// Deserialises into a new message; `None` if the bytes are truncated or invalid.
+    pub fn deserialize(bytes: &[u8]) -> Option<Self> {
+        let mut reader = CdrReader::new(bytes)?;
         Some(Self {
             stamp_s: reader.unsigned()?.cast_signed(),
             stamp_ns: reader.unsigned()?,
@@ -110,9 +115,10 @@ impl PointCloud2 {
     }
 }
 
-fn read_fields(reader: &mut Reader<'_>) -> Option<Vec<PointField>> {
+/// Reads the sequence of point fields.
+fn read_fields(reader: &mut CdrReader<'_>) -> Option<Vec<PointField>> {
     let n_fields = reader.unsigned()?;
-    // Collected one by one: a wrong number ends with the bytes, not with the memory.
+    // Collected one by one: a wrong count hits the end of the bytes before it exhausts memory.
     let field = |_| {
         Some(PointField {
             name: reader.text()?.to_owned(),
@@ -129,36 +135,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_comes_back_as_it_was() {
+    fn serialisation_round_trips() {
         for n_bytes in [0, 64, 65_536] {
-            let mut message = PointCloud2::of_bytes(n_bytes);
+            let mut message = PointCloud2::with_data_bytes(n_bytes);
             message.set_stamp(12_345_678_901_234);
             for (i, byte) in message.data.iter_mut().enumerate() {
                 *byte = i as u8;
             }
             message.is_dense = true;
-            let read = PointCloud2::deserialised(&message.serialised()).unwrap();
+            let read = PointCloud2::deserialize(&message.serialize()).unwrap();
             assert_eq!(read, message);
             assert_eq!(read.stamp(), 12_345_678_901_234);
         }
     }
 
     #[test]
-    fn a_cut_message_is_none() {
-        let bytes = PointCloud2::of_bytes(64).serialised();
+    fn truncated_message_is_rejected() {
+        let bytes = PointCloud2::with_data_bytes(64).serialize();
         for n_bytes in 0..bytes.len() {
-            assert_eq!(PointCloud2::deserialised(&bytes[..n_bytes]), None);
+            assert_eq!(PointCloud2::deserialize(&bytes[..n_bytes]), None);
         }
     }
 
     #[test]
-    fn a_wrong_number_of_fields_is_none() {
-        let mut message = PointCloud2::of_bytes(0);
+    fn wrong_number_of_fields_is_rejected() {
+        let mut message = PointCloud2::with_data_bytes(0);
         message.frame_id.clear();
-        let mut bytes = message.serialised();
+        let mut bytes = message.serialize();
         let n_fields_at = 4 + 8 + 8 + 8;
         assert_eq!(bytes[n_fields_at], 4);
         bytes[n_fields_at..][..4].fill(255);
-        assert_eq!(PointCloud2::deserialised(&bytes), None);
+        assert_eq!(PointCloud2::deserialize(&bytes), None);
     }
 }

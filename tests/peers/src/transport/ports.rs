@@ -1,53 +1,55 @@
-//! The two ends of a system.
+//! Sender and receiver ports: common interface of the transports under test.
 
-use crate::log::Log;
-use crate::payload::Fill;
-use crate::place::Place;
-use crate::plan::{System, Task};
-use crate::{by_zenoh, iceoryx2_raw, ours, ros_like, unix_socket};
+use crate::benchmark_case::{BenchmarkCase, System};
+use crate::ipc_namespace::IpcNamespace;
+use crate::latency_recorder::LatencyRecorder;
+use crate::payload::PayloadWriter;
+use crate::{iceoryx2_raw, ros_like, tabula_channel, unix_socket, zenoh_shm};
 use iceoryx2::prelude::{ipc, ipc_threadsafe};
 
-/// The end that sends.
+/// Sending port.
 pub trait Sender {
-    /// Waits until the receiver is connected, where there is something to wait for.
+    /// Waits until the receiver is connected, for systems with connections.
     fn connect(&mut self) {}
 
-    /// Makes a message: gets memory for it, fills it, stamps it, sends it.
-    fn send(&mut self, number: u64, fill: &mut Fill);
+    /// Sends a message: gets its memory, writes the payload, stamps and sends it.
+    fn send(&mut self, number: u64, writer: &mut PayloadWriter);
 }
 
-/// The end that receives.
+/// Receiving port.
 pub trait Receiver {
-    /// Notes every message, up to the last.
-    fn receive(self: Box<Self>, log: Log) -> Log;
+    /// Receives and records all messages, up to the last.
+    fn receive(self: Box<Self>, recorder: LatencyRecorder) -> LatencyRecorder;
 }
 
-pub fn sender(task: &Task, place: &Place) -> Box<dyn Sender> {
-    match task.system {
-        System::Iceoryx2 | System::Iceoryx2Thread => {
-            Box::new(iceoryx2_raw::Sending::<ipc::Service>::new(task, place))
+/// Sending port of a case.
+pub fn sender(case: &BenchmarkCase, namespace: &IpcNamespace) -> Box<dyn Sender> {
+    match case.system {
+        System::Iceoryx2 | System::Iceoryx2Thread => Box::new(iceoryx2_raw::Iceoryx2Sender::<
+            ipc::Service,
+        >::new(case, namespace)),
+        System::Iceoryx2Threadsafe => {
+            Box::new(iceoryx2_raw::Iceoryx2Sender::<ipc_threadsafe::Service>::new(case, namespace))
         }
-        System::Iceoryx2Threadsafe => Box::new(
-            iceoryx2_raw::Sending::<ipc_threadsafe::Service>::new(task, place),
-        ),
-        System::Channel => Box::new(ours::Sending::new(task, place)),
-        System::UnixSocket => Box::new(unix_socket::Sending::new(task, place)),
-        System::Zenoh => Box::new(by_zenoh::Sending::new(task, place)),
-        System::RosLike => Box::new(ros_like::Sending::new(task, place)),
+        System::Channel => Box::new(tabula_channel::ChannelSender::new(case, namespace)),
+        System::UnixSocket => Box::new(unix_socket::SocketSender::new(case, namespace)),
+        System::Zenoh => Box::new(zenoh_shm::ZenohSender::new(case, namespace)),
+        System::RosLike => Box::new(ros_like::RosLikeSender::new(case, namespace)),
     }
 }
 
-pub fn receiver(task: &Task, place: &Place) -> Box<dyn Receiver> {
-    match task.system {
-        System::Iceoryx2 | System::Iceoryx2Thread => {
-            Box::new(iceoryx2_raw::Receiving::<ipc::Service>::new(task, place))
-        }
-        System::Iceoryx2Threadsafe => Box::new(
-            iceoryx2_raw::Receiving::<ipc_threadsafe::Service>::new(task, place),
-        ),
-        System::Channel => Box::new(ours::Receiving::new(task, place)),
-        System::UnixSocket => Box::new(unix_socket::Receiving::new(task, place)),
-        System::Zenoh => Box::new(by_zenoh::Receiving::new(place)),
-        System::RosLike => Box::new(ros_like::Receiving::new(place)),
+/// Receiving port of a case.
+pub fn receiver(case: &BenchmarkCase, namespace: &IpcNamespace) -> Box<dyn Receiver> {
+    match case.system {
+        System::Iceoryx2 | System::Iceoryx2Thread => Box::new(iceoryx2_raw::Iceoryx2Receiver::<
+            ipc::Service,
+        >::new(case, namespace)),
+        System::Iceoryx2Threadsafe => Box::new(iceoryx2_raw::Iceoryx2Receiver::<
+            ipc_threadsafe::Service,
+        >::new(case, namespace)),
+        System::Channel => Box::new(tabula_channel::ChannelReceiver::new(case, namespace)),
+        System::UnixSocket => Box::new(unix_socket::SocketReceiver::new(case, namespace)),
+        System::Zenoh => Box::new(zenoh_shm::ZenohReceiver::new(namespace)),
+        System::RosLike => Box::new(ros_like::RosLikeReceiver::new(namespace)),
     }
 }

@@ -1,12 +1,11 @@
-//! The two processes of a turn, from both sides: this program starts itself twice,
-//! as the sender and as the receiver.
+//! Process pair of one run: this program starts itself twice, as sender and as receiver.
 
-use crate::answer::{Answer, BadAnswer};
-use crate::figures::Turn;
-use crate::log::Log;
-use crate::payload::Fill;
-use crate::place::{OwnPlace, Place};
-use crate::plan::Task;
+use crate::benchmark_case::BenchmarkCase;
+use crate::child_report::{ChildReport, ReportError};
+use crate::ipc_namespace::{IpcNamespace, OwnedIpcNamespace};
+use crate::latency_recorder::LatencyRecorder;
+use crate::latency_summary::PairRun;
+use crate::payload::PayloadWriter;
 use crate::{clock, ports};
 use rustix::process::{Signal, set_parent_process_death_signal};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
@@ -17,43 +16,53 @@ use std::path::PathBuf;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Duration;
 
+/// Option of the sending child process.
 pub const SEND: &str = "--send";
+/// Option of the receiving child process.
 pub const RECEIVE: &str = "--receive";
+/// Line that a child prints once its ports exist.
 const READY: &str = "ready\n";
-/// So long a sender spins; one that spins longer is taken from its processor when
-/// it has something to send.
-const SHORT_GAP: Duration = Duration::from_millis(1);
-/// A child that takes longer has lost its other half.
-const LONGEST_LIFE: Duration = Duration::from_secs(20);
+/// Longest interval between messages that the sender spends spinning. Chosen: a process that spins
+/// longer is preempted just when it has to send.
+const LONGEST_SPIN: Duration = Duration::from_millis(1);
+/// Watchdog of a child process: its partner is lost if it runs longer. Chosen.
+const CHILD_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// Lets both do their part in a place of their own.
-pub fn take_turn(task: &Task) -> Result<Turn, Box<dyn Error>> {
-    let own = OwnPlace::new()?;
-    let mut sender = Process::start(SEND, task, &own.place)?;
-    let mut receiver = Process::start(RECEIVE, task, &own.place)?;
-    sender.begin()?;
-    let sent = sender.answer()?;
-    let received = receiver.answer()?;
+/// Runs sender and receiver of a case in a namespace of their own.
+///
+/// # Errors
+/// If a child cannot be started, or fails.
+pub fn run_pair(case: &BenchmarkCase) -> Result<PairRun, Box<dyn Error>> {
+    let own = OwnedIpcNamespace::new()?;
+    let mut sender = ChildProcess::start(SEND, case, &own.namespace)?;
+    let mut receiver = ChildProcess::start(RECEIVE, case, &own.namespace)?;
+    sender.release()?;
+    let sent = sender.read_report()?;
+    let received = receiver.read_report()?;
     receiver.end();
     sender.end();
-    Ok(Turn::new(&sent, &received)?)
+    Ok(PairRun::new(&sent, &received)?)
 }
 
-/// A child; dropping it kills it.
-struct Process {
-    what: String,
+/// Child process with its pipes; dropping it kills the process.
+struct ChildProcess {
+    /// System and role, for error messages.
+    name: String,
     child: Child,
     input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
 }
 
-impl Process {
-    /// Returns when it is ready for the other.
-    fn start(end: &str, task: &Task, place: &Place) -> io::Result<Self> {
+impl ChildProcess {
+    /// Starts a child and waits until it is ready.
+    ///
+    /// # Errors
+    /// If it cannot be started or ends before it is ready.
+    fn start(end: &str, case: &BenchmarkCase, namespace: &IpcNamespace) -> io::Result<Self> {
         let mut child = Command::new(std::env::current_exe()?)
             .arg(end)
-            .arg(&place.folder)
-            .args(task.words())
+            .arg(&namespace.folder)
+            .args(case.arguments())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;
@@ -62,7 +71,7 @@ impl Process {
             return Err(io::Error::other("a child without pipes"));
         };
         let mut process = Self {
-            what: format!("{} {end}", task.system.name()),
+            name: format!("{} {end}", case.system.name()),
             child,
             input,
             output: BufReader::new(output),
@@ -76,71 +85,80 @@ impl Process {
         }
     }
 
-    /// Lets it go on: it waits for a byte.
-    fn begin(&mut self) -> io::Result<()> {
+    /// Releases the child from its start barrier: it waits for a byte.
+    fn release(&mut self) -> io::Result<()> {
         self.input
             .as_mut()
             .map_or(Ok(()), |input| input.write_all(b"\n"))
     }
 
-    /// What it says up to the last line of an answer. It goes on living.
-    fn answer(&mut self) -> io::Result<Answer> {
+    /// Reads the child's report. The child keeps running.
+    ///
+    /// # Errors
+    /// If the report is truncated or malformed.
+    fn read_report(&mut self) -> io::Result<ChildReport> {
         let mut text = String::new();
         while self.output.read_line(&mut text)? > 0 {
-            match Answer::parse(&text) {
-                Err(BadAnswer::Cut) => {}
-                answer => return answer.map_err(|error| self.failed(&error)),
+            match ChildReport::parse(&text) {
+                Err(ReportError::Truncated) => {}
+                report => return report.map_err(|error| self.failed(&error)),
             }
         }
-        Err(self.failed(&BadAnswer::Cut))
+        Err(self.failed(&ReportError::Truncated))
     }
 
-    /// Lets it end by itself, so that it takes down its ports.
+    /// Waits for the regular end of the child, in which it removes its ports.
     fn end(mut self) {
         drop(self.input.take());
         let _ = self.child.wait();
     }
 
-    fn failed(&self, why: &dyn Display) -> io::Error {
-        io::Error::other(format!("{}: {why}", self.what))
+    /// Error with the child's name.
+    fn failed(&self, reason: &dyn Display) -> io::Error {
+        io::Error::other(format!("{}: {reason}", self.name))
     }
 }
 
-impl Drop for Process {
+impl Drop for ChildProcess {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// What a child does: `None` when its words are none of ours.
-pub fn live_as_child(end: &str, words: &[String]) -> Option<()> {
-    let (folder, words) = words.split_first()?;
-    let (place, task) = (Place::at(PathBuf::from(folder))?, Task::parse(words)?);
-    end_with_parent();
-    if task.is_polled() {
+/// Runs a child process to its end; `None` if its arguments are invalid.
+pub fn run_child(end: &str, arguments: &[String]) -> Option<()> {
+    let (folder, arguments) = arguments.split_first()?;
+    let (namespace, case) = (
+        IpcNamespace::at(PathBuf::from(folder))?,
+        BenchmarkCase::parse(arguments)?,
+    );
+    exit_with_parent();
+    if case.is_polled() {
         pin(end == SEND);
     }
     match end {
-        SEND => send(&task, &place),
-        RECEIVE => receive(&task, &place),
+        SEND => send(&case, &namespace),
+        RECEIVE => receive(&case, &namespace),
         _ => return None,
     }
     Some(())
 }
 
-/// Neither the parent's death nor that of the other child leaves this one behind.
-fn end_with_parent() {
+/// Ends this process when its parent dies, or by a watchdog when its partner does.
+fn exit_with_parent() {
     let _ = set_parent_process_death_signal(Some(Signal::KILL));
     std::thread::spawn(|| {
-        std::thread::sleep(LONGEST_LIFE);
+        std::thread::sleep(CHILD_TIMEOUT);
         eprintln!("transport: no message for too long");
         std::process::exit(3);
     });
 }
 
-/// Two that never sleep get a processor each; otherwise the kernel may leave both
-/// on one, where each waits for the other's time to be over.
+/// Pins sender and receiver to different processors; best effort.
+///
+/// Two processes that never sleep could otherwise share one, where each waits for the end of the
+/// other's time slice.
 fn pin(is_sender: bool) {
     let Ok(allowed) = sched_getaffinity(None) else {
         return;
@@ -154,43 +172,46 @@ fn pin(is_sender: bool) {
     }
 }
 
-fn say(what: impl Display) {
-    print!("{what}");
+/// Prints and flushes, because the output is a pipe.
+fn print_flushed(text: impl Display) {
+    print!("{text}");
     let _ = io::stdout().flush();
 }
 
-/// Waits for a byte from the parent, or the end of all of them.
+/// Waits for a byte from the parent, or the end of its pipe.
 fn wait_for_parent() {
     let _ = io::stdin().read(&mut [0]);
 }
 
-fn send(task: &Task, place: &Place) {
-    let mut sender = ports::sender(task, place);
-    say(READY);
+/// Sending child: sends all messages at the rate of the case, then prints its report.
+fn send(case: &BenchmarkCase, namespace: &IpcNamespace) {
+    let mut sender = ports::sender(case, namespace);
+    print_flushed(READY);
     wait_for_parent();
     sender.connect();
-    let mut fill = Fill::default();
+    let mut writer = PayloadWriter::default();
     let mut cpu_begin_ns = 0;
-    let gap_ns = task.gap.as_nanos() as u64;
-    let spins = task.gap < SHORT_GAP;
+    let interval_ns = case.interval.as_nanos() as u64;
+    let spins = case.interval < LONGEST_SPIN;
     let mut next_ns = clock::now_ns();
-    for number in 0..task.n_all() {
+    for number in 0..case.n_all() {
         clock::wait_until(next_ns, spins);
-        if number == task.n_warm_up {
+        if number == case.n_warm_up {
             cpu_begin_ns = clock::process_ns();
         }
-        next_ns = clock::now_ns() + gap_ns;
-        sender.send(number, &mut fill);
+        next_ns = clock::now_ns() + interval_ns;
+        sender.send(number, &mut writer);
     }
     let cpu_ns = clock::process_ns() - cpu_begin_ns;
-    let answer = Answer::default().with("cpu_ns", [cpu_ns]);
-    say(answer.with("fill_ns", fill.without(task.n_warm_up)));
-    // The ports live until the receiver has the last message.
+    let report = ChildReport::default().with("cpu_ns", [cpu_ns]);
+    print_flushed(report.with("fill_ns", writer.into_cpu_ns_after(case.n_warm_up)));
+    // The ports must exist until the receiver has the last message.
     wait_for_parent();
 }
 
-fn receive(task: &Task, place: &Place) {
-    let receiver = ports::receiver(task, place);
-    say(READY);
-    say(receiver.receive(Log::new(*task)).answer());
+/// Receiving child: receives all messages, then prints its report.
+fn receive(case: &BenchmarkCase, namespace: &IpcNamespace) {
+    let receiver = ports::receiver(case, namespace);
+    print_flushed(READY);
+    print_flushed(receiver.receive(LatencyRecorder::new(*case)).into_report());
 }

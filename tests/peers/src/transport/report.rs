@@ -1,20 +1,24 @@
-//! The figures as a table or as JSON.
+//! Report of the transport benchmark as a text table or as JSON.
 
-use crate::figures::Figures;
-use crate::plan::{Mode, System};
+use crate::benchmark_case::{ReceiveMode, System};
+use crate::latency_summary::LatencySummary;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// One system with one payload in one mode.
-pub struct Row {
+/// Summary of one benchmark case.
+pub struct SummaryRow {
+    /// Transport under test.
     pub system: System,
-    pub mode: Mode,
+    /// Waiting strategy of the receiver.
+    pub mode: ReceiveMode,
+    /// Size of the payload, bytes.
     pub payload_bytes: usize,
-    pub figures: Figures,
+    /// Latency statistics.
+    pub figures: LatencySummary,
 }
 
-impl Row {
-    /// Half of the messages take so many times as long as with the reference.
+impl SummaryRow {
+    /// Ratio of the median latency to the reference system's; NaN if that was not measured.
     fn ratio(&self, rows: &[Self]) -> f64 {
         let is_reference = |row: &&Self| {
             let case = (row.mode, row.payload_bytes);
@@ -24,17 +28,20 @@ impl Row {
         reference.map_or(f64::NAN, |row| self.figures.p50_us / row.figures.p50_us)
     }
 
-    /// Processor time of sender and receiver; who polls takes all there is.
+    /// Processor times of sender and receiver, microseconds per message; `None` if polling, which takes
+    /// a whole processor.
     fn cpu_us(&self) -> Option<[f64; 2]> {
         let cpu_us = [self.figures.sender_us, self.figures.receiver_us];
-        (self.mode == Mode::Blocking).then_some(cpu_us)
+        (self.mode == ReceiveMode::Blocking).then_some(cpu_us)
     }
 }
 
-const HEAD: &str = "mode      bytes    system                    p50 µs      ×     p90 µs     p99 µs   p99.9 µs     max µs   touch µs    fill µs  cpu sender  cpu recv  lost\n";
+/// Column titles.
+const TABLE_HEADER: &str = "mode      bytes    system                    p50 µs      ×     p90 µs     p99 µs   p99.9 µs     max µs   touch µs    fill µs  cpu sender  cpu recv  lost\n";
 
-pub fn table(rows: &[Row]) -> String {
-    let mut text = String::from(HEAD);
+/// Text table with one row per case.
+pub fn table(rows: &[SummaryRow]) -> String {
+    let mut text = String::from(TABLE_HEADER);
     for row in rows {
         let f = &row.figures;
         let begin = if row.system == System::REFERENCE {
@@ -60,9 +67,9 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-/// One object for each row.
-pub fn json(rows: &[Row]) -> Value {
-    let object = |row: &Row| {
+/// JSON object with an array of one object per row.
+pub fn json(rows: &[SummaryRow]) -> Value {
+    let object = |row: &SummaryRow| {
         let f = &row.figures;
         let cpu_us = row.cpu_us();
         json!({

@@ -1,12 +1,13 @@
-//! What a ROS 2 middleware does with a cloud when it does not share memory:
-//! serialise, cut into datagrams, copy through the kernel, put together,
-//! deserialise. It is no ROS: no discovery, no acknowledgements, no executor.
+//! Emulation of a ROS 2 middleware without shared memory: serialisation, datagrams, copies.
+//!
+//! A cloud is serialised, fragmented into datagrams, copied through the kernel, reassembled and
+//! deserialised. There is no discovery, no acknowledgement and no executor.
 
-use crate::fragments::{Assembly, DATAGRAM_BYTES, fragments};
-use crate::log::Log;
-use crate::payload::Fill;
-use crate::place::Place;
-use crate::plan::Task;
+use crate::benchmark_case::BenchmarkCase;
+use crate::fragmentation::{DATAGRAM_BYTES, Reassembler, fragments};
+use crate::ipc_namespace::IpcNamespace;
+use crate::latency_recorder::LatencyRecorder;
+use crate::payload::PayloadWriter;
 use crate::point_cloud2::PointCloud2;
 use crate::{clock, ports};
 use rustix::net::{SendAncillaryBuffer, SendFlags, sendmsg};
@@ -14,31 +15,32 @@ use std::io::IoSlice;
 use std::os::unix::net::UnixDatagram;
 use std::path::PathBuf;
 
-pub struct Sending {
+/// Sending port with a Unix datagram socket.
+pub struct RosLikeSender {
     socket: UnixDatagram,
     peer: PathBuf,
     message: PointCloud2,
 }
 
-impl Sending {
-    pub fn new(task: &Task, place: &Place) -> Self {
+impl RosLikeSender {
+    pub fn new(case: &BenchmarkCase, namespace: &IpcNamespace) -> Self {
         Self {
             socket: UnixDatagram::unbound().expect("a socket"),
-            peer: place.socket(),
-            message: PointCloud2::of_bytes(task.payload_bytes),
+            peer: namespace.socket(),
+            message: PointCloud2::with_data_bytes(case.payload_bytes),
         }
     }
 }
 
-impl ports::Sender for Sending {
+impl ports::Sender for RosLikeSender {
     fn connect(&mut self) {
         self.socket.connect(&self.peer).expect("the receiver");
     }
 
-    fn send(&mut self, number: u64, fill: &mut Fill) {
-        fill.write(number, &mut self.message.data);
+    fn send(&mut self, number: u64, writer: &mut PayloadWriter) {
+        writer.write(number, &mut self.message.data);
         self.message.set_stamp(clock::now_ns());
-        let bytes = self.message.serialised();
+        let bytes = self.message.serialize();
         for (head, body) in fragments(number, &bytes) {
             let parts = [IoSlice::new(bytemuck::bytes_of(&head)), IoSlice::new(body)];
             let mut nothing = SendAncillaryBuffer::default();
@@ -47,30 +49,31 @@ impl ports::Sender for Sending {
     }
 }
 
-pub struct Receiving {
+/// Receiving port with a Unix datagram socket.
+pub struct RosLikeReceiver {
     socket: UnixDatagram,
 }
 
-impl Receiving {
-    pub fn new(place: &Place) -> Self {
+impl RosLikeReceiver {
+    pub fn new(namespace: &IpcNamespace) -> Self {
         Self {
-            socket: UnixDatagram::bind(place.socket()).expect("a socket"),
+            socket: UnixDatagram::bind(namespace.socket()).expect("a socket"),
         }
     }
 }
 
-impl ports::Receiver for Receiving {
-    fn receive(self: Box<Self>, mut log: Log) -> Log {
-        let mut assembly = Assembly::default();
+impl ports::Receiver for RosLikeReceiver {
+    fn receive(self: Box<Self>, mut recorder: LatencyRecorder) -> LatencyRecorder {
+        let mut reassembler = Reassembler::default();
         let mut datagram = vec![0; DATAGRAM_BYTES];
         loop {
             let n_bytes = self.socket.recv(&mut datagram).expect("a datagram");
-            let Some((number, bytes)) = assembly.take(&datagram[..n_bytes]) else {
+            let Some((number, bytes)) = reassembler.take(&datagram[..n_bytes]) else {
                 continue;
             };
-            let message = PointCloud2::deserialised(bytes).expect("a whole message");
-            if log.note(number, message.stamp(), &message.data) {
-                return log;
+            let message = PointCloud2::deserialize(bytes).expect("a whole message");
+            if recorder.record(number, message.stamp(), &message.data) {
+                return recorder;
             }
         }
     }

@@ -1,18 +1,20 @@
-//! Whether the run is to end early, so that it ends in order.
+//! Graceful shutdown on SIGINT and SIGTERM.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use tokio::signal::unix::{SignalKind, signal};
 
-static IS_ASKED: AtomicBool = AtomicBool::new(false);
+/// Flag set by the first signal.
+static IS_REQUESTED: AtomicBool = AtomicBool::new(false);
 
-pub fn is_asked() -> bool {
-    IS_ASKED.load(Ordering::Relaxed)
+/// `true` after a termination signal.
+pub fn is_requested() -> bool {
+    IS_REQUESTED.load(Ordering::Relaxed)
 }
 
-/// From now on a signal to end is remembered and does nothing else.
+/// Starts a thread that turns termination signals into the flag, instead of ending the process.
 pub fn watch() {
     std::thread::spawn(|| {
-        crate::reactor::runtime().block_on(async {
+        crate::tokio_runtime::runtime().block_on(async {
             let signals = [SignalKind::interrupt(), SignalKind::terminate()].map(signal);
             let [Ok(mut interrupt), Ok(mut terminate)] = signals else {
                 return;
@@ -21,8 +23,8 @@ pub fn watch() {
                 _ = interrupt.recv() => {}
                 _ = terminate.recv() => {}
             }
-            IS_ASKED.store(true, Ordering::Relaxed);
-            // Who is asked twice still ends in order.
+            IS_REQUESTED.store(true, Ordering::Relaxed);
+            // Keeps the handlers installed, so that a second signal does not end the process either.
             std::future::pending::<()>().await;
         });
     });

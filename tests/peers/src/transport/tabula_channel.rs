@@ -1,53 +1,56 @@
-//! `shared/platform/channel`, the topic of the camera's clouds.
+//! Camera-cloud topic of `shared/platform/channel` under test.
 
-use crate::log::Log;
-use crate::place::Place;
-use crate::plan::Task;
-use crate::{clock, payload::Fill, ports, reactor};
+use crate::benchmark_case::BenchmarkCase;
+use crate::ipc_namespace::IpcNamespace;
+use crate::latency_recorder::LatencyRecorder;
+use crate::{clock, payload::PayloadWriter, ports, tokio_runtime};
 use channel::topic::CameraCloud;
 use channel::{Domain, Publisher, Received, Role, SharedMessage, Subscriber};
 use tokio::runtime::Runtime;
 
-fn join(place: &Place) -> Domain {
-    Domain::join(&place.domain, &place.run_folder(), Role::Guest).expect("a domain")
+/// Joins the domain of the namespace as a guest.
+fn join(namespace: &IpcNamespace) -> Domain {
+    Domain::join(&namespace.domain, &namespace.run_folder(), Role::Guest).expect("a domain")
 }
 
-pub struct Sending {
+/// Sending port with a topic publisher.
+pub struct ChannelSender {
     publisher: Publisher<CameraCloud>,
     n_points: usize,
 }
 
-impl Sending {
-    pub fn new(task: &Task, place: &Place) -> Self {
-        let publisher = Publisher::new(&join(place)).expect("a publisher");
+impl ChannelSender {
+    pub fn new(case: &BenchmarkCase, namespace: &IpcNamespace) -> Self {
+        let publisher = Publisher::new(&join(namespace)).expect("a publisher");
         Self {
             publisher,
-            n_points: task.n_points(),
+            n_points: case.n_points(),
         }
     }
 }
 
-impl ports::Sender for Sending {
-    fn send(&mut self, number: u64, fill: &mut Fill) {
+impl ports::Sender for ChannelSender {
+    fn send(&mut self, number: u64, writer: &mut PayloadWriter) {
         let mut loan = self.publisher.loan(self.n_points).expect("a loan");
-        fill.write(number, bytemuck::cast_slice_mut(loan.items_mut()));
+        writer.write(number, bytemuck::cast_slice_mut(loan.items_mut()));
         loan.header_mut().sequence = number;
         loan.header_mut().published_stamp_ns = clock::now_ns();
         self.publisher.send(loan).expect("sent");
     }
 }
 
-pub struct Receiving {
-    // Before the runtime, in which it is registered.
+/// Receiving port with a topic subscriber.
+pub struct ChannelReceiver {
+    // Dropped before the runtime in which it is registered.
     subscriber: Subscriber<CameraCloud>,
-    /// None of who polls.
+    /// Runtime of a blocking receiver; `None` if it polls.
     runtime: Option<Runtime>,
 }
 
-impl Receiving {
-    pub fn new(task: &Task, place: &Place) -> Self {
-        let domain = join(place);
-        let runtime = (!task.is_polled()).then(reactor::runtime);
+impl ChannelReceiver {
+    pub fn new(case: &BenchmarkCase, namespace: &IpcNamespace) -> Self {
+        let domain = join(namespace);
+        let runtime = (!case.is_polled()).then(tokio_runtime::runtime);
         let subscriber = match &runtime {
             None => Subscriber::polled(&domain),
             Some(runtime) => {
@@ -62,23 +65,27 @@ impl Receiving {
     }
 }
 
-fn note(log: &mut Log, frame: &SharedMessage<CameraCloud>) -> bool {
+/// Records a message; `true` if it was the last.
+fn record(recorder: &mut LatencyRecorder, frame: &SharedMessage<CameraCloud>) -> bool {
     let header = frame.header();
     let payload = bytemuck::cast_slice(frame.items());
-    log.note(header.sequence, header.published_stamp_ns, payload)
+    recorder.record(header.sequence, header.published_stamp_ns, payload)
 }
 
-impl ports::Receiver for Receiving {
-    fn receive(mut self: Box<Self>, mut log: Log) -> Log {
+impl ports::Receiver for ChannelReceiver {
+    fn receive(mut self: Box<Self>, mut recorder: LatencyRecorder) -> LatencyRecorder {
         if let Some(runtime) = &self.runtime {
             runtime.block_on(async {
-                while !note(&mut log, &self.subscriber.next().await.expect("a message")) {}
+                while !record(
+                    &mut recorder,
+                    &self.subscriber.next().await.expect("a message"),
+                ) {}
             });
-            return log;
+            return recorder;
         }
         loop {
             match self.subscriber.receive().expect("an answer") {
-                Received::Message(frame) if note(&mut log, &frame) => return log,
+                Received::Message(frame) if record(&mut recorder, &frame) => return recorder,
                 Received::Message(_) => {}
                 _ => std::hint::spin_loop(),
             }

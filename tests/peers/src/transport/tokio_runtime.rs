@@ -1,9 +1,9 @@
-//! Where those wait who wait with tokio.
+//! Tokio runtime of the systems whose receiver sleeps in a task.
 
 use tokio::runtime::{Builder, Runtime};
 
-/// One thread, which is also the one that works with what comes.
+/// Current-thread runtime: the calling thread also handles the messages.
 pub fn runtime() -> Runtime {
     let runtime = Builder::new_current_thread().enable_io().build();
-    runtime.expect("a runtime")
+    runtime.expect("a tokio runtime")
 }

@@ -1,67 +1,71 @@
-//! A stream over a Unix socket: header and payload are copied into the kernel and
-//! out of it.
+//! Unix stream socket: header and payload are copied into the kernel and out of it.
 
-use crate::log::Log;
-use crate::payload::{Fill, Header};
-use crate::place::Place;
-use crate::plan::Task;
+use crate::benchmark_case::BenchmarkCase;
+use crate::ipc_namespace::IpcNamespace;
+use crate::latency_recorder::LatencyRecorder;
+use crate::payload::{MessageHeader, PayloadWriter};
 use crate::{clock, ports};
 use std::io::{self, ErrorKind, IoSlice, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
 
-pub struct Sending {
+/// Sending port: the listening end of the socket.
+pub struct SocketSender {
     listener: UnixListener,
     stream: Option<UnixStream>,
     payload: Vec<u8>,
 }
 
-impl Sending {
-    pub fn new(task: &Task, place: &Place) -> Self {
+impl SocketSender {
+    pub fn new(case: &BenchmarkCase, namespace: &IpcNamespace) -> Self {
         Self {
-            listener: UnixListener::bind(place.socket()).expect("a socket"),
+            listener: UnixListener::bind(namespace.socket()).expect("a socket"),
             stream: None,
-            payload: vec![0; task.payload_bytes],
+            payload: vec![0; case.payload_bytes],
         }
     }
 }
 
-impl ports::Sender for Sending {
+impl ports::Sender for SocketSender {
     fn connect(&mut self) {
         let (stream, _) = self.listener.accept().expect("a receiver");
         self.stream = Some(stream);
     }
 
-    fn send(&mut self, number: u64, fill: &mut Fill) {
-        fill.write(number, &mut self.payload);
+    fn send(&mut self, number: u64, writer: &mut PayloadWriter) {
+        writer.write(number, &mut self.payload);
         let stream = self.stream.as_mut().expect("connected");
-        let mut header = Header::new(number, self.payload.len());
+        let mut header = MessageHeader::new(number, self.payload.len());
         header.sent_ns = clock::now_ns();
         write(stream, bytemuck::bytes_of(&header), &self.payload).expect("sent");
     }
 }
 
-/// Writes both in as few calls as it takes.
+/// Vectored write of header and payload, in one call if the socket accepts all.
 fn write(stream: &mut UnixStream, header: &[u8], payload: &[u8]) -> io::Result<()> {
     let n_written = stream.write_vectored(&[IoSlice::new(header), IoSlice::new(payload)])?;
     stream.write_all(header.get(n_written..).unwrap_or_default())?;
     stream.write_all(&payload[n_written.saturating_sub(header.len())..])
 }
 
-pub struct Receiving {
+/// Receiving port: the connecting end of the socket.
+pub struct SocketReceiver {
     stream: UnixStream,
 }
 
-impl Receiving {
-    pub fn new(task: &Task, place: &Place) -> Self {
-        let stream = UnixStream::connect(place.socket()).expect("the sender");
-        let spins = stream.set_nonblocking(task.is_polled());
+impl SocketReceiver {
+    pub fn new(case: &BenchmarkCase, namespace: &IpcNamespace) -> Self {
+        let stream = UnixStream::connect(namespace.socket()).expect("the sender");
+        let spins = stream.set_nonblocking(case.is_polled());
         spins.expect("a socket");
         Self { stream }
     }
 }
 
-/// Fills the buffer; asks again when a socket that does not block has nothing.
-fn read_whole(stream: &mut impl Read, mut buffer: &mut [u8]) -> io::Result<()> {
+/// Fills the buffer; spins while a non-blocking socket has no data.
+///
+/// # Errors
+/// If the stream ends early or fails.
+fn read_exact_spinning(stream: &mut impl Read, mut buffer: &mut [u8]) -> io::Result<()> {
     while !buffer.is_empty() {
         match stream.read(buffer) {
             Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
@@ -73,17 +77,17 @@ fn read_whole(stream: &mut impl Read, mut buffer: &mut [u8]) -> io::Result<()> {
     Ok(())
 }
 
-impl ports::Receiver for Receiving {
-    fn receive(mut self: Box<Self>, mut log: Log) -> Log {
-        let mut header = Header::new(0, 0);
+impl ports::Receiver for SocketReceiver {
+    fn receive(mut self: Box<Self>, mut recorder: LatencyRecorder) -> LatencyRecorder {
+        let mut header = MessageHeader::new(0, 0);
         let mut payload = Vec::new();
         loop {
             let stream = &mut self.stream;
-            read_whole(stream, bytemuck::bytes_of_mut(&mut header)).expect("a header");
+            read_exact_spinning(stream, bytemuck::bytes_of_mut(&mut header)).expect("a header");
             payload.resize(header.payload_bytes as usize, 0);
-            read_whole(stream, &mut payload).expect("a payload");
-            if log.note(header.number, header.sent_ns, &payload) {
-                return log;
+            read_exact_spinning(stream, &mut payload).expect("a payload");
+            if recorder.record(header.number, header.sent_ns, &payload) {
+                return recorder;
             }
         }
     }
@@ -94,17 +98,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_comes_in_pieces_is_read_whole() {
+    fn partial_reads_fill_the_whole_buffer() {
         let (mut sender, mut receiver) = UnixStream::pair().unwrap();
         receiver.set_nonblocking(true).unwrap();
         let payload: Vec<u8> = (0..1_000_000).map(|i| i as u8).collect();
         let expected = payload.clone();
         let writer = std::thread::spawn(move || write(&mut sender, b"header", &payload));
         let mut buffer = vec![0; 6 + expected.len()];
-        read_whole(&mut receiver, &mut buffer).unwrap();
+        read_exact_spinning(&mut receiver, &mut buffer).unwrap();
         writer.join().unwrap().unwrap();
         assert_eq!(buffer.split_at(6), (&b"header"[..], &expected[..]));
-        let ended = read_whole(&mut receiver, &mut buffer).unwrap_err();
+        let ended = read_exact_spinning(&mut receiver, &mut buffer).unwrap_err();
         assert_eq!(ended.kind(), ErrorKind::UnexpectedEof);
     }
 }

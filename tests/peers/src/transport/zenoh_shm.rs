@@ -1,10 +1,9 @@
-//! zenoh, with the messages in shared memory and their descriptors over a Unix
-//! socket: no scouting, nothing but the two sessions.
+//! zenoh peers: messages in shared memory, their descriptors over a Unix socket, no scouting.
 
-use crate::log::Log;
-use crate::payload::{Fill, Header};
-use crate::place::Place;
-use crate::plan::Task;
+use crate::benchmark_case::BenchmarkCase;
+use crate::ipc_namespace::IpcNamespace;
+use crate::latency_recorder::LatencyRecorder;
+use crate::payload::{MessageHeader, PayloadWriter};
 use crate::{clock, ports};
 use std::sync::{Mutex, mpsc};
 use std::time::Duration;
@@ -18,17 +17,21 @@ use zenoh::shm::{
 };
 use zenoh::{Config, Session, Wait};
 
+/// Key expression of the topic.
 const KEY: &str = "cloud";
-/// As many messages as a topic of ours holds for one subscriber, and two loans.
+/// Capacity of the shared memory, in messages: the buffer of one subscriber of our topic, and two
+/// loans.
 const N_MESSAGES: usize = 10;
-/// The largest chunk is a little larger than what is asked for.
-const EXTRA_BYTES: usize = 1 << 20;
-const HEADER_BYTES: usize = size_of::<Header>();
-/// How often is asked whether the receiver has come.
-const LOOK: Duration = Duration::from_millis(2);
+/// Margin for the allocator, bytes: the largest chunk is a little larger than requested.
+const ALLOCATOR_SLACK_BYTES: usize = 1 << 20;
+/// Size of the message header, bytes.
+const HEADER_BYTES: usize = size_of::<MessageHeader>();
+/// Polling period while waiting for a matching subscriber.
+const MATCHING_POLL_INTERVAL: Duration = Duration::from_millis(2);
 
-fn session(endpoint_key: &str, place: &Place) -> Session {
-    let endpoint = format!("[\"unixsock-stream/{}\"]", place.socket().display());
+/// Opens a peer session whose only endpoint is the Unix socket.
+fn session(endpoint_key: &str, namespace: &IpcNamespace) -> Session {
+    let endpoint = format!("[\"unixsock-stream/{}\"]", namespace.socket().display());
     let settings = [
         ("mode", "\"peer\""),
         ("scouting/multicast/enabled", "false"),
@@ -44,24 +47,26 @@ fn session(endpoint_key: &str, place: &Place) -> Session {
     zenoh::open(config).wait().expect("a session")
 }
 
-pub struct Sending {
+/// Publisher with its shared-memory provider.
+pub struct ZenohSender {
     publisher: Publisher<'static>,
     memory: ShmProvider<PosixShmProviderBackend>,
     layout: MemoryLayout,
     _session: Session,
 }
 
-impl Sending {
-    pub fn new(task: &Task, place: &Place) -> Self {
-        let session = session("listen/endpoints", place);
+impl ZenohSender {
+    pub fn new(case: &BenchmarkCase, namespace: &IpcNamespace) -> Self {
+        let session = session("listen/endpoints", namespace);
         let publisher = session
             .declare_publisher(KEY)
             .congestion_control(CongestionControl::Block)
             .express(true)
             .wait();
-        let message_bytes = HEADER_BYTES + task.payload_bytes;
-        let layout = |n_bytes| MemoryLayout::new(n_bytes, AllocAlignment::for_type::<Header>());
-        let all = layout(N_MESSAGES * message_bytes + EXTRA_BYTES).expect("a layout");
+        let message_bytes = HEADER_BYTES + case.payload_bytes;
+        let layout =
+            |n_bytes| MemoryLayout::new(n_bytes, AllocAlignment::for_type::<MessageHeader>());
+        let all = layout(N_MESSAGES * message_bytes + ALLOCATOR_SLACK_BYTES).expect("a layout");
         let memory = ShmProviderBuilder::default_backend(all);
         Self {
             publisher: publisher.expect("a publisher"),
@@ -71,6 +76,7 @@ impl Sending {
         }
     }
 
+    /// Allocates a shared-memory buffer; blocks until one is free.
     fn loan(&self) -> ZShmMut {
         let loan = self.memory.alloc(self.layout);
         let loan = loan.with_policy::<BlockOn<GarbageCollect>>();
@@ -78,48 +84,49 @@ impl Sending {
     }
 }
 
-impl ports::Sender for Sending {
+impl ports::Sender for ZenohSender {
     fn connect(&mut self) {
-        let is_there = || self.publisher.matching_status().wait().expect("a status");
-        while !is_there().matching() {
-            std::thread::sleep(LOOK);
+        let status = || self.publisher.matching_status().wait().expect("a status");
+        while !status().matching() {
+            std::thread::sleep(MATCHING_POLL_INTERVAL);
         }
     }
 
-    fn send(&mut self, number: u64, fill: &mut Fill) {
+    fn send(&mut self, number: u64, writer: &mut PayloadWriter) {
         let mut loan = self.loan();
         let (header, payload) = loan.split_at_mut(HEADER_BYTES);
-        fill.write(number, payload);
-        let filled: &mut Header = bytemuck::from_bytes_mut(header);
-        *filled = Header::new(number, payload.len());
+        writer.write(number, payload);
+        let filled: &mut MessageHeader = bytemuck::from_bytes_mut(header);
+        *filled = MessageHeader::new(number, payload.len());
         filled.sent_ns = clock::now_ns();
         self.publisher.put(ZBytes::from(loan)).wait().expect("sent");
     }
 }
 
-pub struct Receiving {
-    /// To the thread of zenoh that calls back.
-    begin: mpsc::Sender<Log>,
-    /// From it.
-    end: mpsc::Receiver<Log>,
+/// Subscriber with a callback on zenoh's own thread.
+pub struct ZenohReceiver {
+    /// Channel of empty recorders to the callback.
+    begin: mpsc::Sender<LatencyRecorder>,
+    /// Channel of full recorders from the callback.
+    end: mpsc::Receiver<LatencyRecorder>,
     _subscriber: Subscriber<()>,
     _session: Session,
 }
 
-impl Receiving {
-    pub fn new(place: &Place) -> Self {
-        let session = session("connect/endpoints", place);
-        let (begin, begun) = mpsc::channel::<Log>();
+impl ZenohReceiver {
+    pub fn new(namespace: &IpcNamespace) -> Self {
+        let session = session("connect/endpoints", namespace);
+        let (begin, begun) = mpsc::channel::<LatencyRecorder>();
         let (ended, end) = mpsc::channel();
-        // The thread that calls back must be able to share it, and never does.
+        // The callback must be `Sync`; only one thread ever uses the channel.
         let mut begun = Mutex::new(begun);
-        let mut log = None;
+        let mut recorder = None;
         let receive = move |sample: Sample| {
-            let mut current = log.take().unwrap_or_else(|| next(&mut begun));
-            if note(&mut current, sample.payload()) {
-                ended.send(current).expect("who waits");
+            let mut current = recorder.take().unwrap_or_else(|| next(&mut begun));
+            if record(&mut current, sample.payload()) {
+                ended.send(current).expect("a waiting receiver");
             } else {
-                log = Some(current);
+                recorder = Some(current);
             }
         };
         let subscriber = session.declare_subscriber(KEY).callback_mut(receive).wait();
@@ -132,22 +139,26 @@ impl Receiving {
     }
 }
 
-fn next(begun: &mut Mutex<mpsc::Receiver<Log>>) -> Log {
-    let begun = begun.get_mut().expect("nobody has panicked");
-    begun.recv().expect("a log")
+/// Waits for the next empty recorder.
+fn next(begun: &mut Mutex<mpsc::Receiver<LatencyRecorder>>) -> LatencyRecorder {
+    let begun = begun.get_mut().expect("a mutex without poison");
+    begun.recv().expect("a recorder")
 }
 
-/// Panics when the message is not where it was written.
-fn note(log: &mut Log, message: &ZBytes) -> bool {
+/// Records a message; `true` if it was the last.
+///
+/// # Panics
+/// If the message is not in shared memory.
+fn record(recorder: &mut LatencyRecorder, message: &ZBytes) -> bool {
     let message = message.as_shm().expect("a message in shared memory");
     let (header, payload) = message.split_at(HEADER_BYTES);
-    let header: &Header = bytemuck::from_bytes(header);
-    log.note(header.number, header.sent_ns, payload)
+    let header: &MessageHeader = bytemuck::from_bytes(header);
+    recorder.record(header.number, header.sent_ns, payload)
 }
 
-impl ports::Receiver for Receiving {
-    fn receive(self: Box<Self>, log: Log) -> Log {
-        self.begin.send(log).expect("a subscriber");
-        self.end.recv().expect("a log")
+impl ports::Receiver for ZenohReceiver {
+    fn receive(self: Box<Self>, recorder: LatencyRecorder) -> LatencyRecorder {
+        self.begin.send(recorder).expect("a subscriber");
+        self.end.recv().expect("a recorder")
     }
 }
