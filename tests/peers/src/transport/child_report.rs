@@ -28,9 +28,12 @@ pub enum ReportError {
 impl fmt::Display for ReportError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Truncated => f.write_str("a child ended before its answer did"),
-            Self::Line(line) => write!(f, "a child said {line:?}, which is no line of figures"),
-            Self::Missing(name) => write!(f, "a child did not say its {name}"),
+            Self::Truncated => f.write_str("the report of a child process is truncated"),
+            Self::Line(line) => write!(
+                f,
+                "the report of a child process has a malformed line {line:?}"
+            ),
+            Self::Missing(name) => write!(f, "the report of a child process has no valid {name}"),
         }
     }
 }
