@@ -7,7 +7,7 @@ use std::ops::Bound;
 use std::sync::Arc;
 
 use durable_leveldb::MutationId;
-use learning::{CategoryName, LabelledView, ViewId};
+use learning::{CategoryName, ViewId, ViewLabel};
 
 use crate::digest::Digest;
 use crate::document::{DocumentSummary, DocumentVersion};
@@ -172,8 +172,8 @@ impl StoreIndex {
     pub(crate) fn records_of_track(
         &self,
         track_id: u64,
-    ) -> impl Iterator<Item = LabelledView<'_>> + Clone {
-        self.track(track_id).map(|(id, entry)| LabelledView {
+    ) -> impl Iterator<Item = ViewLabel<'_>> + Clone {
+        self.track(track_id).map(|(id, entry)| ViewLabel {
             id,
             category: entry.register.standing.category(),
         })

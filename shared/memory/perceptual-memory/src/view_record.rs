@@ -162,7 +162,10 @@ impl ViewMetadata {
     }
 }
 
-/// Descriptor from its stored values.
+/// Descriptor from its stored values: little-endian `f32`. The format on disk is this
+/// crate's own and changes only with the schema, unlike the one on the wire
+/// (`message::DescriptorBytes`); a remainder of less than four bytes is ignored, so that every
+/// record stays readable.
 pub(crate) fn descriptor(kind: String, values: &[u8]) -> StoredDescriptor {
     let (values, _) = values.as_chunks::<4>();
     StoredDescriptor {

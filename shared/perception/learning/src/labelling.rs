@@ -7,7 +7,7 @@ use crate::{CategoryName, ViewId};
 
 /// Stored key view with its label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LabelledView<'a> {
+pub struct ViewLabel<'a> {
     /// View id.
     pub id: ViewId,
     /// Label; `None` when the view was never taught, or forgotten.
@@ -69,7 +69,7 @@ pub enum TeachingError {
 /// When the track has no views, or a view with another label: two people disagree, and
 /// [`correct`] decides.
 pub fn teach<'a>(
-    records: impl IntoIterator<Item = LabelledView<'a>> + Clone,
+    records: impl IntoIterator<Item = ViewLabel<'a>> + Clone,
     track_id: u64,
     category: &CategoryName,
 ) -> Result<Vec<LabelChange>, TeachingError> {
@@ -98,7 +98,7 @@ pub fn teach<'a>(
 /// # Errors
 /// When the track has no views.
 pub fn correct<'a>(
-    records: impl IntoIterator<Item = LabelledView<'a>>,
+    records: impl IntoIterator<Item = ViewLabel<'a>>,
     track_id: u64,
     category: &CategoryName,
 ) -> Result<Vec<LabelChange>, TeachingError> {
@@ -121,7 +121,7 @@ pub fn correct<'a>(
 /// # Errors
 /// When no view belongs to the category.
 pub fn forget<'a>(
-    records: impl IntoIterator<Item = LabelledView<'a>>,
+    records: impl IntoIterator<Item = ViewLabel<'a>>,
     category: &CategoryName,
 ) -> Result<Vec<LabelChange>, TeachingError> {
     let of_category = records
@@ -136,7 +136,7 @@ pub fn forget<'a>(
     Ok(changes)
 }
 
-impl LabelledView<'_> {
+impl ViewLabel<'_> {
     fn changed_to(self, after: Option<&CategoryName>) -> LabelChange {
         LabelChange {
             id: self.id,

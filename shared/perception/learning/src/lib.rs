@@ -47,7 +47,7 @@ pub use category_index::{CategoryIndex, NearestViewCache};
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use error::Error;
 pub use instance_pruning::redundant_views;
-pub use labelling::{LabelChange, LabelledView, TeachingError, correct, forget, teach};
+pub use labelling::{LabelChange, TeachingError, ViewLabel, correct, forget, teach};
 pub use metric::{Metric, UnknownMetric};
 pub use recognition::{N_NEAREST, Neighbour, Recognition, UnknownRule};
 pub use view_id::ViewId;

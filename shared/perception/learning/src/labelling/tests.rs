@@ -33,8 +33,8 @@ fn named(memory: &NumberedViews) -> Vec<(ViewId, Option<CategoryName>)> {
 
 fn records(
     views: &[(ViewId, Option<CategoryName>)],
-) -> impl Iterator<Item = LabelledView<'_>> + Clone {
-    views.iter().map(|(id, category)| LabelledView {
+) -> impl Iterator<Item = ViewLabel<'_>> + Clone {
+    views.iter().map(|(id, category)| ViewLabel {
         id: *id,
         category: category.as_ref(),
     })
