@@ -21,11 +21,7 @@ fn new_store_is_empty() {
 #[test]
 fn views_and_labels_round_trip_bit_by_bit() {
     let folder = folder();
-    let views = vec![
-        view(1, 0, 0),
-        view(1, 1, 0),
-        view(u64::MAX - 1, u32::MAX, 9),
-    ];
+    let views = vec![view(1, 0, 0), view(1, 1, 0), view(9, u32::MAX, 9)];
     let (mut memory, _) = open(&folder);
     let answers = apply(&mut memory, &[store(1, views.clone()), teach(2, 1, "Mug")]);
     assert_eq!(answers, [answer(1, 3), answer(2, 2)]);
@@ -46,7 +42,7 @@ fn views_and_labels_round_trip_bit_by_bit() {
             assert_eq!(stored.origin.view, stored.view.id);
             assert_eq!(stored.origin.memory_id, memory.memory_id());
         }
-        let last = memory.views_of_track(u64::MAX - 1).unwrap().remove(0);
+        let last = memory.views_of_track(9).unwrap().remove(0);
         assert_eq!(
             (&last.view, last.standing),
             (&views[2], LabelStatus::Unnamed)
