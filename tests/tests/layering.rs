@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 14] = [
+const OWNERS: [(&str, &[&str]); 15] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["durable-leveldb"]),
@@ -15,6 +15,7 @@ const OWNERS: [(&str, &[&str]); 14] = [
     ("pathfinding", &["tracking"]),
     ("indicatif", &["command-line", "experiments"]),
     ("plotters", &["plot", "evaluation"]),
+    ("rayon", &["experiments"]),
     (
         "ciborium",
         &["channel", "durable-leveldb", "perceptual-memory"],
@@ -37,7 +38,6 @@ const OWNERS: [(&str, &[&str]); 14] = [
             "simulator",
             "perception",
             "memory",
-            "tabula",
         ],
     ),
 ];

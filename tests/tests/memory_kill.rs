@@ -17,6 +17,8 @@ use std::time::{Duration, Instant};
 
 /// Number of concurrent clients.
 const N_TEACHERS: u64 = 4;
+/// Track ids that each of them leases.
+const N_LEASED: u32 = 1 << 16;
 const VIEWS_PER_TRACK: u32 = 3;
 /// Pause before a client repeats a request.
 const RETRY_PERIOD: Duration = Duration::from_millis(3);
@@ -139,16 +141,19 @@ fn command(track_id: u64, step: usize, corrected: Option<u64>) -> Command {
 type Acknowledged = BTreeMap<(u64, usize), Option<u64>>;
 
 /// Changes one track after the other until the end, every second one including the undo.
-fn teach(sandbox: &Sandbox, teacher: u64, is_over: &AtomicBool) -> Acknowledged {
+fn teach(sandbox: &Sandbox, is_over: &AtomicBool) -> Acknowledged {
     let mut client = RetryingClient {
         sandbox,
         client: None,
     };
     let mut acknowledged = Acknowledged::new();
-    for round in 0.. {
-        let track_id = 1 + teacher + N_TEACHERS * round;
+    let first = match client.ask(&Command::LeaseTrackIds { count: N_LEASED }) {
+        Reply::TrackIds { first } => first,
+        other => panic!("lease: {other:?}"),
+    };
+    for (round, track_id) in (first..first + u64::from(N_LEASED)).enumerate() {
         let mut corrected = None;
-        for step in 0..3 + (round as usize % 2) {
+        for step in 0..3 + round % 2 {
             match client.ask(&command(track_id, step, corrected)) {
                 Reply::Stored => {
                     acknowledged.insert((track_id, step), None);
@@ -235,9 +240,9 @@ fn check_kills(n_kills: usize, seed: u64) {
     let mut random = Random::from_seed(seed);
     let acknowledged = std::thread::scope(|scope| {
         let teachers: Vec<_> = (0..N_TEACHERS)
-            .map(|teacher| {
+            .map(|_| {
                 let (sandbox, is_over) = (&sandbox, &is_over);
-                scope.spawn(move || teach(sandbox, teacher, is_over))
+                scope.spawn(move || teach(sandbox, is_over))
             })
             .collect();
         for _ in 0..n_kills {
