@@ -91,13 +91,14 @@ fn upload(memory: &mut MemoryClient, file: &mut File, output: &Output) -> Result
         let mut bytes = Vec::with_capacity(WRITE_BYTES);
         let part = Read::by_ref(file).take(WRITE_BYTES as u64);
         { part }.read_to_end(&mut bytes).map_err(failed)?;
-        if bytes.is_empty() {
-            break;
-        }
         let n_part = bytes.len() as u64;
+        // The empty part at the end is sent too: an empty file is judged like any other.
         memory.job_request(JobCommand::Write { job, offset, bytes })?;
         offset += n_part;
         bar.set_position(offset);
+        if n_part == 0 {
+            break;
+        }
     }
     bar.finish_and_clear();
     Ok(job)
