@@ -27,22 +27,7 @@ const PROBE: Duration = Duration::from_millis(500);
 /// # Errors
 /// When the store cannot be opened or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
-    let folder = context.home.perceptual_memory();
-    let (thread, store, report) = StoreThread::start(StoreConfig {
-        folder,
-        queue_capacity: config.queue_requests,
-        limits: config.limits,
-        write_buffer_bytes: config.write_buffer_bytes,
-        wall_clock: || wall_clock_ns().max(0) as u64,
-        on_reopened: Box::new({
-            let health = context.health.clone();
-            move |opened| match opened {
-                Ok(report) => log_report(&health, report),
-                Err(error) => tracing::error!("the memory could not be opened again: {error}"),
-            }
-        }),
-    })
-    .map_err(failed)?;
+    let (thread, store, report) = open_store(&context, &config)?;
     log_report(&context.health, &report);
     let (world_thread, world) = WorkingMemory::start(&context, &config)?;
     let world = Arc::new(world);
@@ -90,6 +75,27 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let world_stopped = world_stopped.map_err(failed);
     let stopped = thread.stop().map_err(failed).and(world_stopped);
     outcome.and(stopped)
+}
+
+fn open_store(
+    context: &Context,
+    config: &Config,
+) -> Result<(StoreThread, StoreHandle, OpenReport), Failure> {
+    StoreThread::start(StoreConfig {
+        folder: context.home.perceptual_memory(),
+        queue_capacity: config.queue_requests,
+        limits: config.limits,
+        write_buffer_bytes: config.write_buffer_bytes,
+        wall_clock: || wall_clock_ns().max(0) as u64,
+        on_reopened: Box::new({
+            let health = context.health.clone();
+            move |opened| match opened {
+                Ok(report) => log_report(&health, report),
+                Err(error) => tracing::error!("the memory could not be opened again: {error}"),
+            }
+        }),
+    })
+    .map_err(failed)
 }
 
 fn failed(error: impl Display) -> Failure {

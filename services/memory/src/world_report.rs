@@ -167,7 +167,7 @@ pub(crate) fn word(outcome: ActionOutcome) -> &'static str {
     }
 }
 
-/// ActionOutcome of a task.
+/// Outcome of a task.
 pub(crate) fn outcome(outcome: TaskOutcome) -> ActionOutcome {
     match outcome {
         TaskOutcome::Succeeded => ActionOutcome::Succeeded,

@@ -69,14 +69,14 @@ pub(crate) struct EventsArguments {
 const TIME_HELP: &str = "TIME is a time ago: -90s, -10m, -2h, -3d; or seconds since 1970: \
                          1735689600, as `date +%s` prints them.";
 
-/// WorldPoint in the world frame, metres.
+/// Position in the world frame, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WorldPoint(pub(crate) [f64; 3]);
 
-/// WorldPoint in time as given on the command line.
+/// Point in time as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TimeArgument {
-    /// TimeArgument before now, nanoseconds.
+    /// Time before now, nanoseconds.
     Ago(u64),
     /// Nanoseconds since 1970.
     Absolute(u64),

@@ -37,12 +37,11 @@ fn unexpected_answer(outcome: JobOutcome) -> Failure {
 
 /// `tabula memory verify`: without a daemon it reads a copy and changes nothing.
 pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let mut memory = match connect_if_running(common)? {
-        Some(client) => client.into(),
-        None => {
-            local_memory_folder(common)?;
-            MemoryClient::open_offline(common)?
-        }
+    let mut memory = if let Some(client) = connect_if_running(common)? {
+        client.into()
+    } else {
+        local_memory_folder(common)?;
+        MemoryClient::open_offline(common)?
     };
     let found = match job(&mut memory, JobKind::Verify, "views", output)? {
         JobOutcome::Verified(found) => found,

@@ -175,7 +175,7 @@ pub enum SweepScore {
 /// Constants of a sweep, the evaluation, and the folder of the results.
 #[derive(Debug, Args)]
 pub struct SweepArguments {
-    /// FILE:NAME of a constant or of a default setting in the source tree, or FILE for all of it
+    /// A constant or default setting of a source file, or all of a file
     #[arg(required = true, value_name = "FILE[:NAME]")]
     pub constants: Vec<String>,
     /// Evaluation whose scores are compared

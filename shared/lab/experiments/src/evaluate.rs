@@ -18,6 +18,9 @@ use service::Failure;
 use std::process::ExitCode;
 
 /// Runs an evaluation and prints its report.
+///
+/// # Errors
+/// When the data set cannot be read or a result cannot be written.
 pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         EvaluateVerb::Detection(arguments) => detection::run(arguments, output),

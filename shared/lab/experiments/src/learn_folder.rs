@@ -45,6 +45,9 @@ struct LearnReport {
 }
 
 /// Describes the views of a folder and imports them into the daemon's memory.
+///
+/// # Errors
+/// When the folder cannot be read, no daemon runs, or the memory refuses the views.
 pub fn run(
     common: &CommonArguments,
     arguments: &LearnArguments,

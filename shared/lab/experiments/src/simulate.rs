@@ -12,6 +12,9 @@ use service::Failure;
 use std::process::ExitCode;
 
 /// Runs a subcommand of `tabula-lab simulate`.
+///
+/// # Errors
+/// When the scene or a model is invalid, or a file cannot be written.
 pub fn run(verb: &SimulateVerb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
         SimulateVerb::Scene(arguments) => record_scene::run(arguments, output),

@@ -89,15 +89,14 @@ mod tests {
         assert!(decode_request(b"rubbish").is_err() && decode_request(b"").is_err());
     }
 
-    /// All objects of a full scene fit into one message.
-    #[test]
-    fn the_longest_list_of_objects_fits() {
+    /// Object whose every number and text has its longest form.
+    fn longest_object() -> SceneObject {
         let name = Text::truncated(&"x".repeat(64));
         let near = NearCategory {
             label: name,
             distance: 0.123_456_7,
         };
-        let object = SceneObject {
+        SceneObject {
             track_id: u64::MAX,
             n_points: u32::MAX,
             n_views: u32::MAX,
@@ -124,21 +123,21 @@ mod tests {
                 answered_ns: u64::MAX,
             },
             ..SceneObject::default()
-        };
+        }
+    }
+
+    /// All objects of a full scene fit into one message.
+    #[test]
+    fn the_longest_list_of_objects_fits() {
+        let object = longest_object();
         let mut findings = Findings::default();
         for constraint in Constraint::ALL {
             let reason = Reason::Robot {
                 share: 0.876_543_2,
                 margin_m: 0.123_456_7,
             };
-            let truth = Ternary::Unknown;
-            findings.set(
-                constraint,
-                Finding {
-                    value: truth,
-                    reason,
-                },
-            );
+            let value = Ternary::Unknown;
+            findings.set(constraint, Finding { value, reason });
         }
         let blob = RejectedCandidate {
             decisive: u32::MAX,

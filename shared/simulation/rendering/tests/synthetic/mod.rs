@@ -1,6 +1,10 @@
 //! Synthetic test meshes and a table scene made of them.
 
 #![allow(dead_code, reason = "each user needs only a part of it")]
+#![allow(
+    clippy::unwrap_used,
+    reason = "a fixture of tests, benchmarks and examples"
+)]
 
 use geometry::{PinholeCamera, RigidTransform};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
