@@ -362,7 +362,8 @@ fn soak_reports_every_window_of_its_run() {
     let n_frames: u64 = windows.iter().map(|w| w["frames"].as_u64().unwrap()).sum();
     assert_eq!(run["frames"], n_frames, "{run}");
     let is_whole = |window: &Value| window["processes"].as_array().unwrap().len() == 3;
-    assert!(windows.iter().all(is_whole), "{run}");
+    // The usage of a window is a difference; the first has nothing before it.
+    assert!(windows[1..].iter().all(is_whole), "{run}");
     assert!(sandbox.shared_memory_files().is_empty());
 }
 
