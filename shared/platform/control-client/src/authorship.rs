@@ -15,12 +15,5 @@ pub fn author_or_user(author: Option<&str>) -> String {
 /// # Errors
 /// If the operating system provides no random numbers.
 pub fn mutation_id() -> Result<MutationId, Failure> {
-    let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|error| {
-        Failure::new(
-            exit_code::FAILURE,
-            format!("this machine gives no random numbers: {error}"),
-        )
-    })?;
-    Ok(MutationId(u128::from_le_bytes(bytes)))
+    MutationId::random().map_err(|error| Failure::new(exit_code::FAILURE, error))
 }
