@@ -17,12 +17,12 @@
 //!
 //! let rule: Expression = "C_table and not C_edge".parse()?;
 //! let mut findings = Findings::default();
-//! let standing = Finding { truth: Ternary::True, reason: Reason::StandsOnTable };
+//! let standing = Finding { value: Ternary::True, reason: Reason::StandsOnTable };
 //! findings.set(Constraint::Table, standing);
 //! // The rim has not been evaluated, so the verdict is open.
 //! assert_eq!(rule.evaluate(&findings), Ternary::Unknown);
 //!
-//! let inside = Finding { truth: Ternary::False, reason: Reason::AwayFromRim };
+//! let inside = Finding { value: Ternary::False, reason: Reason::AwayFromRim };
 //! findings.set(Constraint::Edge, inside);
 //! assert_eq!(rule.evaluate(&findings), Ternary::True);
 //! # Ok::<(), constraint::InvalidExpression>(())
