@@ -6,7 +6,7 @@
 
 use command_line::{Output, format_table};
 use dataset::pcd;
-use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 use point_cloud::OrganizedCloud;
 use serde::Serialize;
 use service::{Failure, exit_code};
@@ -122,8 +122,14 @@ fn ours_ms(scenes: &[PathBuf], n_repetitions: usize) -> Result<f64, Failure> {
                 priors: ScenePriors::default(),
             };
             let begin = Instant::now();
-            detect(&frame, &config, &mut workspace, &mut detection)
-                .map_err(|error| unusable(&error))?;
+            detect(
+                &frame,
+                &config,
+                &mut workspace,
+                &mut detection,
+                Execution::default(),
+            )
+            .map_err(|error| unusable(&error))?;
             times_ms.push(begin.elapsed().as_secs_f64() * 1e3);
         }
         of_scenes.push(median(&times_ms));

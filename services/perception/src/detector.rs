@@ -4,7 +4,7 @@ use crate::frame_receiver::ReceivedFrame;
 use crate::helper_threads::HelperThreads;
 use crate::scene_priors::PriorBuffers;
 use actor::{JobLost, Progress, WorkerPool};
-use detection::{Config, Detection, DetectionInput, DetectionStage, Workspace, detect_observed};
+use detection::{Config, Detection, DetectionInput, DetectionStage, Execution, Workspace, detect};
 use message::{SegmentLocation, Span, Stage, points};
 use point_cloud::OrganizedCloud;
 use service::Stopwatch;
@@ -128,17 +128,14 @@ fn search(
         };
         let mut watch = begin;
         spans.clear();
-        let on_step = &mut |step| spans.push(watch.lap(stage(step), 0));
-        let found = detect_observed(
-            &frame,
-            config,
-            workspace,
-            detection,
-            helper_threads,
-            on_step,
-        );
+        let on_stage = &mut |ended| spans.push(watch.lap(stage(ended), 0));
+        let execution = Execution {
+            parallelism: helper_threads,
+            observer: Some(on_stage),
+        };
+        let found = detect(&frame, config, workspace, detection, execution);
         helper_threads.take_spans(spans);
-        // Discards the time after the last step.
+        // Discards the time after the last stage.
         let _ = watch.lap(Stage::Detection, 0);
         spans.push(watch.span_since(&begin, Stage::Detection, 0));
         found.map_err(|error| error.to_string())
@@ -146,8 +143,8 @@ fn search(
     (buffers, found.map(|()| received.frame.location()))
 }
 
-fn stage(step: DetectionStage) -> Stage {
-    match step {
+fn stage(ended: DetectionStage) -> Stage {
+    match ended {
         DetectionStage::Subsampling => Stage::Samples,
         DetectionStage::TablePlane => Stage::TablePlane,
         DetectionStage::TableSurface => Stage::TableSurface,

@@ -1,6 +1,6 @@
 //! Detection quality on real labelled scenes.
 
-use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::LabelledScenes;
 use evaluation::segmentation_score::{MEASURE_NAMES, Overlaps, SegmentationScore, score};
@@ -40,7 +40,14 @@ fn detection_finds_the_objects_of_labelled_scenes() {
             seed: 1,
             priors: ScenePriors::default(),
         };
-        detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
+        detect(
+            &frame,
+            &Config::default(),
+            &mut workspace,
+            &mut detection,
+            Execution::default(),
+        )
+        .unwrap();
         let found = HypothesisImages::of(&detection, scene.points.len()).unwrap();
         if let Some(score) = score(&Overlaps::count(&found.before_psi, &scene.labels)) {
             println!("{}", line(&entry.name, &score));

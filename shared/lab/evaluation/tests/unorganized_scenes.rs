@@ -2,7 +2,7 @@
 //! clouds.
 
 use dataset::pcd;
-use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 use evaluation::segmentation_score::{Overlaps, SegmentationScore};
 use nalgebra::{Isometry3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -31,7 +31,14 @@ fn found(points: &[Point], width: usize, workspace: &mut Workspace) -> Detection
         priors: ScenePriors::default(),
     };
     let mut detection = Detection::default();
-    detect(&frame, &Config::default(), workspace, &mut detection).expect("a small cloud");
+    detect(
+        &frame,
+        &Config::default(),
+        workspace,
+        &mut detection,
+        Execution::default(),
+    )
+    .expect("a small cloud");
     detection
 }
 

@@ -1,14 +1,14 @@
 //! Request handler of the perceptual memory: answers control commands from the store.
 //!
-//! It is used by the memory service, and by the command-line tool, which opens the store itself
-//! when no daemon runs. The crate converts between `message` and `perceptual_memory`; it has no transport of
-//! its own.
+//! The memory service uses it for the daemon and, with `--offline`, for a client
+//! without a daemon. The crate converts between `message` and `perceptual_memory`; it
+//! has no transport of its own.
 //!
 //! ```no_run
 //! use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 //! use message::control::{Command, MemoryQuery};
 //!
-//! async fn print_stats(store: store::StoreHandle) {
+//! async fn print_stats(store: perceptual_memory::StoreHandle) {
 //!     let (handler, _position) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
 //!         store,
 //!         scratch: "/tmp/uploads".into(),

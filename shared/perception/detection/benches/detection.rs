@@ -7,7 +7,7 @@
 mod synthetic;
 
 use dataset::pcd;
-use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 use divan::Bencher;
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
@@ -34,7 +34,14 @@ fn bench_cloud(bencher: Bencher<'_, '_>, cloud: OrganizedCloud<'_>) {
             seed,
             priors: ScenePriors::default(),
         };
-        detect(&frame, &config, &mut workspace, &mut detection).is_ok()
+        detect(
+            &frame,
+            &config,
+            &mut workspace,
+            &mut detection,
+            Execution::default(),
+        )
+        .is_ok()
     });
 }
 

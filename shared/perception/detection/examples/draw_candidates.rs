@@ -8,7 +8,7 @@
 
 use dataset::pcd;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
-use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::error::Error;
@@ -73,6 +73,7 @@ fn segments(
         &Config::default(),
         &mut Workspace::default(),
         &mut detection,
+        Execution::default(),
     )?;
     let mut segment_of = vec![0; cloud.points().len()];
     if let Some(table) = &detection.table {

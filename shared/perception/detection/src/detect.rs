@@ -1,11 +1,10 @@
-//! Detection entry points: organised clouds take the image path, all others the
+//! Detection entry point: organised clouds take the image path, all others the
 //! unorganised path.
 
+use crate::execution::Execution;
 use crate::input::DetectionInput;
 use crate::organized::detect_organized;
 use crate::output::Detection;
-use crate::parallelism::{Parallelism, Sequential};
-use crate::stage::DetectionStage;
 use crate::unorganized::{detect_unorganized, is_unorganized};
 use crate::workspace::Workspace;
 use crate::{Config, Error};
@@ -18,8 +17,8 @@ const N_POINTS_MAX: usize = 1 << 26;
 /// Detect the table and the object candidates on it in one frame.
 ///
 /// Points may hold any bit pattern; points that are not finite, out of range or
-/// implausibly far to the side are ignored. Allocates nothing once the buffers have
-/// grown.
+/// implausibly far to the side are ignored. The result does not depend on `execution`.
+/// Allocates nothing once the buffers have grown.
 ///
 /// # Errors
 /// When the cloud is larger than 8192x8192 points; `detection` is then left empty.
@@ -28,32 +27,7 @@ pub fn detect(
     config: &Config,
     workspace: &mut Workspace,
     detection: &mut Detection,
-) -> Result<(), Error> {
-    detect_observed(
-        frame,
-        config,
-        workspace,
-        detection,
-        &Sequential,
-        &mut |_| {},
-    )
-}
-
-/// [`detect`] with parallel execution and a stage observer.
-///
-/// `on_step` is called at the end of each stage, so that a caller with a clock can
-/// time it. Not all stages are run for an unorganised cloud or without a table. The
-/// result does not depend on `parallelism`.
-///
-/// # Errors
-/// As for [`detect`].
-pub fn detect_observed(
-    frame: &DetectionInput<'_>,
-    config: &Config,
-    workspace: &mut Workspace,
-    detection: &mut Detection,
-    parallelism: &dyn Parallelism,
-    on_step: &mut dyn FnMut(DetectionStage),
+    execution: Execution<'_>,
 ) -> Result<(), Error> {
     let Workspace {
         organized,
@@ -66,7 +40,7 @@ pub fn detect_observed(
         let buffers = unorganized.get_or_insert_default();
         detect_unorganized(frame, config, buffers, organized, detection);
     } else {
-        detect_organized(frame, config, organized, detection, parallelism, on_step);
+        detect_organized(frame, config, organized, detection, execution);
     }
     Ok(())
 }

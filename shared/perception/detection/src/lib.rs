@@ -18,7 +18,7 @@
 //! A cloud without a plane has no table and therefore no candidates:
 //!
 //! ```
-//! use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+//! use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 //! use point_cloud::{OrganizedCloud, Point};
 //!
 //! let points = vec![Point::default(); 640 * 480];
@@ -26,10 +26,10 @@
 //!     cloud: OrganizedCloud::new(&points, 640, 480)?,
 //!     up_in_camera: None,
 //!     seed: 1,
-//!     surroundings: ScenePriors::default(),
+//!     priors: ScenePriors::default(),
 //! };
 //! let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
-//! detect(&frame, &Config::default(), &mut workspace, &mut detection)?;
+//! detect(&frame, &Config::default(), &mut workspace, &mut detection, Execution::default())?;
 //! assert!(detection.table.is_none() && detection.candidates.is_empty());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -44,6 +44,7 @@ mod constraint_evaluation;
 mod creases;
 mod detect;
 mod error;
+mod execution;
 mod footprint;
 mod input;
 mod occluded_table;
@@ -72,8 +73,9 @@ mod workspace;
 
 pub use candidate::{Candidate, Support};
 pub use config::{Config, InvalidConfig, RawConfig};
-pub use detect::{detect, detect_observed};
+pub use detect::detect;
 pub use error::Error;
+pub use execution::Execution;
 pub use input::{DetectionInput, ExpectedTrack, ScenePriors};
 pub use outline::Outline;
 pub use output::Detection;

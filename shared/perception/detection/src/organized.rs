@@ -5,6 +5,7 @@ use crate::candidate::Candidate;
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::clusters::{Clusters, ConcavitySplit, TrackClaims};
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
+use crate::execution::Execution;
 use crate::input::DetectionInput;
 use crate::outline::Outline;
 use crate::outline_tracing::OutlineTracer;
@@ -98,26 +99,26 @@ pub(crate) fn detect_organized(
     config: &Config,
     buffers: &mut OrganizedBuffers,
     detection: &mut Detection,
-    parallelism: &dyn Parallelism,
-    on_step: &mut dyn FnMut(DetectionStage),
+    mut execution: Execution<'_>,
 ) {
     let raw = config.get();
-    if let Some(table) = find_table(frame, raw, buffers, on_step) {
+    let parallelism = execution.parallelism;
+    if let Some(table) = find_table(frame, raw, buffers, &mut execution) {
         list_above_table(&frame.cloud, &table, raw, parallelism, buffers);
-        on_step(DetectionStage::PrismFilter);
+        execution.end_stage(DetectionStage::PrismFilter);
         cluster_pixels(frame, &table, raw, parallelism, buffers);
-        on_step(DetectionStage::Clustering);
+        execution.end_stage(DetectionStage::Clustering);
         split_at_concavities(&frame.cloud, &table, parallelism, buffers);
-        on_step(DetectionStage::ConcavitySplit);
+        execution.end_stage(DetectionStage::ConcavitySplit);
         regroup_by_tracks(frame, buffers);
-        on_step(DetectionStage::TrackRegrouping);
+        execution.end_stage(DetectionStage::TrackRegrouping);
         grow_to_support_plane(&frame.cloud, &table, buffers);
-        on_step(DetectionStage::SupportPlaneGrowth);
+        execution.end_stage(DetectionStage::SupportPlaneGrowth);
         find_hypotheses(&frame.cloud, &table, raw, parallelism, buffers);
-        on_step(DetectionStage::BoundingBoxes);
+        execution.end_stage(DetectionStage::BoundingBoxes);
         write_candidates(frame, &table, config, parallelism, buffers, detection);
         detection.table = Some(table);
-        on_step(DetectionStage::ConstraintEvaluation);
+        execution.end_stage(DetectionStage::ConstraintEvaluation);
     }
 }
 
@@ -126,7 +127,7 @@ fn find_table(
     frame: &DetectionInput<'_>,
     config: &RawConfig,
     buffers: &mut OrganizedBuffers,
-    on_step: &mut dyn FnMut(DetectionStage),
+    execution: &mut Execution<'_>,
 ) -> Option<Table> {
     let OrganizedBuffers {
         samples,
@@ -137,17 +138,17 @@ fn find_table(
         ..
     } = buffers;
     samples.refill(&frame.cloud, config);
-    on_step(DetectionStage::Subsampling);
+    execution.end_stage(DetectionStage::Subsampling);
     let mut random = Random::from_seed(frame.seed);
     let table = select_table(samples, frame.up_in_camera, config, &mut random, selection);
-    on_step(DetectionStage::TablePlane);
+    execution.end_stage(DetectionStage::TablePlane);
     let mut table = table?;
     surface.refill(&table, samples);
     if surface.has_gaps() {
         std::mem::swap(&mut table.outline, hull);
         tracer.trace(surface, hull, &mut table.outline);
     }
-    on_step(DetectionStage::TableSurface);
+    execution.end_stage(DetectionStage::TableSurface);
     Some(table)
 }
 

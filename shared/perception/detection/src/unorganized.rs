@@ -27,10 +27,10 @@ use self::point_labels::PointLabels;
 use self::single_view::{SingleView, ViewEvidence};
 use self::voxel_detection::VoxelDetector;
 use crate::Config;
+use crate::execution::Execution;
 use crate::input::DetectionInput;
 use crate::organized::{OrganizedBuffers, detect_organized};
 use crate::output::Detection;
-use crate::parallelism::Sequential;
 use point_cloud::OrganizedCloud;
 
 /// Buffers of the unorganised path.
@@ -87,8 +87,7 @@ fn detect_in_single_view(
         config,
         organized,
         detection,
-        &Sequential,
-        &mut |_| {},
+        Execution::default(),
     );
     let points = frame.cloud.points();
     labels.refill(detection, image.points().len(), points.len(), |i| {

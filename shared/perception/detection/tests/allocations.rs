@@ -5,7 +5,9 @@ mod scene_priors;
 mod synthetic;
 
 use allocation_counter::CountingAllocator;
-use detection::{Candidate, Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{
+    Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
+};
 use point_cloud::OrganizedCloud;
 use synthetic::{BoxOnTable, camera_from_table, render};
 
@@ -42,7 +44,14 @@ fn organized_detection_allocates_nothing_in_steady_state() {
             },
         };
         let before = n_allocations();
-        detect(&frame, &config, &mut workspace, &mut detection).unwrap();
+        detect(
+            &frame,
+            &config,
+            &mut workspace,
+            &mut detection,
+            Execution::default(),
+        )
+        .unwrap();
         let n_allocations = n_allocations() - before;
         assert!(detection.candidates.len() >= 3);
         let is_limb = |c: &Candidate| c.findings.is_person_or_robot();
@@ -91,7 +100,14 @@ fn unorganized_detection_allocates_only_polygons_in_steady_state() {
                 priors: ScenePriors::default(),
             };
             let before = n_allocations();
-            detect(&frame, &config, &mut workspace, &mut detection).unwrap();
+            detect(
+                &frame,
+                &config,
+                &mut workspace,
+                &mut detection,
+                Execution::default(),
+            )
+            .unwrap();
             let n_allocations = n_allocations() - before;
             assert_eq!(detection.candidates.len(), 3);
             if seed >= 20 {

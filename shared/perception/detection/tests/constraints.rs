@@ -4,8 +4,8 @@ mod synthetic;
 
 use constraint::{Assumption, Constraint, Findings, Reason, Ternary};
 use detection::{
-    Candidate, Config, Detection, DetectionInput, ExpectedTrack, RawConfig, ScenePriors, Workspace,
-    detect,
+    Candidate, Config, Detection, DetectionInput, Execution, ExpectedTrack, RawConfig, ScenePriors,
+    Workspace, detect,
 };
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -36,7 +36,14 @@ fn found(points: &[Point], surroundings: ScenePriors<'_>, config: &Config) -> De
         seed: 3,
         priors: surroundings,
     };
-    detect(&frame, config, &mut Workspace::default(), &mut detection).expect("an organised cloud");
+    detect(
+        &frame,
+        config,
+        &mut Workspace::default(),
+        &mut detection,
+        Execution::default(),
+    )
+    .expect("an organised cloud");
     detection
 }
 

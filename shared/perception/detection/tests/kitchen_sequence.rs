@@ -1,7 +1,9 @@
 //! Table selection in a kitchen sequence with floor, walls, cupboards and chairs.
 
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
-use detection::{Config, Detection, DetectionInput, ScenePriors, Table, Workspace, detect};
+use detection::{
+    Config, Detection, DetectionInput, Execution, ScenePriors, Table, Workspace, detect,
+};
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
@@ -64,7 +66,14 @@ fn table_selection_prefers_the_table_to_walls_and_floor() {
                 seed: index as u64,
                 priors: ScenePriors::default(),
             };
-            detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
+            detect(
+                &frame,
+                &Config::default(),
+                &mut workspace,
+                &mut detection,
+                Execution::default(),
+            )
+            .unwrap();
             let height = height_m(detection.table.as_ref(), &world_from_camera, &up);
             *n_found += u32::from(height.is_some_and(|height| TABLE_HEIGHT_M.contains(&height)));
         }

@@ -7,8 +7,8 @@ mod scoped_threads;
 mod synthetic;
 
 use detection::{
-    Config, Detection, DetectionInput, Parallelism, ScenePriors, Sequential, Workspace,
-    detect_observed,
+    Config, Detection, DetectionInput, Execution, Parallelism, ScenePriors, Sequential, Workspace,
+    detect,
 };
 use point_cloud::{OrganizedCloud, Point};
 use scoped_threads::ScopedThreads;
@@ -31,16 +31,11 @@ fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
             },
         };
         let mut detection = Detection::default();
-        let on_step = &mut |_| {};
-        detect_observed(
-            &frame,
-            &config,
-            &mut workspace,
-            &mut detection,
+        let execution = Execution {
             parallelism,
-            on_step,
-        )
-        .expect("an image");
+            observer: None,
+        };
+        detect(&frame, &config, &mut workspace, &mut detection, execution).expect("an image");
         detection
     };
     (0..6).map(&mut search).collect()

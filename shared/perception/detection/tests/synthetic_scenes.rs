@@ -3,7 +3,9 @@
 mod synthetic;
 
 use constraint::Ternary;
-use detection::{Config, Detection, DetectionInput, ScenePriors, Support, Workspace, detect};
+use detection::{
+    Config, Detection, DetectionInput, Execution, ScenePriors, Support, Workspace, detect,
+};
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
@@ -36,6 +38,7 @@ fn found(points: &[Point], size: (usize, usize), up: Option<Unit<Vector3<f64>>>)
         &Config::default(),
         &mut Workspace::default(),
         &mut detection,
+        Execution::default(),
     )
     .expect("an organised cloud");
     detection
@@ -245,7 +248,14 @@ fn workspace_reuse_keeps_no_state() {
             seed: 3,
             priors: ScenePriors::default(),
         };
-        detect(&frame, &Config::default(), &mut workspace, &mut detection).unwrap();
+        detect(
+            &frame,
+            &Config::default(),
+            &mut workspace,
+            &mut detection,
+            Execution::default(),
+        )
+        .unwrap();
         assert_eq!(detection, found(points, (640, 480), None));
     }
 }
@@ -277,7 +287,7 @@ proptest! {
         let cloud = OrganizedCloud::new(&points, size.0, size.1).unwrap();
         let mut detection = Detection::default();
         let frame = DetectionInput { cloud, up_in_camera, seed, priors: ScenePriors::default() };
-        detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection).unwrap();
+        detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection, Execution::default()).unwrap();
         prop_assert!(detection.point_indices.iter().all(|&i| points[i as usize].is_finite()));
     }
 

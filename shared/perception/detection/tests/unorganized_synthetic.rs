@@ -2,7 +2,9 @@
 
 mod synthetic;
 
-use detection::{Config, Detection, DetectionInput, ScenePriors, Support, Workspace, detect};
+use detection::{
+    Config, Detection, DetectionInput, Execution, ScenePriors, Support, Workspace, detect,
+};
 use nalgebra::{Isometry3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
@@ -37,7 +39,14 @@ fn found_with(points: &[Point], up: Option<Vector3<f64>>, workspace: &mut Worksp
         seed: 3,
         priors: ScenePriors::default(),
     };
-    detect(&frame, &Config::default(), workspace, &mut detection).expect("a small cloud");
+    detect(
+        &frame,
+        &Config::default(),
+        workspace,
+        &mut detection,
+        Execution::default(),
+    )
+    .expect("a small cloud");
     detection
 }
 
@@ -141,6 +150,7 @@ fn unorganized_column_matches_row() {
         &Config::default(),
         &mut Workspace::default(),
         &mut detection,
+        Execution::default(),
     )
     .unwrap();
     assert_eq!(detection, found(&points, None));
@@ -458,7 +468,7 @@ proptest! {
         let up_in_camera = up.and_then(|up| Unit::try_new(Vector3::from(up), 1e-3));
         let frame = DetectionInput { cloud, up_in_camera, seed , priors: ScenePriors::default(),};
         let mut detection = Detection::default();
-        detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection).unwrap();
+        detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection, Execution::default()).unwrap();
         prop_assert!(detection.point_indices.iter().all(|&i| points[i as usize].is_finite()));
     }
 

@@ -5,7 +5,9 @@ use crate::frame_pipeline::{FrameExecutor, FramePipeline, PosteriorSink};
 use crate::{
     Config, Error, FramePose, ObjectState, ObjectWorkspace, Observation, Sighting, category_index,
 };
-use detection::{Detection, DetectionInput, ExpectedTrack, ScenePriors, Workspace, detect};
+use detection::{
+    Detection, DetectionInput, Execution, ExpectedTrack, ScenePriors, Workspace, detect,
+};
 use geometry::Capsule;
 use learning::CategoryIndex;
 use nalgebra::{Unit, Vector3};
@@ -105,7 +107,14 @@ impl SequentialExecutor<'_> {
         };
         let mut detection = std::mem::take(&mut state.detection);
         let (config, workspace) = (&state.detection_config, &mut state.workspace);
-        detect(&input, config, workspace, &mut detection).map_err(Error::Detection)?;
+        detect(
+            &input,
+            config,
+            workspace,
+            &mut detection,
+            Execution::default(),
+        )
+        .map_err(Error::Detection)?;
         Ok(detection)
     }
 

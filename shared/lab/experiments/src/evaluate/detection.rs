@@ -9,7 +9,7 @@ use crate::failure::{failed, usage};
 use crate::output_files::{create_folder, write};
 use crate::timing::durations_ms;
 use command_line::{Output, progress_bar};
-use detection::{Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::{LabelledScene, LabelledScenes, SceneEntry};
 use evaluation::memory_floor::sum_of_words;
@@ -170,6 +170,7 @@ impl<'a> SceneEvaluator<'a> {
             &self.config,
             &mut self.workspace,
             &mut self.detection,
+            Execution::default(),
         )?;
         black_box(&self.detection);
         Ok(())

@@ -5,7 +5,9 @@
 //! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on; lamps vary in colour and
 //! strength.
 
-use detection::{Candidate, Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{
+    Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
+};
 use geometry::PinholeCamera;
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -163,6 +165,7 @@ impl Turntable {
             &self.config,
             &mut self.workspace,
             &mut self.detection,
+            Execution::default(),
         );
         if detected.is_err() {
             self.detection = Detection::default();

@@ -4,10 +4,10 @@
 use super::label_groups::UNLABELLED;
 use super::point_labels::PointLabels;
 use crate::affine_form::AffineForm;
+use crate::execution::Execution;
 use crate::input::{DetectionInput, ScenePriors};
 use crate::organized::{OrganizedBuffers, detect_organized};
 use crate::output::Detection;
-use crate::parallelism::Sequential;
 use crate::table::Table;
 use crate::{Config, RawConfig};
 use geometry::{OrientedBox, PinholeCamera, RigidTransform};
@@ -135,14 +135,7 @@ impl VirtualView {
         };
         organized.recycle(&mut self.detection);
         let detection = &mut self.detection;
-        detect_organized(
-            &frame,
-            &config,
-            organized,
-            detection,
-            &Sequential,
-            &mut |_| {},
-        );
+        detect_organized(&frame, &config, organized, detection, Execution::default());
         let Self {
             pixel_of,
             depth_of,

@@ -1,7 +1,9 @@
 //! Comparison of a detection with the ground truth of a synthetic scene.
 
 use crate::synthetic_scene::SyntheticScene;
-use detection::{Config, Detection, DetectionInput, ScenePriors, Table, Workspace, detect};
+use detection::{
+    Config, Detection, DetectionInput, Execution, ScenePriors, Table, Workspace, detect,
+};
 use nalgebra::{Point2, Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
@@ -31,7 +33,14 @@ pub(crate) fn detected(
         priors: ScenePriors::default(),
     };
     let (config, mut workspace) = (Config::default(), Workspace::default());
-    detect(&frame, &config, &mut workspace, &mut detection).expect("an image");
+    detect(
+        &frame,
+        &config,
+        &mut workspace,
+        &mut detection,
+        Execution::default(),
+    )
+    .expect("an image");
     detection
 }
 

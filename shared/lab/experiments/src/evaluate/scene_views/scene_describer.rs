@@ -7,7 +7,9 @@ use crate::failure::failed;
 use crate::output_files::write;
 use constraint::Ternary;
 use description::ObjectPoints;
-use detection::{Candidate, Config, Detection, DetectionInput, ScenePriors, Workspace, detect};
+use detection::{
+    Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
+};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::LabelledScene;
 use evaluation::scene_picture;
@@ -119,7 +121,15 @@ impl SceneDescriber {
             priors: ScenePriors::default(),
         };
         let (config, workspace) = (&self.config, &mut self.workspace);
-        if detect(&frame, config, workspace, &mut self.detection).is_err() {
+        if detect(
+            &frame,
+            config,
+            workspace,
+            &mut self.detection,
+            Execution::default(),
+        )
+        .is_err()
+        {
             self.detection = Detection::default();
         }
         Ok(())
