@@ -76,7 +76,11 @@ impl FaceAttributes {
     }
 
     /// Interpolates the attributes at a point of the face, camera frame.
-    #[inline]
+    #[expect(
+        clippy::inline_always,
+        reason = "a loop with a call in it is not vectorised; bench `camera_that_moves`"
+    )]
+    #[inline(always)]
     pub(crate) fn sample(
         &self,
         instance: &InstanceAttributes,
