@@ -34,7 +34,7 @@ pub struct Track {
     pub reidentified_as: Option<u64>,
     pub(crate) lifecycle: TrackLifecycle,
     /// Motion state after the last measurement update.
-    pub(crate) posterior: MotionFilter,
+    pub(crate) updated_filter: MotionFilter,
     /// Motion state predicted to the last frame.
     pub(crate) filter: MotionFilter,
     /// Remembered appearance for data association.

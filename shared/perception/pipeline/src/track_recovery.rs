@@ -42,10 +42,10 @@ pub(crate) fn occlusion_of_unmatched(
     view: &DepthView<'_>,
 ) -> OcclusionState {
     let ahead = view.occlusion_of(&track.filter.box_in_world());
-    let before = view.occlusion_of(&track.posterior.box_in_world());
+    let before = view.occlusion_of(&track.updated_filter.box_in_world());
     let was_carried = track.was_handled(now_ns, HANDLED_NS)
         || (!track.measured.is_truncated
-            && track.posterior.velocity_m_s().norm() > CARRIED_SPEED_MIN_M_S);
+            && track.updated_filter.velocity_m_s().norm() > CARRIED_SPEED_MIN_M_S);
     match [ahead, before] {
         [OcclusionState::Empty, OcclusionState::Empty]
             if was_carried && track.lifecycle.time_since_seen_ns(now_ns) < CARRIED_GRACE_NS =>
@@ -145,7 +145,7 @@ fn pair_cost(
     let unseen_s = track.lifecycle.time_since_seen_ns(now_ns) as f64 * 1e-9;
     let search_radius_m =
         (SEARCH_RADIUS_MIN_M + CARRIED_SPEED_MAX_M_S * unseen_s).min(SEARCH_RADIUS_MAX_M);
-    let from = track.posterior.box_in_world().centre();
+    let from = track.updated_filter.box_in_world().centre();
     let distance_m = (measured.measurement.box_in_world().centre() - from).norm();
     let (was, is) = (&track.appearance, &measured.appearance);
     let is_alike = was.colors.similarity(&is.colors) >= SIMILARITY_MIN;

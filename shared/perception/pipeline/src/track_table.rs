@@ -138,7 +138,7 @@ impl TrackTable {
                 n_points: track.measured.n_points,
             });
             if track.visibility() != Visibility::Visible {
-                let last_seen = track.posterior.box_in_world();
+                let last_seen = track.updated_filter.box_in_world();
                 expected.push(last_seen.transformed(&camera_from_world).into());
             }
         }
@@ -195,7 +195,7 @@ impl TrackTable {
             return;
         }
         let capture_ns = track.filter.stamp_ns();
-        track.posterior = posterior.filter;
+        track.updated_filter = posterior.filter;
         track.filter = posterior.filter.predicted(capture_ns, self.config.motion());
         track.n_views = posterior.view_id + 1;
         track.label.clone_from(&posterior.label);
@@ -224,7 +224,7 @@ impl TrackTable {
             // Always predict from the measured state: predictions of predictions would
             // coast without end.
             track.filter = track
-                .posterior
+                .updated_filter
                 .predicted(frame.capture_ns, self.config.motion());
         }
     }
@@ -397,7 +397,7 @@ impl TrackTable {
                     .lost_tracks
                     .reidentify(&measured.appearance, frame.capture_ns),
                 lifecycle: TrackLifecycle::start(frame.capture_ns),
-                posterior: filter,
+                updated_filter: filter,
                 filter,
                 appearance: measured.appearance,
                 last_handled_ns: 0,
@@ -470,7 +470,7 @@ fn update_track(
     track.measured = *measured;
     let whole_m3 = WHOLE_VOLUME_RATIO_MIN * track.filter.box_in_world().volume_m3();
     let is_whole = !measured.is_truncated
-        && track.posterior.completeness() >= WHOLE_FRACTION_MIN
+        && track.updated_filter.completeness() >= WHOLE_FRACTION_MIN
         && measured.appearance.volume_m3 >= whole_m3;
     track.remember(&measured.appearance, is_whole);
     update.sightings.push(Sighting {
