@@ -2,7 +2,6 @@
 //! stamps of the stages.
 
 use crate::daemon::{Daemon, Sandbox, eventually};
-use crate::real_data;
 use crate::recorder::{RecordedScene, SceneRecorder};
 use message::{ActorStamps, ProcessKind, StageStamps};
 use rustix::process::Signal;
@@ -123,7 +122,7 @@ fn lockstep_runs_recognise_labels_from_the_same_frame_on() {
 #[test]
 #[ignore = "needs TABULA_DATA"]
 fn lockstep_runs_of_a_real_sequence_are_identical() {
-    let folder = real_data::folder("kitchen-sequence");
+    let folder = test_data::path("kitchen-sequence");
     let source = folder.to_str().unwrap();
     let arguments = ["--source", source, "--from", "100", "--to", "160"];
     let scenes = check_repeatable(None, &arguments, 60);

@@ -5,7 +5,6 @@
 /// Test sandbox with a daemon.
 mod daemon;
 /// Folders of real data.
-mod real_data;
 /// Recorder of all messages of a topic.
 mod recorder;
 

@@ -2,7 +2,6 @@
 //! camera.
 
 use crate::daemon::{Daemon, Sandbox, nearest};
-use crate::real_data;
 use crate::recorder::{RecordedScene, SceneRecorder};
 use message::{ProcessKind, SceneObject, TrackState, frame_flag};
 use nalgebra::{Point3, center, distance};
@@ -25,7 +24,7 @@ const WANDER_USUAL_M: f64 = 0.04;
 
 /// Daemon that plays one scene endlessly.
 fn show(sandbox: &Sandbox, scene: usize) -> Daemon<'_> {
-    let folder = real_data::folder("tabletop-scenes");
+    let folder = test_data::path("tabletop-scenes");
     let (from, to) = (scene.to_string(), (scene + 1).to_string());
     let source = folder.to_str().unwrap();
     sandbox.start(&[
@@ -162,7 +161,7 @@ fn wandering_m(path: &Trajectory) -> f64 {
 /// Scenes of the kitchen sequence, played in lockstep so that no frame is dropped;
 /// capture times are those of 30 Hz.
 fn kitchen(sandbox: &Sandbox) -> Vec<RecordedScene> {
-    let folder = real_data::folder("kitchen-sequence");
+    let folder = test_data::path("kitchen-sequence");
     let recorder = SceneRecorder::start(sandbox);
     let to = N_KITCHEN_FRAMES.to_string();
     let daemon = sandbox.start(&[

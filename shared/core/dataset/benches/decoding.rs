@@ -3,9 +3,6 @@
 //! `cargo bench -p dataset`. The real scenes are used when the development data
 //! is available (see `TABULA_DATA`), a synthetic one always.
 
-mod data_folder;
-
-use data_folder::data_folder;
 use dataset::{pcd, rgbd_sequence};
 use divan::Bencher;
 use geometry::{PinholeCamera, RigidTransform};
@@ -71,15 +68,18 @@ fn pcd_binary_compressed_synthetic(bencher: Bencher) {
 }
 
 fn real_scenes() -> Vec<&'static str> {
-    let scenes = ["learn0.pcd", "learn20.pcd", "learn33.pcd"];
-    let is_there = |name: &&str| data_folder().join("tabletop-scenes").join(name).is_file();
-    scenes.into_iter().filter(is_there).collect()
+    let mut scenes = vec!["learn0.pcd", "learn20.pcd", "learn33.pcd"];
+    scenes.retain(|name| test_data::find(&format!("tabletop-scenes/{name}")).is_some());
+    scenes
 }
 
 #[divan::bench(args = real_scenes())]
 fn pcd_binary_compressed(bencher: Bencher, name: &str) {
-    let path = data_folder().join("tabletop-scenes").join(name);
-    bench_pcd(bencher, &std::fs::read(path).expect("the scene is there"));
+    let path = test_data::path(&format!("tabletop-scenes/{name}"));
+    bench_pcd(
+        bencher,
+        &std::fs::read(path).expect("the scene is readable"),
+    );
 }
 
 /// Back-projection of decoded images to points.
@@ -102,14 +102,15 @@ fn back_projection(bencher: Bencher) {
 }
 
 fn real_sequences() -> Vec<&'static str> {
-    let is_there = |name: &&str| data_folder().join(name).is_dir();
-    ["kitchen-sequence"].into_iter().filter(is_there).collect()
+    let mut sequences = vec!["kitchen-sequence"];
+    sequences.retain(|name| test_data::find(name).is_some());
+    sequences
 }
 
 /// Complete frame: three files, both images, points.
 #[divan::bench(args = real_sequences())]
 fn rgbd_frame(bencher: Bencher, name: &str) {
-    let sequence = rgbd_sequence::RgbdSequence::open(&data_folder().join(name));
+    let sequence = rgbd_sequence::RgbdSequence::open(&test_data::path(name));
     let sequence = sequence.expect("the sequence is valid");
     let mut scratch = rgbd_sequence::Scratch::default();
     let mut points = vec![Point::default(); sequence.camera().n_pixels()];

@@ -3,9 +3,6 @@
 //! `cargo bench -p dataset --bench writing`. A real frame is used when the
 //! development data is available (see `TABULA_DATA`), a synthetic one always.
 
-mod data_folder;
-
-use data_folder::data_folder;
 use dataset::rgbd_sequence::{FrameView, RgbdSequence, Scratch, SequenceWriter};
 use divan::Bencher;
 use geometry::{PinholeCamera, RigidTransform};
@@ -42,7 +39,7 @@ fn synthetic() -> Images {
 
 /// Middle frame of a real sequence, if available.
 fn real() -> Option<Images> {
-    let sequence = RgbdSequence::open(&data_folder().join("kitchen-sequence")).ok()?;
+    let sequence = RgbdSequence::open(&test_data::find("kitchen-sequence")?).ok()?;
     let mut points = vec![Point::default(); sequence.camera().n_pixels()];
     let middle = sequence.n_frames() / 2;
     sequence

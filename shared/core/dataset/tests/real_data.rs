@@ -7,26 +7,11 @@ use dataset::{
 };
 use point_cloud::Point;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
-
-fn data(folder: &str) -> PathBuf {
-    std::env::var_os("TABULA_DATA")
-        .map_or_else(
-            || {
-                PathBuf::from(concat!(
-                    env!("CARGO_MANIFEST_DIR"),
-                    "/../../../../shared/data"
-                ))
-            },
-            PathBuf::from,
-        )
-        .join(folder)
-}
 
 #[test]
 #[ignore = "needs TABULA_DATA"]
 fn tabletop_scenes_are_all_read() {
-    let folder = data("tabletop-scenes");
+    let folder = test_data::path("tabletop-scenes");
     assert_eq!(
         detect_recording_kind(&folder).unwrap(),
         RecordingKind::PcdScenes
@@ -94,7 +79,7 @@ fn check_scene(index: usize, points: &[Point], labels: &[u32]) {
 #[test]
 #[ignore = "needs TABULA_DATA"]
 fn pcd_scene_survives_each_encoding() {
-    let scene = pcd::open(&data("tabletop-scenes").join("learn33.pcd")).unwrap();
+    let scene = pcd::open(&test_data::path("tabletop-scenes").join("learn33.pcd")).unwrap();
     let bits = |cloud: &pcd::PcdCloud| -> Vec<[u32; 4]> {
         let bits = |p: &Point| [p.x.to_bits(), p.y.to_bits(), p.z.to_bits(), p.color.0];
         cloud.points.iter().map(bits).collect()
@@ -116,7 +101,7 @@ fn pcd_scene_survives_each_encoding() {
 #[ignore = "needs TABULA_DATA"]
 fn restaurant_views_are_all_read() {
     let mut n_views = 0;
-    for category in data("restaurant-views").read_dir().unwrap() {
+    for category in test_data::path("restaurant-views").read_dir().unwrap() {
         let views = scene_folder::SceneFolder::open(&category.unwrap().path()).unwrap();
         let mut bytes = Vec::new();
         for index in 0..views.len() {
@@ -138,7 +123,7 @@ fn restaurant_views_are_all_read() {
 #[ignore = "needs TABULA_DATA"]
 fn household_models_are_all_read() {
     let mut n_models = 0;
-    for entry in data("household-models").read_dir().unwrap() {
+    for entry in test_data::path("household-models").read_dir().unwrap() {
         let path = entry.unwrap().path();
         let mesh = ply::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         assert!(
@@ -182,7 +167,7 @@ fn household_models_are_all_read() {
 #[test]
 #[ignore = "needs TABULA_DATA"]
 fn kitchen_sequence_is_read() {
-    let folder = data("kitchen-sequence");
+    let folder = test_data::path("kitchen-sequence");
     assert_eq!(
         detect_recording_kind(&folder).unwrap(),
         RecordingKind::RgbdSequence
@@ -240,7 +225,7 @@ fn kitchen_sequence_is_read() {
 #[test]
 #[ignore = "needs TABULA_DATA"]
 fn household_models_are_listed_with_number_and_name() {
-    let models = model_folder::list(&data("household-models")).unwrap();
+    let models = model_folder::list(&test_data::path("household-models")).unwrap();
     assert_eq!(models.len(), 51);
     assert!(models.is_sorted_by_key(|model| model.number));
     let mug = models.iter().find(|model| model.number == Some(25));
@@ -255,7 +240,7 @@ fn household_models_are_listed_with_number_and_name() {
 #[test]
 #[ignore = "needs TABULA_DATA"]
 fn rgbd_sequence_is_written_as_it_was_read() {
-    let original = rgbd_sequence::RgbdSequence::open(&data("kitchen-sequence")).unwrap();
+    let original = rgbd_sequence::RgbdSequence::open(&test_data::path("kitchen-sequence")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let (camera, down) = (*original.camera(), original.gravity_in_world());
     let mut writer = rgbd_sequence::SequenceWriter::create(folder.path(), &camera, down).unwrap();

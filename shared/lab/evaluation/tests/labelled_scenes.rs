@@ -5,13 +5,9 @@ use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::LabelledScenes;
 use evaluation::segmentation_score::{MEASURE_NAMES, Overlaps, SegmentationScore, score};
 use point_cloud::OrganizedCloud;
-use std::path::PathBuf;
 
 fn scenes() -> LabelledScenes {
-    let root = std::env::var("TABULA_DATA")
-        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data").into());
-    let folder = PathBuf::from(root).join("tabletop-scenes");
-    LabelledScenes::open(&folder).expect("TABULA_DATA must hold tabletop-scenes")
+    LabelledScenes::open(&test_data::path("tabletop-scenes")).expect("labelled scenes")
 }
 
 fn line(name: &str, score: &SegmentationScore) -> String {

@@ -9,10 +9,8 @@ use point_cloud::{OrganizedCloud, Point};
 use std::path::PathBuf;
 
 fn scenes() -> Vec<PathBuf> {
-    let root = std::env::var("TABULA_DATA")
-        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data").into());
-    let folder = PathBuf::from(root).join("tabletop-scenes");
-    let entries = std::fs::read_dir(&folder).expect("TABULA_DATA must hold tabletop-scenes");
+    let folder = test_data::path("tabletop-scenes");
+    let entries = std::fs::read_dir(&folder).expect("a folder");
     let mut paths: Vec<PathBuf> = entries
         .map(|entry| entry.expect("a readable folder").path())
         .collect();

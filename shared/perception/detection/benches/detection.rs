@@ -10,7 +10,6 @@ use dataset::pcd;
 use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 use divan::Bencher;
 use point_cloud::{OrganizedCloud, Point};
-use std::path::PathBuf;
 use synthetic::{BoxOnTable, camera_from_table, render};
 
 fn main() {
@@ -79,10 +78,8 @@ fn detect_without_grid(bencher: Bencher<'_, '_>, in_camera: bool) {
 /// Labelled scenes: three boxes, a stack, cylinders, clutter.
 #[divan::bench(args = [13, 22, 36, 44])]
 fn detect_real(bencher: Bencher<'_, '_>, scene: usize) {
-    let root = std::env::var("TABULA_DATA")
-        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data").into());
-    let path = PathBuf::from(root).join(format!("tabletop-scenes/learn{scene}.pcd"));
-    if let Ok(scene) = pcd::open(&path) {
+    let path = test_data::find(&format!("tabletop-scenes/learn{scene}.pcd"));
+    if let Some(Ok(scene)) = path.map(|path| pcd::open(&path)) {
         bench_detect(bencher, &scene.points);
     }
 }

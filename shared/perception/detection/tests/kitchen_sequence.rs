@@ -6,7 +6,6 @@ use detection::{
 };
 use nalgebra::{Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
-use std::path::PathBuf;
 
 /// Accepted height of the table top in the world of the sequence, metres. Read off the
 /// planes found with gravity, which scatter by this much with the poses; a regression
@@ -17,10 +16,7 @@ const TABLE_HEIGHT_M: std::ops::Range<f64> = -0.88..-0.75;
 const STEP: usize = 5;
 
 fn sequence() -> RgbdSequence {
-    let root = std::env::var("TABULA_DATA")
-        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../../shared/data").into());
-    RgbdSequence::open(&PathBuf::from(root).join("kitchen-sequence"))
-        .expect("TABULA_DATA must hold kitchen-sequence")
+    RgbdSequence::open(&test_data::path("kitchen-sequence")).expect("an RGB-D sequence")
 }
 
 /// Height of a table over the world's origin against gravity, metres; `None` unless its

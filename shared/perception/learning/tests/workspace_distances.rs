@@ -3,7 +3,7 @@
 
 use learning::Metric;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Golden distances of all pairs of clouds.
 struct Reference {
@@ -23,18 +23,9 @@ struct ReferenceDistance {
 
 impl Reference {
     fn read() -> Self {
-        let data = std::env::var_os("TABULA_DATA").map_or_else(
-            || {
-                PathBuf::from(concat!(
-                    env!("CARGO_MANIFEST_DIR"),
-                    "/../../../../shared/data"
-                ))
-            },
-            PathBuf::from,
-        );
-        let folder = data.join("../reference/good/vectors");
+        let folder = test_data::path("../reference/good/vectors");
         let table = std::fs::read_to_string(folder.join("ws_distances_bins15_adaptive.csv"))
-            .expect("the golden distances lie under TABULA_DATA/../reference");
+            .expect("the golden distances");
         let distances: Vec<_> = table.lines().skip(1).map(distance).collect();
         let mut descriptors = HashMap::new();
         for cloud in distances.iter().flat_map(|distance| &distance.clouds) {

@@ -281,11 +281,7 @@ fn model_folder_is_listed_in_order_and_an_empty_one_is_rejected() {
 
 /// Folder of scanned models.
 fn household_models() -> PathBuf {
-    let data = std::env::var_os("TABULA_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../../shared/data"),
-        PathBuf::from,
-    );
-    data.join("household-models")
+    test_data::path("household-models")
 }
 
 #[test]

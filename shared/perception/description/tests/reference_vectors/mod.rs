@@ -120,16 +120,7 @@ impl Rows {
 }
 
 fn reference_folder() -> PathBuf {
-    let data = std::env::var_os("TABULA_DATA").map_or_else(
-        || {
-            PathBuf::from(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/../../../../shared/data"
-            ))
-        },
-        PathBuf::from,
-    );
-    data.join("../reference/good")
+    test_data::path("../reference/good")
 }
 
 fn read_cloud(folder: &Path, name: &str) -> Vec<Point> {

@@ -232,11 +232,7 @@ fn unusable_data_sets_are_refused_with_reasons() {
 }
 
 fn restaurant_views() -> PathBuf {
-    let data = std::env::var_os("TABULA_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    data.join("restaurant-views")
+    test_data::path("restaurant-views")
 }
 
 #[test]
