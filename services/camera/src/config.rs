@@ -109,7 +109,7 @@ impl Config {
         match refused.iter().find(|(_, is_given)| *is_given) {
             None => Ok(()),
             Some((option, _)) => Err(format!(
-                "{option} can not be used with --source {name}: libfreenect plays at the sensor's own pace"
+                "{option} cannot be used with --source {name}: libfreenect plays at the sensor's own pace"
             )),
         }
     }

@@ -95,7 +95,7 @@ fn unusable(path: &Path, kind: &str, error: impl Display) -> Failure {
 /// If it cannot be read.
 pub(crate) fn read(path: &Path) -> Result<String, Failure> {
     std::fs::read_to_string(path).map_err(|error| {
-        let sentence = format!("{} can not be read: {error}", path.display());
+        let sentence = format!("{} cannot be read: {error}", path.display());
         Failure::new(exit_code::USAGE, sentence)
     })
 }

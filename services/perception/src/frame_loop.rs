@@ -358,7 +358,7 @@ impl FrameLoop {
         let sequence = received.frame.header().sequence;
         match failed {
             DetectionError::Unusable(error) => {
-                tracing::warn!("frame {sequence} can not be searched: {error}");
+                tracing::warn!("frame {sequence} cannot be searched: {error}");
             }
             DetectionError::Lost(error) => {
                 tracing::error!("detection of frame {sequence}: {error}");

@@ -81,7 +81,7 @@ impl Config {
         }
         match (self.n_objects, &self.plan) {
             (Some(_), SceneChoice::File(path)) => Err(format!(
-                "--objects can not be used with a scene file; write the number into {}",
+                "--objects cannot be used with a scene file; write the number into {}",
                 path.display()
             )),
             (Some(n), _) if n > MAX_OBJECTS => {

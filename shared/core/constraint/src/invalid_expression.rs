@@ -78,7 +78,7 @@ impl fmt::Display for InvalidExpression {
             }
             _ => write!(
                 f,
-                "the rule {quoted:?} can not be read at character {character}: "
+                "the rule {quoted:?} cannot be read at character {character}: "
             )?,
         }
         match fault {

@@ -10,7 +10,7 @@ pub enum ImageError {
     #[error("the PNG image is damaged: {0}")]
     Png(#[from] png::DecodingError),
     /// Failure of the PNG encoder.
-    #[error("the PNG image can not be made: {0}")]
+    #[error("the PNG image cannot be made: {0}")]
     Encoding(#[from] png::EncodingError),
     /// Damaged JPEG data.
     #[error("the JPEG image is damaged: {}", one_line(.0))]

@@ -34,7 +34,7 @@ pub enum Error {
     )]
     UnknownFormat(PathBuf),
     /// Invalid PLY file.
-    #[error("the model {} can not be used: {source}", .path.display())]
+    #[error("the model {} cannot be used: {source}", .path.display())]
     Ply {
         /// PLY file.
         path: PathBuf,
@@ -42,7 +42,7 @@ pub enum Error {
         source: ply::Error,
     },
     /// Invalid OBJ file.
-    #[error("the model {} can not be used: {source}", .path.display())]
+    #[error("the model {} cannot be used: {source}", .path.display())]
     Obj {
         /// OBJ file.
         path: PathBuf,

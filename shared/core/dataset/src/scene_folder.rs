@@ -33,7 +33,7 @@ pub enum Error {
 
 #[expect(
     clippy::len_without_is_empty,
-    reason = "a folder without scenes can not be opened"
+    reason = "a folder without scenes cannot be opened"
 )]
 impl SceneFolder {
     /// Lists the PCD files of a folder without opening them.

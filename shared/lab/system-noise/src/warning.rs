@@ -106,7 +106,7 @@ fn no_real_time(fingerprint: &Fingerprint) -> Option<Warning> {
     (fingerprint.may_use_fifo == Some(false)).then(|| {
         warning(
             "This process may not use SCHED_FIFO: any busy process delays it by whole time \
-             slices, and what SCHED_FIFO would bring can not be measured."
+             slices, and what SCHED_FIFO would bring cannot be measured."
                 .to_owned(),
             "Give it LimitRTPRIO=80 in its systemd unit, or `rtprio 80` in \
              /etc/security/limits.conf.",

@@ -29,7 +29,7 @@ pub(crate) fn store_views(views: Vec<StoredView>) -> Result<StoreChange, Refusal
 fn view(view: StoredView) -> Result<CapturedView, Refusal> {
     let refused = |rule: &str| {
         let WireViewId { track_id, view_id } = view.id;
-        let sentence = format!("view {view_id} of track {track_id} can not be stored: {rule}");
+        let sentence = format!("view {view_id} of track {track_id} cannot be stored: {rule}");
         Refusal::new(RefusalKind::Invalid, sentence)
     };
     let pose = WirePose {

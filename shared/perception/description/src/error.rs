@@ -5,21 +5,21 @@
 #[non_exhaustive]
 pub enum Error {
     /// Number of bins per side out of range.
-    #[error("GOOD can not have {0} bins a side: choose from 2 to 64, 5 or 15 usually")]
+    #[error("GOOD cannot have {0} bins a side: choose from 2 to 64, 5 or 15 usually")]
     BinCount(usize),
     /// Negative or NaN sign threshold.
     #[error(
-        "the sign threshold of GOOD can not be {0} m: choose a finite length >= 0, 0.0015 m usually"
+        "the sign threshold of GOOD cannot be {0} m: choose a finite length >= 0, 0.0015 m usually"
     )]
     SignThreshold(f32),
     /// Side of a fixed support that is not a positive length.
     #[error(
-        "the support of GOOD can not have sides of {0} m: choose a finite length > 0, 0.2 m usually"
+        "the support of GOOD cannot have sides of {0} m: choose a finite length > 0, 0.2 m usually"
     )]
     SupportSide(f64),
     /// Weight of a part out of range or NaN.
     #[error(
-        "a part of a description can not have the weight {0}: choose a number from 0 to 100, \
+        "a part of a description cannot have the weight {0}: choose a number from 0 to 100, \
          1 usually"
     )]
     Weight(f32),

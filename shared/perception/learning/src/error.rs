@@ -8,7 +8,7 @@ use crate::Metric;
 pub enum Error {
     /// Length different from that of the other descriptors.
     #[error(
-        "a descriptor of {found} values can not be compared with descriptors of \
+        "a descriptor of {found} values cannot be compared with descriptors of \
          {expected}: describe both in the same way"
     )]
     Dimension {

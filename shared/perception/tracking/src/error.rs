@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum Error {
     /// Measurement outside the physically possible range of an object.
-    #[error("the measurement can not be that of an object: {rule}; ignore it")]
+    #[error("the measurement cannot be that of an object: {rule}; ignore it")]
     ImpossibleMeasurement {
         /// Violated constraint, as a clause.
         rule: &'static str,

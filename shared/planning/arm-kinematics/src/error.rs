@@ -7,7 +7,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum Error {
     /// A number is not finite, or a quaternion is not of unit length.
-    #[error("{what} can not be used: {rule}; check where it was computed")]
+    #[error("{what} cannot be used: {rule}; check where it was computed")]
     BadNumber {
         /// Quantity that contains the number.
         what: &'static str,
@@ -28,7 +28,7 @@ pub enum Error {
     },
     /// A joint angle lies outside the joint's limits.
     #[error(
-        "joint {joint} can not turn to {}; give it an angle between {} and {}",
+        "joint {joint} cannot turn to {}; give it an angle between {} and {}",
         Degrees(*angle_rad),
         Degrees(*min_rad),
         Degrees(*max_rad)

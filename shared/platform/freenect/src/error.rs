@@ -50,7 +50,7 @@ pub enum Error {
     FakeInUse,
     /// USB is unavailable.
     #[error(
-        "USB can not be used (libusb code {code}); check that /dev/bus/usb exists and that this \
+        "USB cannot be used (libusb code {code}); check that /dev/bus/usb exists and that this \
          user may read it"
     )]
     UsbUnavailable {
@@ -65,7 +65,7 @@ pub enum Error {
     },
     /// A Kinect was found but cannot be opened.
     #[error(
-        "the Kinect with {wanted} can not be opened (code {code}{}){}; {advice}",
+        "the Kinect with {wanted} cannot be opened (code {code}{}){}; {advice}",
         said_clause(.said),
         serials_clause(.serials)
     )]

@@ -175,7 +175,7 @@ impl Presence {
 
     fn generation_sentence(&self) -> Option<String> {
         self.of_kind(UsbPartKind::SecondGeneration).next().map(|_| {
-            "a Kinect v2 is plugged in, which libfreenect can not use: use a Kinect v1".to_owned()
+            "a Kinect v2 is plugged in, which libfreenect cannot use: use a Kinect v1".to_owned()
         })
     }
 }
@@ -191,7 +191,7 @@ fn rights_sentence(part: &UsbPart) -> Option<String> {
             part.product
         )),
         Access::Failed if needed => Some(format!(
-            "{node} can not be opened: unplug the Kinect and plug it in again"
+            "{node} cannot be opened: unplug the Kinect and plug it in again"
         )),
         _ => None,
     }

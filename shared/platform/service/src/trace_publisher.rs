@@ -79,7 +79,7 @@ impl TracePublisher {
         if let Err(error) = sent
             && !self.is_failure_logged
         {
-            tracing::warn!("latency can not be measured here: {error}");
+            tracing::warn!("latency cannot be measured here: {error}");
             self.is_failure_logged = true;
         }
     }

@@ -14,7 +14,7 @@ pub enum Error {
     Pose,
     /// The point buffer does not have the size of the image.
     #[error(
-        "a buffer of {n_points} points can not take an image of {n_pixels} pixels; \
+        "a buffer of {n_points} points cannot take an image of {n_pixels} pixels; \
          give one point for each pixel"
     )]
     CloudSize {

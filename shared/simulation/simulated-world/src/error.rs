@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum Error {
     /// A file cannot be read.
-    #[error("{} can not be read: {cause}", path.display())]
+    #[error("{} cannot be read: {cause}", path.display())]
     Unreadable {
         /// Path of the file.
         path: PathBuf,
@@ -23,7 +23,7 @@ pub enum Error {
         rule: String,
     },
     /// A model cannot be used.
-    #[error("the model {name} can not be used: {cause}")]
+    #[error("the model {name} cannot be used: {cause}")]
     Model {
         /// File or name of the model.
         name: String,

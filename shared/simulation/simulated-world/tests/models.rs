@@ -204,17 +204,17 @@ fn model_file_without_an_object_is_rejected_with_a_message() {
     let whole = ply_bytes(&cuboid([0.08; 3]));
     for share in [1, 2, 3] {
         let cut = whole[..whole.len() * share / 4].to_vec();
-        refused(&format!("cut{share}.ply"), cut, "can not be read");
+        refused(&format!("cut{share}.ply"), cut, "cannot be read");
     }
     refused(
         "text.ply",
         b"once upon a time\n".to_vec(),
-        "can not be read",
+        "cannot be read",
     );
-    refused("empty.ply", Vec::new(), "can not be read");
-    refused("picture.jpg", whole, "can not be read");
+    refused("empty.ply", Vec::new(), "cannot be read");
+    refused("picture.jpg", whole, "cannot be read");
     refused("text.obj", b"once upon a time\n".to_vec(), "");
-    assert_refused(&folder.path().join("missing.ply"), "can not be read");
+    assert_refused(&folder.path().join("missing.ply"), "cannot be read");
 }
 
 #[test]

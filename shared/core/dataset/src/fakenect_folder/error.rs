@@ -46,7 +46,7 @@ pub enum Error {
         needed: u64,
     },
     /// Frame to be written with a wrong number of values.
-    #[error("a frame of {found} values can not be recorded; it must have {needed}")]
+    #[error("a frame of {found} values cannot be recorded; it must have {needed}")]
     FrameLength {
         /// Number of values.
         found: usize,
@@ -54,11 +54,11 @@ pub enum Error {
         needed: usize,
     },
     /// Depth value to be written that exceeds 11 bits.
-    #[error("the depth value {0} can not be recorded; raw depth goes from 0 to 2047")]
+    #[error("the depth value {0} cannot be recorded; raw depth goes from 0 to 2047")]
     RawDepth(u16),
     /// Frame to be written more than a minute after its predecessor.
     #[error(
-        "the frame comes more than a minute after the one before and can not be \
+        "the frame comes more than a minute after the one before and cannot be \
          recorded; begin another recording"
     )]
     TimeGap,

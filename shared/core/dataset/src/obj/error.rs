@@ -34,7 +34,7 @@ pub enum Error {
     #[error("the OBJ file has more than 65536 materials or 64 libraries of them; split it")]
     TooManyMaterials,
     /// Invalid material library.
-    #[error("the materials {} can not be used: {source}", .path.display())]
+    #[error("the materials {} cannot be used: {source}", .path.display())]
     Library {
         /// Library file.
         path: PathBuf,

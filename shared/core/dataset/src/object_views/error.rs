@@ -32,7 +32,7 @@ pub enum Error {
         n_views: usize,
     },
     /// Invalid PCD file.
-    #[error("the view {} can not be used: {source}", .path.display())]
+    #[error("the view {} cannot be used: {source}", .path.display())]
     Pcd {
         /// PCD file.
         path: PathBuf,

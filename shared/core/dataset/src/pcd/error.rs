@@ -60,7 +60,7 @@ pub enum Error {
         needed: usize,
     },
     /// Damaged compressed data.
-    #[error("the PCD file can not be expanded: {0}")]
+    #[error("the PCD file cannot be expanded: {0}")]
     Compression(#[source] lzf::Error),
     /// Invalid line of ASCII points.
     #[error("line {line} of the PCD file's points is wrong: {problem}")]

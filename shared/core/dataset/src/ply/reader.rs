@@ -224,7 +224,7 @@ fn skip_list(
 
 fn list_length(values: &mut impl ValueReader, count: NumberType) -> Result<u32, ValueError> {
     let value = values.next(count)?;
-    as_u32(value).ok_or_else(|| ValueError::Wrong(format!("a list can not have {value} entries")))
+    as_u32(value).ok_or_else(|| ValueError::Wrong(format!("a list cannot have {value} entries")))
 }
 
 /// Reads all rows of an element; an error names the row.

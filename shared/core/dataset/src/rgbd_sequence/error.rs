@@ -52,7 +52,7 @@ pub enum Error {
     )]
     AlreadyExists(PathBuf),
     /// Slice of a frame to be written whose length does not match the image size.
-    #[error("a frame with {found} {what} can not be written; its image needs {needed}")]
+    #[error("a frame with {found} {what} cannot be written; its image needs {needed}")]
     FrameLength {
         /// Name of the slice.
         what: &'static str,
@@ -62,7 +62,7 @@ pub enum Error {
         needed: usize,
     },
     /// Invalid content of a file.
-    #[error("the file {} can not be used: {source}", .path.display())]
+    #[error("the file {} cannot be used: {source}", .path.display())]
     Content {
         /// File.
         path: PathBuf,

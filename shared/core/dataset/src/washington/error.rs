@@ -52,7 +52,7 @@ pub enum Error {
     )]
     AlreadyExists(PathBuf),
     /// Vector of a view whose length does not match the crop size.
-    #[error("a view with {found} {what} can not be used; its size needs {needed}")]
+    #[error("a view with {found} {what} cannot be used; its size needs {needed}")]
     ViewLength {
         /// Name of the vector.
         what: &'static str,
@@ -63,7 +63,7 @@ pub enum Error {
     },
     /// Crop rectangle outside the largest image.
     #[error(
-        "a view of {}x{} pixels at column {} and row {} can not be used; an image has 1 \
+        "a view of {}x{} pixels at column {} and row {} cannot be used; an image has 1 \
          to 8192 pixels a side",
         .size.0, .size.1, .top_left.0, .top_left.1
     )]
@@ -74,7 +74,7 @@ pub enum Error {
         top_left: (u32, u32),
     },
     /// Invalid content of a file.
-    #[error("the file {} can not be used: {source}", .path.display())]
+    #[error("the file {} cannot be used: {source}", .path.display())]
     Content {
         /// File.
         path: PathBuf,

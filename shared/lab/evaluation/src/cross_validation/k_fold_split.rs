@@ -35,10 +35,10 @@ pub struct Folds {
 #[non_exhaustive]
 pub enum Error {
     /// Fewer than two folds: nothing would be left for training.
-    #[error("a data set can not be cross-validated in {0} folds: choose two or more, 10 usually")]
+    #[error("a data set cannot be cross-validated in {0} folds: choose two or more, 10 usually")]
     TooFewFolds(u32),
     /// Fewer views than folds: a fold would be empty.
-    #[error("a data set of {n_views} views can not be parted into {n_folds} folds: choose fewer")]
+    #[error("a data set of {n_views} views cannot be parted into {n_folds} folds: choose fewer")]
     TooFewViews {
         /// Number of views.
         n_views: usize,

@@ -50,11 +50,11 @@ impl Default for Protocol {
 pub enum Error {
     /// The threshold is not in 0 to 1.
     #[error(
-        "the accuracy at which a category is learned can not be {0}: choose from 0 to 1, 0.67 usually"
+        "the accuracy at which a category is learned cannot be {0}: choose from 0 to 1, 0.67 usually"
     )]
     Tau(f64),
     /// The share of open-set questions is not in 0 to 0.9.
-    #[error("the share of open-set questions can not be {0}: choose from 0 to 0.9")]
+    #[error("the share of open-set questions cannot be {0}: choose from 0 to 0.9")]
     OpenSetShare(f64),
     /// No view at the start, or an empty window.
     #[error(

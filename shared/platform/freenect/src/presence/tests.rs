@@ -63,7 +63,7 @@ fn a_camera_without_its_node_can_not_be_used() {
     let presence = scan(root.path());
     assert!(!presence.is_usable());
     assert!(
-        presence.to_string().contains("can not be opened"),
+        presence.to_string().contains("cannot be opened"),
         "{presence}"
     );
 }

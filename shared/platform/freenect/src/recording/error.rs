@@ -8,7 +8,7 @@ use std::{io, path::PathBuf};
 pub enum RecordingError {
     /// The folder does not exist.
     #[error(
-        "the recording can not be played: there is no folder {}; give the folder of a recording",
+        "the recording cannot be played: there is no folder {}; give the folder of a recording",
         .folder.display()
     )]
     NoFolder {
@@ -17,7 +17,7 @@ pub enum RecordingError {
     },
     /// A file cannot be read.
     #[error(
-        "the recording can not be played: {} can not be read ({source}); copy the recording again, \
+        "the recording cannot be played: {} cannot be read ({source}); copy the recording again, \
          or take its name out of INDEX.txt",
         .file.display()
     )]
@@ -29,7 +29,7 @@ pub enum RecordingError {
     },
     /// A line of the index names no playable file.
     #[error(
-        "the recording can not be played: line {line_number} of {}: {rule}; correct the line",
+        "the recording cannot be played: line {line_number} of {}: {rule}; correct the line",
         .index.display()
     )]
     WrongLine {
@@ -42,7 +42,7 @@ pub enum RecordingError {
     },
     /// The contents of a file do not match its name.
     #[error(
-        "the recording can not be played: {} is damaged or cut short: {rule}; take its name out of \
+        "the recording cannot be played: {} is damaged or cut short: {rule}; take its name out of \
          INDEX.txt",
         .file.display()
     )]
