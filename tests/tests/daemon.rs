@@ -70,7 +70,7 @@ pub(crate) const WITH_CAMERA: [ProcessKind; 3] = [
     ProcessKind::Camera,
 ];
 
-/// Path of a program.
+/// Path of a built program.
 pub(crate) fn program(name: &str) -> PathBuf {
     PROGRAMS.join(name)
 }

@@ -55,7 +55,7 @@ impl KinectScene {
             .render(&self.calibration.color_camera, &world_from_color)
     }
 
-    /// Writes the recording.
+    /// Writes the scene as a fakenect recording.
     fn record(&self, folder: &Path) {
         let table = DepthTable::new(self.calibration.formula);
         let raw: Vec<u16> = self

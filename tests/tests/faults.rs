@@ -250,7 +250,7 @@ fn files_and_inodes(sandbox: &Sandbox) -> BTreeSet<(String, u64)> {
 /// Labels that were sent for one track.
 #[derive(Debug, Default)]
 struct LabelHistory {
-    /// Last acknowledged label.
+    /// Last label that was acknowledged.
     acknowledged: Option<String>,
     /// Later labels without an answer, since the memory was killed.
     in_doubt: Vec<String>,

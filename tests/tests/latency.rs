@@ -24,7 +24,7 @@ const CHAIN: [&str; 9] = [
     "publishing",
 ];
 
-/// Stages of every object.
+/// Latency stages of every object.
 const OF_OBJECTS: [&str; 7] = [
     "hand_over",
     "actor_queue",

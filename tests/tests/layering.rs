@@ -67,7 +67,7 @@ fn dependencies(package: &Package) -> impl Iterator<Item = &str> {
         .map(|dependency| dependency.name.as_str())
 }
 
-/// Words in back quotes.
+/// Words in back quotes in a text.
 fn quoted(text: &str) -> Vec<String> {
     text.split('`')
         .skip(1)

@@ -4,7 +4,6 @@
 
 /// Test sandbox with a daemon.
 mod daemon;
-/// Folders of real data.
 /// Recorder of all messages of a topic.
 mod recorder;
 

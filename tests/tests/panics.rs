@@ -108,7 +108,7 @@ fn check_agreement(daemon: &Daemon<'_>, events: &[ActorEvent]) -> u64 {
     restarting.len() as u64
 }
 
-/// Number of published restarts.
+/// Number of actor restarts that were published.
 fn n_restarts(events: &Recorder<ActorEvents>) -> u64 {
     let mut n_restarts = 0;
     events.is(|events| {

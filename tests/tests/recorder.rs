@@ -13,9 +13,9 @@ const PERIOD: Duration = Duration::from_micros(500);
 
 /// Copy of a published message.
 pub(crate) struct RecordedMessage<T: Topic> {
-    /// Its header.
+    /// Header of the recorded message.
     pub(crate) header: T::Header,
-    /// Its items.
+    /// Items of the recorded message.
     pub(crate) items: Vec<T::Item>,
 }
 
@@ -83,12 +83,12 @@ impl<T: Topic> Recorder<T> {
         so(&self.shared.messages.lock().unwrap())
     }
 
-    /// Number of recorded messages.
+    /// Number of messages recorded so far.
     pub(crate) fn len(&self) -> usize {
         self.shared.messages.lock().unwrap().len()
     }
 
-    /// Newest message.
+    /// Newest recorded message.
     pub(crate) fn last(&self) -> Option<RecordedMessage<T>> {
         self.shared.messages.lock().unwrap().last().cloned()
     }

@@ -153,7 +153,7 @@ impl Score {
     }
 }
 
-/// Scenes and ground truth of the same frames.
+/// Pairs scenes with the ground truth of the same frames.
 fn paired<'a>(
     scenes: &'a [RecordedScene],
     truths: &'a [RecordedMessage<TrueObjects>],

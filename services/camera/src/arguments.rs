@@ -8,7 +8,7 @@ use service::ProcessArguments;
 #[derive(Debug, Clone, Parser)]
 #[command(name = "tabula-camera", version)]
 pub struct CameraArguments {
-    /// Options of every process.
+    /// Options that every process accepts.
     #[command(flatten)]
     pub process: ProcessArguments,
 

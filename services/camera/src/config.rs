@@ -24,7 +24,7 @@ struct RawConfig {
 /// Validated configuration of the camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// Frame source.
+    /// Source of the camera frames.
     pub(crate) source: SourceSpec,
     /// Playback options.
     pub(crate) playback: Playback,

@@ -29,13 +29,13 @@ enum Verb {
     Learn(LearnArguments),
     /// Write recordings and views of the simulated table; needs no daemon
     Simulate {
-        /// Kind of the output
+        /// Kind of the simulated output
         #[command(subcommand)]
         verb: SimulateVerb,
     },
     /// Measure how good and how fast the kernels are; needs no daemon
     Evaluate {
-        /// Evaluation
+        /// Evaluation to run
         #[command(subcommand)]
         verb: EvaluateVerb,
     },

@@ -65,14 +65,14 @@ pub(crate) enum LatencyCommand {
     Sweep(SweepArguments),
     /// Compare two reports: what is faster, slower, or undecided
     Compare {
-        /// The report before (JSON)
+        /// Baseline report (JSON)
         before: PathBuf,
-        /// The report now (JSON)
+        /// Report to compare with the baseline (JSON)
         now: PathBuf,
     },
     /// Merge histogram files of several measurements
     Merge {
-        /// The files (.hlog)
+        /// Histogram files to merge (.hlog)
         #[arg(required = true)]
         files: Vec<PathBuf>,
         /// Write the merged histograms here
@@ -115,7 +115,7 @@ pub(crate) struct MeasureArguments {
 /// Options of a parameter sweep.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SweepArguments {
-    /// The swept parameter
+    /// Parameter to sweep
     #[arg(value_enum)]
     pub(crate) axis: SweepAxis,
 
@@ -135,7 +135,7 @@ pub(crate) struct SweepArguments {
 /// Options of a soak test.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SoakArguments {
-    /// Frames in all
+    /// Number of frames of the whole test
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(100..=1_000_000_000))]
     pub(crate) frames: u64,
 
@@ -195,7 +195,7 @@ impl LatencyArguments {
 }
 
 impl MeasureArguments {
-    /// Measurement without output files.
+    /// Measurement arguments with default warm-up and without output files.
     pub(crate) fn short(source: SourceArguments, frames: u64) -> Self {
         Self {
             source,

@@ -50,7 +50,7 @@ impl DaemonUnderTest {
         Ok(Self { domain, own })
     }
 
-    /// Joins a spawned daemon.
+    /// Joins the domain of a spawned daemon.
     ///
     /// # Errors
     /// If its domain cannot be joined.

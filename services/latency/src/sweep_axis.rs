@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use std::ops::RangeInclusive;
 
-/// Parameter of a sweep.
+/// Swept parameter of a latency sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SweepAxis {
     /// Number of objects, 1 to 64, on a computed table
@@ -30,7 +30,7 @@ impl SweepAxis {
         }
     }
 
-    /// Axis label.
+    /// Axis label of the sweep diagram.
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Objects => "objects",
@@ -52,7 +52,7 @@ impl SweepAxis {
         }
     }
 
-    /// Permitted values.
+    /// Permitted values of the swept parameter.
     pub(crate) fn permitted_values(self) -> RangeInclusive<u32> {
         match self {
             Self::Objects => 1..=256,

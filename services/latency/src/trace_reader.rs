@@ -20,7 +20,7 @@ const SILENCE_TIMEOUT: Duration = Duration::from_secs(10);
 pub(crate) enum ReadEnd {
     /// Enough frames were read, or a stop was requested.
     Enough,
-    /// No more frames arrive.
+    /// Timeout: no more frames arrive.
     Silence,
 }
 
@@ -72,7 +72,7 @@ impl TraceReader {
         Ok(ReadEnd::Enough)
     }
 
-    /// Reads all pending messages.
+    /// Reads all pending trace messages.
     fn read(&mut self) -> Result<(), Error> {
         while let Received::Message(message) = self.traces.receive()? {
             let header = message.header();

@@ -11,7 +11,7 @@ use std::process::{Command, ExitCode};
 /// Manifest of the peers, relative to the project's folder.
 const MANIFEST: &str = "tests/peers/Cargo.toml";
 
-/// Builds and runs the benchmark, which prints the result.
+/// Builds and runs the transport benchmark, which prints its result.
 pub(crate) fn run(short: bool, output: &Output) -> Result<ExitCode, Failure> {
     let manifest = find(&starting_points()).ok_or_else(|| {
         Failure::new(

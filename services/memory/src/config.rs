@@ -47,7 +47,7 @@ impl Default for RawConfig {
 pub(crate) struct Config {
     /// Capacity of the store's request queue; further requests are refused.
     pub(crate) queue_requests: usize,
-    /// Retention limits.
+    /// Retention limits of the perceptual memory.
     pub(crate) limits: RetentionLimits,
     /// Write buffer of the perceptual memory, bytes; when full, the database makes a
     /// table of it.

@@ -5,7 +5,7 @@ use service::wall_clock_ns;
 use std::time::Duration;
 use tokio::sync::oneshot;
 
-/// Period of the purge.
+/// Period of the purge of forgotten content.
 const PERIOD: Duration = Duration::from_secs(24 * 3600);
 /// Author of the purge in the history.
 const AUTHOR: &str = "upkeep";

@@ -67,7 +67,7 @@ impl WorkingMemory {
         result
     }
 
-    /// Notification of new events: the number of the newest.
+    /// Watch channel with the sequence number of the newest event.
     pub(crate) fn events(&self) -> watch::Receiver<u64> {
         self.newest_event.subscribe()
     }

@@ -136,7 +136,7 @@ fn fact(fact: &Fact) -> FactReport {
     }
 }
 
-/// Report of a task.
+/// Task as a wire report.
 pub(crate) fn task(task: &Task) -> TaskReport {
     let (state, ended_ns, reason) = match &task.state {
         TaskState::Running => ("running", None, ""),
@@ -167,7 +167,7 @@ pub(crate) fn word(outcome: ActionOutcome) -> &'static str {
     }
 }
 
-/// Outcome of a task.
+/// Outcome of a task in the working memory's own type.
 pub(crate) fn outcome(outcome: TaskOutcome) -> ActionOutcome {
     match outcome {
         TaskOutcome::Succeeded => ActionOutcome::Succeeded,

@@ -85,7 +85,7 @@ pub(crate) struct Config {
     pub(crate) actor_restarts_max: u32,
     /// Length of the sliding window in which restarts count.
     pub(crate) actor_restart_window: Duration,
-    /// Fault injection settings.
+    /// Settings of fault injection.
     #[cfg(feature = "fault-injection")]
     pub(crate) fault: FaultConfig,
     /// Detection settings.

@@ -67,7 +67,7 @@ impl Detector {
         &mut self.buffers.priors
     }
 
-    /// Detection settings.
+    /// Detection settings in use.
     pub(crate) fn config(&self) -> &Config {
         &self.config
     }

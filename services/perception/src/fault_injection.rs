@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 pub(crate) struct FaultConfig {
     /// Panic period; zero for no panics.
     pub(crate) panic_every: Duration,
-    /// Track whose actor panics.
+    /// Track-id of the object whose actor panics.
     pub(crate) track_id: u64,
 }
 

@@ -126,7 +126,7 @@ impl FrameLoop {
         }
     }
 
-    /// Stops all actors gracefully.
+    /// Stops all object actors gracefully.
     pub(crate) async fn stop(&self) {
         self.live.actors.stop_all().await;
     }

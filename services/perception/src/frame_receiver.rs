@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(crate) struct ReceivedFrame {
     /// Header and points in shared memory.
     pub(crate) frame: Arc<SharedMessage<CameraCloud>>,
-    /// Validated numbers of the header.
+    /// Frame header with validated values.
     pub(crate) checked: CheckedFrame,
     /// Time of reception, monotonic clock, nanoseconds.
     pub(crate) received_ns: u64,

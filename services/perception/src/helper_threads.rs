@@ -38,7 +38,7 @@ impl HelperThreads {
         }
     }
 
-    /// Appends the helpers' time spans since the last call.
+    /// Appends the trace spans recorded by the helper threads since the last call.
     pub(crate) fn take_spans(&self, spans: &mut Vec<Span>) {
         spans.append(&mut self.spans.lock());
     }

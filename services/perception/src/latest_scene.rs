@@ -73,7 +73,7 @@ impl LatestScene {
         self.is_outdated.swap(false, Ordering::AcqRel)
     }
 
-    /// Report of all objects.
+    /// Report of all objects of the newest scene.
     pub(crate) fn objects(&self) -> ObjectsReport {
         let held = self.scene.lock();
         ObjectsReport::new(&held.0, &held.1)

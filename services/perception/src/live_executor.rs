@@ -41,7 +41,7 @@ pub(crate) struct LiveExecutor<'a> {
 /// Failure that ends a frame.
 #[derive(Debug)]
 pub(crate) enum FrameError {
-    /// Shared memory fails.
+    /// Failure of the shared-memory channel.
     Channel(channel::Error),
     /// The frame has no detection.
     Detection(DetectionError),

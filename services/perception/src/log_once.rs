@@ -7,7 +7,7 @@ pub(crate) struct LogOnce {
 }
 
 impl LogOnce {
-    /// True on the first call since the last reset.
+    /// True on the first call since the last reset, when the message should be logged.
     pub(crate) fn is_first(&mut self) -> bool {
         !std::mem::replace(&mut self.is_logged, true)
     }

@@ -27,7 +27,7 @@ pub(crate) struct CategorySnapshot {
     pub(crate) index: CategoryIndex,
     /// Position in the history of the memory that the views belong to.
     pub(crate) position: HistoryPosition,
-    /// History sequence of the last change of the index.
+    /// History sequence number of the last change to the category index.
     index_sequence: u64,
 }
 
@@ -75,7 +75,7 @@ impl CategorySnapshot {
 pub(crate) struct SharedCategories(Arc<RwLock<Arc<CategorySnapshot>>>);
 
 impl SharedCategories {
-    /// The newest snapshot.
+    /// Newest snapshot of the learned categories.
     pub(crate) fn get(&self) -> Arc<CategorySnapshot> {
         self.0.read().clone()
     }

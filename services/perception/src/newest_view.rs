@@ -17,11 +17,11 @@ pub(crate) type NewestViews = BTreeMap<u64, NewestView>;
 /// Newest view of a track, for the scene and for relabelling.
 #[derive(Debug, Clone)]
 pub(crate) struct NewestView {
-    /// Label with its distances.
+    /// Recognition result: label and category distances.
     pub(crate) recognised: LabelEstimate,
     /// True if the view is a key view of the latest frame.
     pub(crate) is_key_view: bool,
-    /// Times at which the view passed its actor.
+    /// Times at which the view passed through the object's actor.
     pub(crate) stamps: ActorStamps,
     /// Points of the object, camera frame.
     pub(crate) points: Vec<Point>,

@@ -32,17 +32,17 @@ pub(crate) struct ObjectContext {
 pub(crate) struct ObserveView {
     /// The frame, in shared memory.
     pub(crate) received: ReceivedFrame,
-    /// Detection of the frame.
+    /// Detection result of the frame.
     pub(crate) detected: Arc<DetectedFrame>,
     /// Index of the object's candidate in the detection.
     pub(crate) candidate: usize,
-    /// Track of the object.
+    /// Track-id of the observed object.
     pub(crate) track_id: u64,
-    /// Measurement of the candidate.
+    /// Measurement of the candidate that was matched with the track.
     pub(crate) measured: CandidateMeasurement,
-    /// Buffer of the descriptor.
+    /// Buffer for the descriptor, reused.
     pub(crate) descriptor: Vec<f32>,
-    /// Buffer of the object's points.
+    /// Buffer for the object's points, reused.
     pub(crate) points: Vec<Point>,
     /// Time of sending, monotonic clock, nanoseconds.
     pub(crate) asked_ns: u64,
@@ -55,11 +55,11 @@ pub(crate) struct ObserveView {
 #[derive(Debug)]
 pub(crate) struct ObservedView {
     pub(crate) posterior: Posterior,
-    /// The descriptor of the view.
+    /// Descriptor of the observed view.
     pub(crate) descriptor: Vec<f32>,
     /// Points of a key view in the world frame, packed; empty for other views.
     pub(crate) packed_cloud: Vec<u8>,
-    /// The object's points, camera frame.
+    /// Points of the observed object, camera frame.
     pub(crate) points: Vec<Point>,
     /// Position in the history of the memory that the label was made with.
     pub(crate) position: HistoryPosition,

@@ -42,7 +42,7 @@ pub(crate) struct OutboxSender {
 /// Receiving end of the outbox, first in first out.
 struct OutboxQueue {
     waiting: mpsc::UnboundedReceiver<QueuedView>,
-    /// View that did not fit into the last request.
+    /// View that did not fit into the last store request and is sent first in the next.
     next: Option<QueuedView>,
 }
 

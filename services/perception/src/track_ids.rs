@@ -47,7 +47,7 @@ impl TrackIds {
         id
     }
 
-    /// Fetches the first lease.
+    /// Fetches the first lease of track-ids.
     pub(crate) async fn fetch_first(&self, client: &Client) {
         self.fetch(client).await;
     }

@@ -23,14 +23,14 @@ struct RawConfig {
     lockstep: bool,
 }
 
-/// Choice of the scene.
+/// Scene of the simulation: generated or from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum SceneChoice {
     /// A few objects, an arm, and a person who acts now and then.
     Everyday,
     /// A generated scene.
     Generated(SceneKind),
-    /// A TOML scene file.
+    /// Scene described by a TOML file.
     File(PathBuf),
 }
 

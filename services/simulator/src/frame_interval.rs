@@ -40,7 +40,7 @@ impl FrameInterval {
         }
     }
 
-    /// World at the end of the interval.
+    /// Simulated world at the end of the frame interval.
     pub(crate) fn world(&self) -> &World {
         &self.world
     }

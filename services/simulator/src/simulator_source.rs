@@ -52,7 +52,7 @@ impl SimulatorSource {
         })
     }
 
-    /// Renders the world at the end of the interval.
+    /// Renders the simulated world at the end of the frame interval.
     fn look(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
         let frame = self.interval.frame();
         let world = self.interval.world();

@@ -46,20 +46,20 @@ pub(crate) enum Verb {
     },
     /// Ask what a tracked object is
     Ask {
-        /// The track
+        /// Track-id of the object
         track_id: u64,
     },
-    /// Teach the name of a tracked object
+    /// Teach the label of a tracked object
     Teach(LabelArguments),
-    /// Correct the name of a tracked object
+    /// Correct the label of a tracked object
     Correct(LabelArguments),
     /// Forget a category, whose views then stay without a name; or a track, or a view
     Forget(ForgetArguments),
     /// Give a category another name
     Rename {
-        /// Its name
+        /// Category to rename
         from: String,
-        /// Its new name
+        /// New category name
         to: String,
         /// Author of the change [default: the user's name]
         #[arg(long, value_name = "NAME")]
@@ -90,13 +90,13 @@ pub(crate) enum Verb {
     Categories,
     /// Inspect the memory, verify and repair it, export and import it; with or without a daemon
     Memory {
-        /// Action
+        /// Action on the perceptual memory
         #[command(subcommand)]
         verb: MemoryVerb,
     },
     /// Store and read knowledge for tasks: named texts and files
     Knowledge {
-        /// Action
+        /// Action on the stored knowledge
         #[command(subcommand)]
         verb: KnowledgeVerb,
     },
@@ -104,7 +104,7 @@ pub(crate) enum Verb {
     World(WorldArguments),
     /// Move the arm, or show its state
     Arm {
-        /// Command
+        /// Arm command
         #[command(subcommand)]
         verb: ArmVerb,
     },
@@ -138,7 +138,7 @@ pub(crate) struct LabArguments {
 /// Commands of the arm. Each waits until it is done, unless asked not to.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ArmVerb {
-    /// Show its state
+    /// Show the state of the arm
     State,
     /// Move the gripper to a pose
     Move(ArmMove),
@@ -148,7 +148,7 @@ pub(crate) enum ArmVerb {
     Open(ArmWait),
     /// Close the fingers until they hold something
     Close(ArmWait),
-    /// Stop at once
+    /// Stop the arm at once
     Stop,
 }
 
@@ -158,10 +158,10 @@ pub(crate) struct ArmMove {
     /// Position of the point between the fingers, world frame, metres
     #[arg(allow_negative_numbers = true)]
     pub(crate) x: f64,
-    /// To the far side
+    /// Position towards the far side of the table (world y), metres
     #[arg(allow_negative_numbers = true)]
     pub(crate) y: f64,
-    /// Upwards, from the floor
+    /// Height above the floor (world z), metres
     #[arg(allow_negative_numbers = true)]
     pub(crate) z: f64,
     /// Tilt of the fingers from pointing straight down towards pointing ahead, degrees
@@ -180,7 +180,7 @@ pub(crate) struct ArmMove {
         allow_hyphen_values = true
     )]
     pub(crate) yaw: f64,
-    /// Follow a straight line
+    /// Move the gripper on a straight line
     #[arg(long)]
     pub(crate) straight: bool,
     #[command(flatten)]
@@ -198,9 +198,9 @@ pub(crate) struct ArmWait {
 /// Arguments of `tabula teach` and `tabula correct`.
 #[derive(Debug, Args)]
 pub(crate) struct LabelArguments {
-    /// The track
+    /// Track-id of the object
     pub(crate) track_id: u64,
-    /// The name
+    /// Category name
     pub(crate) category: String,
     /// Author of the label [default: the user's name]
     #[arg(long, value_name = "NAME")]

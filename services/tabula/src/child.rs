@@ -30,7 +30,7 @@ enum ChildState {
 }
 
 impl Child {
-    /// Starts a process.
+    /// Starts a child process.
     pub(crate) fn start(process: ProcessKind, arguments: Vec<String>) -> Result<Self, Failure> {
         let policy = RestartPolicy::new(MAX_RESTARTS, WINDOW, FIRST_BACKOFF, LONGEST_BACKOFF)
             .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
@@ -43,7 +43,7 @@ impl Child {
         })
     }
 
-    /// Process kind.
+    /// Kind of the child process.
     pub(crate) fn process(&self) -> ProcessKind {
         self.process
     }
@@ -106,7 +106,7 @@ impl Child {
         }
     }
 
-    /// Sends SIGTERM.
+    /// Sends SIGTERM to the child process.
     pub(crate) fn ask_to_stop(&self) {
         if let ChildState::Running(child) = &self.state
             && let Some(pid) = Pid::from_raw(child.id().cast_signed())

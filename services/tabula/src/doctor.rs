@@ -7,19 +7,19 @@ use serde::Serialize;
 use service::{CommonArguments, exit_code};
 use std::process::ExitCode;
 
-/// Severity of a finding.
+/// Severity of a diagnostic finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Severity {
-    /// No problem.
+    /// No problem found.
     Ok,
     /// The daemon runs with reduced function.
     Warning,
-    /// The daemon cannot run.
+    /// Failure: the daemon cannot run.
     Failure,
 }
 
-/// Finding of one check.
+/// Finding of one diagnostic check.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Finding {
     check: &'static str,

@@ -11,7 +11,7 @@ use serde::Serialize;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 
-/// `tabula teach`
+/// Runs `tabula teach`.
 pub(crate) fn teach(
     common: &CommonArguments,
     label: &LabelArguments,
@@ -22,7 +22,7 @@ pub(crate) fn teach(
     Ok(ExitCode::SUCCESS)
 }
 
-/// `tabula correct`
+/// Runs `tabula correct`.
 pub(crate) fn correct(
     common: &CommonArguments,
     label: &LabelArguments,
@@ -33,7 +33,7 @@ pub(crate) fn correct(
     Ok(ExitCode::SUCCESS)
 }
 
-/// `tabula forget`
+/// Runs `tabula forget`.
 pub(crate) fn forget(
     common: &CommonArguments,
     arguments: &ForgetArguments,
@@ -108,7 +108,7 @@ struct CategoriesDocument {
     categories: Vec<CategoryReport>,
 }
 
-/// `tabula categories`
+/// Runs `tabula categories`.
 pub(crate) fn categories(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let categories = match call(&mut connect(common)?, Command::Categories)? {
         Reply::Categories(categories) => categories,

@@ -12,7 +12,7 @@ use std::time::Duration;
 /// Redraw period of the watched table. Chosen.
 const REDRAW_PERIOD: Duration = Duration::from_millis(200);
 
-/// `tabula objects`
+/// Runs `tabula objects`.
 pub(crate) fn objects(
     common: &CommonArguments,
     watch: bool,
@@ -158,7 +158,7 @@ fn row(object: &ObjectReport) -> Vec<String> {
     ]
 }
 
-/// `tabula ask`
+/// Runs `tabula ask`.
 pub(crate) fn ask(
     common: &CommonArguments,
     track_id: u64,
@@ -212,7 +212,7 @@ struct StatusDocument {
     processes: Vec<message::control::ProcessReport>,
 }
 
-/// `tabula status`
+/// Runs `tabula status`.
 pub(crate) fn status(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let processes = match call(&mut connect(common)?, Command::Health)? {
         Reply::Health(processes) => processes,

@@ -8,10 +8,10 @@ use service::{CommonArguments, ConfigFile, Failure, exit_code};
 /// Source name of the simulator.
 const SIMULATION: &str = "simulation";
 
-/// Sensor process.
+/// Kind of sensor process: camera or simulator.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Sensor {
-    /// `tabula-camera`.
+    /// Camera process `tabula-camera`.
     Camera,
     /// `tabula-simulator`, with the scene named behind `simulation:`.
     Simulator {
@@ -56,7 +56,7 @@ impl Sensor {
         }
     }
 
-    /// Process kind.
+    /// Process kind of the sensor.
     pub(crate) fn process(&self) -> ProcessKind {
         match self {
             Self::Camera => ProcessKind::Camera,

@@ -1,4 +1,4 @@
-//! UTC timestamps as text.
+//! Formatting of UTC timestamps as text.
 
 const NS_PER_S: u64 = 1_000_000_000;
 const S_PER_DAY: u64 = 24 * 3600;

@@ -7,13 +7,13 @@ use std::str::FromStr;
 /// Source as named on the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum SourceSpec {
-    /// The synthetic table with the number of its arrangement.
+    /// Synthetic table scene; the value is the number of its arrangement.
     Synthetic(u32),
     /// The synthetic table with a number of small blocks.
     Crowd(u32),
     /// The synthetic table with a number of small blocks that come and go.
     Parade(u32),
-    /// A Kinect.
+    /// Kinect v1 at the USB port.
     Kinect,
     /// A recording played by fakenect.
     Fakenect(PathBuf),

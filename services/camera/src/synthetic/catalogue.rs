@@ -6,7 +6,7 @@ use super::surface::Surface;
 use super::{TABLE_HALF_SIDES_M, TABLE_HEIGHT_M};
 use nalgebra::Point3;
 
-/// Surface with its paint.
+/// Geometric surface with its paint.
 pub(super) type PaintedSurface = (Surface, Paint);
 
 /// Shape and colours of one kind of object.

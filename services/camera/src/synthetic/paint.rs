@@ -13,7 +13,7 @@ pub(super) struct Paint {
 /// Region of a paint's second colour.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Pattern {
-    /// No second colour.
+    /// Plain paint: no second colour.
     Plain,
     /// Every other band of this height, metres.
     Bands(f64),

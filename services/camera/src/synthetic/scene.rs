@@ -15,11 +15,11 @@ const AMBIENT: f64 = 0.55;
 /// First intersection of a ray with the scene.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct VisibleSurface {
-    /// Parameter on the ray.
+    /// Ray parameter of the intersection.
     pub(super) t: f64,
     /// Unit normal towards the viewer, world frame.
     pub(super) normal: Vector3<f64>,
-    /// Red, green, blue.
+    /// Colour of the visible surface: red, green, blue.
     pub(super) rgb: [u8; 3],
 }
 

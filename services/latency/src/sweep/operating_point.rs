@@ -9,7 +9,7 @@ use service::{Failure, exit_code};
 pub(super) struct OperatingPoint {
     /// Value of the swept parameter.
     pub(super) value: f64,
-    /// Frame source.
+    /// Frame source of this operating point.
     pub(super) source: SourceArguments,
     /// Number of views taught beforehand.
     pub(super) n_views: usize,

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 #[group(id = "what", required = true, multiple = true)]
 pub(crate) struct ForgetArguments {
-    /// The category
+    /// Category to forget
     #[arg(group = "what", conflicts_with_all = ["track", "view"])]
     pub(crate) category: Option<String>,
     /// A track: its views are neither recognised nor taught any more
@@ -25,7 +25,7 @@ pub(crate) struct ForgetArguments {
 /// store.
 #[derive(Debug, Subcommand)]
 pub(crate) enum MemoryVerb {
-    /// Show sizes and counts
+    /// Show sizes and counts of the perceptual memory
     Stats,
     /// Read everything and report damage; changes nothing
     Verify,
@@ -95,18 +95,18 @@ pub(crate) struct ImportArguments {
 /// Subcommands of `tabula knowledge`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum KnowledgeVerb {
-    /// List it
+    /// List the stored documents
     List,
     /// Write it to standard output
     Get {
-        /// Its name
+        /// Name of the document
         name: String,
     },
     /// Store it, instead of what has this name
     Put(PutArguments),
-    /// Remove it
+    /// Remove a document
     Remove {
-        /// Its name
+        /// Name of the document
         name: String,
         /// Author of the change [default: the user's name]
         #[arg(long, value_name = "NAME")]
@@ -117,11 +117,11 @@ pub(crate) enum KnowledgeVerb {
 /// Arguments of `tabula knowledge put`.
 #[derive(Debug, Args)]
 pub(crate) struct PutArguments {
-    /// Its name
+    /// Name of the document
     pub(crate) name: String,
     /// A file [default: standard input]
     pub(crate) file: Option<PathBuf>,
-    /// Media type
+    /// Media type of the document
     #[arg(long = "type", value_name = "MEDIA/TYPE", default_value = "text/plain")]
     pub(crate) media_type: String,
     /// Author of the change [default: the user's name]

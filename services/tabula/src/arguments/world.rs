@@ -29,7 +29,7 @@ pub(crate) enum WorldVerb {
 #[derive(Debug, Args)]
 #[command(after_help = TIME_HELP)]
 pub(crate) struct HistoryArguments {
-    /// Only of this track
+    /// Only facts of this track
     #[arg(long, value_name = "TRACK")]
     pub(crate) track: Option<u64>,
     /// Only while it was called so
@@ -76,9 +76,9 @@ pub(crate) struct WorldPoint(pub(crate) [f64; 3]);
 /// Point in time as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TimeArgument {
-    /// Time before now, nanoseconds.
+    /// Relative time: nanoseconds before now.
     Ago(u64),
-    /// Nanoseconds since 1970.
+    /// Absolute time: nanoseconds since 1970.
     Absolute(u64),
 }
 

@@ -112,7 +112,7 @@ fn write_export(
     Ok(report)
 }
 
-/// `tabula memory import`
+/// Runs `tabula memory import`.
 pub(super) fn import(
     common: &CommonArguments,
     arguments: &ImportArguments,

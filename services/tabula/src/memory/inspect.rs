@@ -22,7 +22,7 @@ fn unexpected_answer(answer: MemoryAnswer) -> Failure {
     unexpected_reply(&Reply::Memory(answer))
 }
 
-/// `tabula memory stats`
+/// Runs `tabula memory stats`.
 pub(super) fn stats(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let mut memory = MemoryClient::open(common, output)?;
     let stats = match ask(&mut memory, MemoryQuery::Stats)? {
@@ -60,7 +60,7 @@ struct ViewsDocument {
     views: Vec<ViewReport>,
 }
 
-/// `tabula memory inspect`
+/// Runs `tabula memory inspect`.
 pub(super) fn views(
     common: &CommonArguments,
     arguments: &InspectArguments,
@@ -133,7 +133,7 @@ struct HistoryDocument {
     last_sequence: u64,
 }
 
-/// `tabula memory history`
+/// Runs `tabula memory history`.
 pub(super) fn history(
     common: &CommonArguments,
     arguments: &EntriesArguments,

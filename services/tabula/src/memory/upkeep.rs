@@ -79,7 +79,7 @@ fn text(found: &VerificationReport) -> String {
     lines.join("\n")
 }
 
-/// `tabula memory repair`
+/// Runs `tabula memory repair`.
 pub(super) fn repair(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let mut memory = MemoryClient::open(common, output)?;
     let outcome = job(&mut memory, JobKind::Repair, "views", output)?;
@@ -94,7 +94,7 @@ pub(super) fn repair(common: &CommonArguments, output: &Output) -> Result<ExitCo
     })
 }
 
-/// `tabula memory compact`
+/// Runs `tabula memory compact`.
 pub(super) fn compact(
     common: &CommonArguments,
     arguments: &CompactArguments,

@@ -22,7 +22,7 @@ impl Assumption {
         Self::NoCameraPose,
     ];
 
-    /// Short identifier for scripts.
+    /// Short identifier of the assumption, for scripts.
     pub fn name(self) -> &'static str {
         match self {
             Self::NoPersonKnown => "no-person-known",
@@ -32,7 +32,7 @@ impl Assumption {
         }
     }
 
-    /// Human-readable sentence.
+    /// Description of the assumption as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::NoPersonKnown => "no person state received: people cannot be excluded",

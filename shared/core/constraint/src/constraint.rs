@@ -27,7 +27,7 @@ pub enum Constraint {
 }
 
 impl Constraint {
-    /// Number of constraints.
+    /// Number of constraints in the set [`Self::ALL`].
     pub const N: usize = Self::ALL.len();
 
     /// All constraints; the index of each is its discriminant.

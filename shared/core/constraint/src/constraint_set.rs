@@ -7,7 +7,7 @@ use crate::constraint::Constraint;
 pub struct ConstraintSet(u8);
 
 impl ConstraintSet {
-    /// Empty set.
+    /// Empty set of constraints.
     pub const NONE: Self = Self(0);
 
     /// Bit mask on the wire: bit `i` is the constraint with discriminant `i`.

@@ -9,7 +9,7 @@ use crate::ternary::Ternary;
 pub struct Finding {
     /// Ternary value of the constraint.
     pub value: Ternary,
-    /// Reason for the value.
+    /// Reason for the value of the finding.
     pub reason: Reason,
 }
 
@@ -25,7 +25,7 @@ impl Default for Findings {
 }
 
 impl Findings {
-    /// Finding of a constraint.
+    /// Finding of the given constraint.
     pub fn get(&self, constraint: Constraint) -> Finding {
         self.0[constraint as usize]
     }

@@ -10,7 +10,7 @@ const N_BYTES_MAX: usize = 1024;
 /// Greatest nesting depth of parentheses and "not".
 const DEPTH_MAX: usize = 32;
 
-/// Token of a rule.
+/// Token of a constraint rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Token<'a> {
     Name(&'a str),

@@ -123,28 +123,28 @@ reasons! {
     } => "it is a part of what is tracked already ({} of its points in a track's box)", Percent(share);
     /// One hand could grasp the candidate.
     20 Graspable {
-        /// Longest side, metres.
+        /// Longest side of the object, metres.
         side_m
     } => "a hand could grasp it (longest side {})", Cm(side_m);
     /// The candidate is too small for an object.
     21 TooSmall {
-        /// Longest side, metres.
+        /// Longest side of the object, metres.
         side_m,
-        /// Least accepted length, metres.
+        /// Least accepted length of the longest side, metres.
         min_m
     } => "it is too small (longest side {}, at least {})", Cm(side_m), Cm(min_m);
     /// The candidate is too long to be grasped.
     22 TooLong {
-        /// Longest side, metres.
+        /// Longest side of the object, metres.
         side_m,
-        /// Greatest accepted length, metres.
+        /// Greatest accepted length of the longest side, metres.
         max_m
     } => "it is too long (longest side {}, at most {})", Cm(side_m), Cm(max_m);
     /// The candidate is too broad to be grasped.
     23 TooBroad {
-        /// Second longest side, metres.
+        /// Second longest side of the object, metres.
         side_m,
-        /// Greatest accepted length, metres.
+        /// Greatest accepted length of the second longest side, metres.
         max_m
     } => "it is too broad (second side {}, at most {})", Cm(side_m), Cm(max_m);
     /// The candidate is too bulky to be grasped.
@@ -156,7 +156,7 @@ reasons! {
     } => "it is too bulky ({}, at most {})", Litres(volume_m3), Litres(max_m3);
     /// The image border truncates the candidate; its true size is unknown.
     25 SizeTruncated {
-        /// Longest visible side, metres.
+        /// Longest visible side of the object, metres.
         side_m
     } => "the border of the image cuts it, so its size is not known (at least {})", Cm(side_m);
     /// No person state is available.

@@ -50,7 +50,7 @@ impl Ternary {
         }
     }
 
-    /// Code on the wire.
+    /// Wire code of the ternary value.
     pub fn code(self) -> u16 {
         self as u16
     }

@@ -14,7 +14,7 @@ pub enum FileError {
     /// Error of the operating system.
     #[error("could not {action} {}: {source}", .path.display())]
     Io {
-        /// File or folder.
+        /// Path of the file or folder that could not be accessed.
         path: PathBuf,
         /// Attempted action, such as `read` or `create`.
         action: &'static str,
@@ -27,15 +27,15 @@ pub enum FileError {
         .path.display()
     )]
     TooLarge {
-        /// File.
+        /// Path of the oversized file.
         path: PathBuf,
-        /// Limit, bytes.
+        /// Size limit of the format, bytes.
         limit: u64,
     },
     /// Path that leads to a folder, device or pipe.
     #[error("{} is not a regular file; name a file", .path.display())]
     NotAFile {
-        /// Path.
+        /// Path that is not a regular file.
         path: PathBuf,
     },
     /// Folder with more entries than the limit.
@@ -45,13 +45,13 @@ pub enum FileError {
         max_names = MAX_NAMES
     )]
     TooManyEntries {
-        /// Folder.
+        /// Path of the folder with too many entries.
         path: PathBuf,
     },
     /// File name that is not UTF-8.
     #[error("the name of {} is not UTF-8 text; rename the file", .path.display())]
     NameNotText {
-        /// File.
+        /// Path of the file whose name is not UTF-8.
         path: PathBuf,
     },
 }

@@ -52,7 +52,7 @@ impl FrameKind {
         }
     }
 
-    /// Size of a frame after the header, bytes.
+    /// Size of the frame data after the header of the frame file, bytes.
     fn n_bytes(self) -> usize {
         match self {
             Self::Depth => 2 * WIDTH * HEIGHT,

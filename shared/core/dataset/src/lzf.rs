@@ -30,10 +30,10 @@ pub enum Error {
     /// Back reference to before the start of the output.
     #[error("the compressed data repeats bytes from before its start; the file is damaged")]
     ReachesBack,
-    /// Output longer than announced.
+    /// Decompressed output longer than announced.
     #[error("the compressed data is longer than announced; the file is damaged")]
     TooLong,
-    /// Output shorter than announced.
+    /// Decompressed output shorter than announced.
     #[error("the compressed data is shorter than announced; the file is damaged")]
     TooShort,
 }

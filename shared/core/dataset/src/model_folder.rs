@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Model file of a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelFile {
-    /// Path of the file.
+    /// Path of the model file.
     pub path: PathBuf,
     /// Number at the start of the file name: 25 for `025_mug.ply`.
     pub number: Option<u32>,
@@ -36,17 +36,17 @@ pub enum Error {
     /// Invalid PLY file.
     #[error("the model {} cannot be used: {source}", .path.display())]
     Ply {
-        /// PLY file.
+        /// Path of the PLY file.
         path: PathBuf,
-        /// Invalid content.
+        /// Error in the content of the PLY file.
         source: ply::Error,
     },
     /// Invalid OBJ file.
     #[error("the model {} cannot be used: {source}", .path.display())]
     Obj {
-        /// OBJ file.
+        /// Path of the OBJ file.
         path: PathBuf,
-        /// Invalid content.
+        /// Error in the content of the OBJ file.
         source: obj::Error,
     },
 }

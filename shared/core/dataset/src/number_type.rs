@@ -33,7 +33,7 @@ impl NumberType {
         }
     }
 
-    /// True for integer types.
+    /// True for integer number types.
     pub(crate) const fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 pub struct ViewFile {
     /// First file of the view, relative to the dataset's folder.
     pub path: PathBuf,
-    /// Category name.
+    /// Category name of the view.
     pub category: String,
     /// Instance within the category, if known from the layout.
     pub instance: Option<String>,

@@ -29,9 +29,9 @@ use std::path::Path;
 pub enum Encoding {
     /// Text, one line for each vertex and face.
     Ascii,
-    /// Binary, little-endian.
+    /// Binary encoding, little-endian.
     BinaryLittleEndian,
-    /// Binary, big-endian.
+    /// Binary encoding, big-endian.
     BinaryBigEndian,
 }
 

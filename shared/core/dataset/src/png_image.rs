@@ -112,7 +112,7 @@ impl<'a> PngImage<'a> {
         Ok(image)
     }
 
-    /// Columns and rows.
+    /// Width and height of the PNG image, pixels.
     pub(crate) fn size(&self) -> (u32, u32) {
         self.reader.info().size()
     }

@@ -54,9 +54,9 @@ pub enum Error {
         .path.display(), .kinds[0], .kinds[1]
     )]
     Mixed {
-        /// Folder.
+        /// Path of the ambiguous folder.
         path: PathBuf,
-        /// Two of the kinds.
+        /// Two recording kinds found in the folder.
         kinds: [RecordingKind; 2],
     },
 }

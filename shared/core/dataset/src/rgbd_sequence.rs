@@ -115,7 +115,7 @@ impl RgbdSequence {
         self.frames.get(index).map(|frame| frame.stem.as_str())
     }
 
-    /// Depth camera.
+    /// Intrinsics of the depth camera.
     pub fn camera(&self) -> &PinholeCamera {
         &self.camera
     }

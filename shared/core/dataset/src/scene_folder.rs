@@ -24,9 +24,9 @@ pub enum Error {
     /// Scene index out of range.
     #[error("there is no scene {index}; the folder's {n_scenes} scenes count from 0")]
     NoSuchScene {
-        /// Requested scene, from 0.
+        /// Requested scene index, from 0.
         index: usize,
-        /// Number of scenes.
+        /// Number of scenes in the folder.
         n_scenes: usize,
     },
 }

@@ -11,7 +11,7 @@ pub struct Capsule {
     pub from: Point3<f64>,
     /// Second end of the segment, metres.
     pub to: Point3<f64>,
-    /// Radius, metres, >= 0.
+    /// Radius of the capsule, metres, >= 0.
     pub radius_m: f64,
 }
 
@@ -29,7 +29,7 @@ impl Capsule {
         (point - (self.from + axis * along)).norm() - self.radius_m
     }
 
-    /// Capsule in another frame.
+    /// Capsule transformed into another frame.
     pub fn transformed(&self, target_from_frame: &RigidTransform) -> Self {
         Self {
             from: target_from_frame * self.from,

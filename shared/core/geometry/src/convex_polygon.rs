@@ -33,7 +33,7 @@ impl ConvexPolygon {
         }
     }
 
-    /// Corners, counter-clockwise.
+    /// Corners of the polygon, counter-clockwise.
     pub fn corners(&self) -> &[Point2<f64>] {
         &self.corners
     }
@@ -55,7 +55,7 @@ impl ConvexPolygon {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Area, square metres.
+    /// Area of the polygon, square metres.
     pub fn area_m2(&self) -> f64 {
         self.edges()
             .map(|(a, b)| 0.5 * (a.x * b.y - b.x * a.y))

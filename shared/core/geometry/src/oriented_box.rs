@@ -17,12 +17,12 @@ impl OrientedBox {
         self.frame_from_box.translation.vector.into()
     }
 
-    /// Side lengths, metres.
+    /// Side lengths of the box, metres.
     pub fn sides_m(&self) -> Vector3<f64> {
         2.0 * self.half_sides_m
     }
 
-    /// Volume, cubic metres.
+    /// Volume of the box, cubic metres.
     pub fn volume_m3(&self) -> f64 {
         self.sides_m().product()
     }
@@ -42,7 +42,7 @@ impl OrientedBox {
         (self.centre() - other.centre()).norm() <= reach_m
     }
 
-    /// Box in another frame.
+    /// Box transformed into another frame.
     pub fn transformed(&self, target_from_frame: &Isometry3<f64>) -> Self {
         Self {
             frame_from_box: target_from_frame * self.frame_from_box,

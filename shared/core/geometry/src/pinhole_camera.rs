@@ -41,7 +41,7 @@ impl PinholeCamera {
         height: 480,
     };
 
-    /// Validates the intrinsics.
+    /// Validates the camera intrinsics.
     ///
     /// # Errors
     /// Says which rule is broken: sizes from 1 to 8192 pixels, focal lengths
@@ -93,7 +93,7 @@ impl PinholeCamera {
         })
     }
 
-    /// Number of pixels.
+    /// Number of pixels of the image.
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize
     }

@@ -57,7 +57,7 @@ impl Plane {
         Isometry3::from_parts(origin_in_source.into(), source_from_plane).inverse()
     }
 
-    /// Plane in another frame.
+    /// Plane transformed into another frame.
     pub fn transformed(&self, target_from_source: &Isometry3<f64>) -> Self {
         let foot = target_from_source * Point3::from(-self.normal.into_inner() * self.offset_m);
         Self::through(&foot, target_from_source.rotation * self.normal)

@@ -6,9 +6,9 @@ use nalgebra::{Point3, Vector3};
 /// Axis-aligned bounding box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// Minimum corner.
+    /// Minimum corner of the bounding box.
     pub min: Point3<f32>,
-    /// Maximum corner.
+    /// Maximum corner of the bounding box.
     pub max: Point3<f32>,
 }
 
@@ -29,12 +29,12 @@ impl Bounds {
             })
     }
 
-    /// Centre of the box.
+    /// Centre of the bounding box.
     pub fn centre(&self) -> Point3<f32> {
         nalgebra::center(&self.min, &self.max)
     }
 
-    /// Side lengths.
+    /// Side lengths of the bounding box.
     pub fn sides(&self) -> Vector3<f32> {
         self.max - self.min
     }

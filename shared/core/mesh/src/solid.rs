@@ -24,7 +24,7 @@ impl Solid {
         self
     }
 
-    /// Solid in one colour.
+    /// Solid painted in one colour.
     pub fn colored(self, color: [u8; 3]) -> Self {
         self.painted(|_, _| color)
     }

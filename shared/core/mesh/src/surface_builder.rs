@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 /// Crease angle, radians: edges between faces at a greater angle stay sharp. Chosen.
 pub(crate) const CREASE_RAD: f32 = 0.7;
 
-/// Default colour: light grey.
+/// Default colour of meshes without colours: light grey.
 const UNPAINTED: [u8; 3] = [200, 200, 200];
 
 /// Builder of a closed surface.

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 pub struct Vertex {
     /// Position in the mesh's frame, metres.
     pub position: Point3<f32>,
-    /// Outward unit normal.
+    /// Outward unit normal of the vertex.
     pub normal: Vector3<f32>,
     /// Diffuse colour, sRGB: red, green, blue.
     pub color: [u8; 3],
@@ -34,18 +34,18 @@ impl Surface {
 /// Triangle, counter-clockwise seen from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Triangle {
-    /// Indices into [`TriangleMesh::vertices`].
+    /// Corner vertices: indices into [`TriangleMesh::vertices`].
     pub vertices: [u32; 3],
-    /// Index into [`TriangleMesh::surfaces`].
+    /// Surface finish: index into [`TriangleMesh::surfaces`].
     pub surface: u8,
 }
 
 /// Coloured triangle mesh, metres.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TriangleMesh {
-    /// Vertices.
+    /// Vertices of the mesh.
     pub vertices: Vec<Vertex>,
-    /// Faces.
+    /// Triangles of the mesh.
     pub triangles: Vec<Triangle>,
     /// Surfaces of the faces; at most 256.
     pub surfaces: Vec<Surface>,

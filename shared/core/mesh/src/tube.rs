@@ -14,7 +14,7 @@ const N_END_RINGS: usize = 4;
 /// Elliptic cross-section of a tube.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TubeSection {
-    /// Centre, on the curve.
+    /// Centre of the cross-section, on the tube's curve.
     pub centre: Point3<f32>,
     /// Semi-axis perpendicular to the curve and to the up direction, metres.
     pub half_width: f32,
@@ -98,7 +98,7 @@ pub fn rounded_tube(sections: &[TubeSection], up: Vector3<f32>, n_sides: usize) 
     tube(&all, up, n_sides)
 }
 
-/// Frame of a cross-section.
+/// Moving frame of a cross-section along the tube's curve.
 #[derive(Clone, Copy)]
 struct SweepFrame {
     across: Vector3<f32>,

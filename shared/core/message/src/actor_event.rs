@@ -28,7 +28,7 @@ impl ActorEventKind {
         Self::Escalated,
     ];
 
-    /// Wire code.
+    /// Wire code of the event kind.
     pub fn code(self) -> u32 {
         self as u32
     }
@@ -55,9 +55,9 @@ impl ActorEventKind {
 #[type_name("tabula.ActorEvent.v3")]
 #[repr(C)]
 pub struct ActorEvent {
-    /// [`SCHEMA_VERSION`] of the writer.
+    /// [`SCHEMA_VERSION`] of the sending program.
     pub schema_version: u32,
-    /// Code of a [`ActorEventKind`].
+    /// Event kind: code of an [`ActorEventKind`].
     pub kind: u32,
     /// Track id of the actor's object.
     pub track_id: u64,
@@ -72,7 +72,7 @@ pub struct ActorEvent {
     pub stamp_ns: u64,
     /// Delay until the restart, nanoseconds; 0 unless the kind is `Restarting`.
     pub restart_after_ns: u64,
-    /// Number of live actors.
+    /// Number of live object actors.
     pub n_actors: u64,
     /// Number of restarts so far, including this one.
     pub n_restarts: u64,
@@ -82,7 +82,7 @@ pub struct ActorEvent {
     pub n_lost: u64,
     /// Cause of the failure; empty when nothing failed.
     pub cause: Text,
-    /// Padding, zero.
+    /// Padding for alignment, zero.
     pub reserved: u32,
 }
 

@@ -61,9 +61,9 @@ pub const MAX_MESSAGE_BYTES: usize = 512 * 1024;
 /// Request: a command with the protocol version of its writer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Request {
-    /// [`PROTOCOL_VERSION`] of the writer.
+    /// [`PROTOCOL_VERSION`] of the requesting program.
     pub protocol: u32,
-    /// Command.
+    /// Command to be carried out.
     pub command: Command,
 }
 
@@ -85,7 +85,7 @@ pub enum Command {
     Objects,
     /// Report one tracked object.
     Ask {
-        /// Track id.
+        /// Track-id of the object to report.
         track_id: u64,
     },
     /// Report the health of all processes.
@@ -98,9 +98,9 @@ pub enum Command {
     Forget {
         /// Idempotency key of the mutation.
         id: MutationId,
-        /// Author of the request.
+        /// Author of the change.
         author: String,
-        /// Category name.
+        /// Name of the category to forget.
         category: String,
     },
     /// List the learned categories.
@@ -117,14 +117,14 @@ pub enum Command {
     World(WorldCommand),
     /// Lease a block of track ids that are never issued again.
     LeaseTrackIds {
-        /// Number of ids.
+        /// Number of track-ids to lease.
         count: u32,
     },
     /// Store key views durably. Their track ids must have been leased by the sender.
     StoreViews {
         /// Idempotency key of the mutation.
         id: MutationId,
-        /// Key views.
+        /// Key views to store.
         views: Vec<StoredView>,
     },
     /// Read one page of all labelled views.
@@ -134,7 +134,7 @@ pub enum Command {
     },
     /// Read the changes of learned views since a history sequence.
     Changes {
-        /// Identity of the store that `since` belongs to.
+        /// Identity of the store to which the sequence `since` belongs.
         #[serde(with = "learning::hex_id")]
         store_id: u128,
         /// Newest sequence that the reader has applied.
@@ -148,7 +148,7 @@ pub enum Command {
         store_id: u128,
         /// The oldest history sequence that may answer.
         sequence: u64,
-        /// The command to answer.
+        /// Command to answer after that position.
         command: Box<Self>,
     },
 }
@@ -160,13 +160,13 @@ pub struct Labelling {
     pub id: MutationId,
     /// Author of the label.
     pub author: String,
-    /// Track id.
+    /// Track-id of the labelled object.
     pub track_id: u64,
-    /// Category name.
+    /// Category name to assign.
     pub category: String,
 }
 
-/// Reply to a command.
+/// Reply to a control command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]

@@ -29,7 +29,7 @@ impl DescriptorBytes {
         )
     }
 
-    /// Decodes the values of this descriptor.
+    /// Decodes the descriptor values.
     ///
     /// # Errors
     /// When the number of bytes is not a multiple of four.
@@ -54,7 +54,7 @@ impl DescriptorBytes {
             .collect())
     }
 
-    /// Bytes of the descriptor.
+    /// Encoded descriptor as bytes.
     pub fn as_bytes(&self) -> &[u8] {
         &self.0
     }

@@ -15,9 +15,9 @@ use std::mem::offset_of;
 pub struct CloudPoint {
     /// Right, metres; NaN without depth.
     pub x: f32,
-    /// Down, metres.
+    /// Down coordinate in the camera frame, metres.
     pub y: f32,
-    /// Forward, metres.
+    /// Forward coordinate in the camera frame, metres.
     pub z: f32,
     /// Packed colour: alpha, red, green, blue from the highest byte to the lowest.
     pub argb: u32,
@@ -41,7 +41,7 @@ pub mod frame_flag {
     pub const LOCKSTEP: u32 = 1;
     /// `world_from_camera` is valid; otherwise the world frame is the camera frame.
     pub const HAS_WORLD_POSE: u32 = 1 << 1;
-    /// `up_in_camera` is valid.
+    /// Flag: the field `up_in_camera` is valid.
     pub const HAS_UP: u32 = 1 << 2;
     /// Intrinsics are calibrated for this camera; otherwise nominal.
     pub const CALIBRATED: u32 = 1 << 3;
@@ -55,7 +55,7 @@ pub mod frame_flag {
 pub struct SegmentLocation {
     /// Inode of the segment's file.
     pub inode: u64,
-    /// Offset of the first byte in the segment.
+    /// Offset of the payload's first byte in the shared-memory segment.
     pub offset_bytes: u64,
 }
 
@@ -66,9 +66,9 @@ pub struct SegmentLocation {
 #[repr(C)]
 #[repr(align(64))]
 pub struct FrameHeader {
-    /// [`SCHEMA_VERSION`] of the writer.
+    /// [`SCHEMA_VERSION`] of the sending program.
     pub schema_version: u32,
-    /// Bits of [`frame_flag`].
+    /// Flags of the frame: bits of [`frame_flag`].
     pub flags: u32,
     /// Message number of the port, from 1.
     pub sent: u64,
@@ -100,7 +100,7 @@ pub struct FrameHeader {
     pub location: SegmentLocation,
     /// Name of the camera or recording.
     pub source_name: Text,
-    /// Padding, zero.
+    /// Padding for alignment, zero.
     pub reserved: u32,
 }
 
@@ -112,7 +112,7 @@ const _: () = assert!(offset_of!(FrameHeader, published_stamp_ns) < 64);
 #[type_name("tabula.FrameDone.v1")]
 #[repr(C)]
 pub struct FrameDone {
-    /// Session of the source.
+    /// Session number of the frame source.
     pub session: u64,
     /// Sequence number of the frame.
     pub sequence: u64,
@@ -144,7 +144,7 @@ pub enum InvalidFrame {
         own = SCHEMA_VERSION
     )]
     SchemaVersion(u32),
-    /// Impossible intrinsics.
+    /// Impossible camera intrinsics in the frame header.
     #[error("{0}")]
     Intrinsics(InvalidIntrinsics),
     /// Number of points that does not fill the image.
@@ -155,7 +155,7 @@ pub enum InvalidFrame {
     Size {
         /// Number of points in the message.
         n_points: usize,
-        /// Columns and rows of the header.
+        /// Width and height according to the frame header, pixels.
         size_px: [u32; 2],
     },
     /// `world_from_camera` that is no rigid transform.

@@ -11,7 +11,7 @@ pub const MAX_TRUE_OBJECTS: usize = 64;
 /// Motion state of a simulated object, as a code in [`TrueObject::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrueState {
-    /// At rest.
+    /// Object at rest.
     Settled = 1,
     /// In motion without being held.
     Moving = 2,
@@ -32,7 +32,7 @@ impl TrueState {
         Self::OnFloor,
     ];
 
-    /// Wire code.
+    /// Wire code of the true state.
     pub fn code(self) -> u32 {
         self as u32
     }
@@ -50,7 +50,7 @@ impl TrueState {
 pub struct TrueObject {
     /// Id in the scene, from 1; pixel value in the mask.
     pub id: u32,
-    /// Code of a [`TrueState`].
+    /// True state: code of a [`TrueState`].
     pub state: u32,
     /// Pose; the origin is the centre of the model's bounding box.
     pub world_from_object: WirePose,
@@ -58,13 +58,13 @@ pub struct TrueObject {
     pub size_m: [f32; 3],
     /// Visible fraction: visible pixels over unoccluded pixels, 0 to 1.
     pub visible_fraction: f32,
-    /// Number of visible pixels.
+    /// Number of visible pixels of the object.
     pub visible_px: u32,
     /// Number of pixels without occlusion by other objects.
     pub unoccluded_px: u32,
-    /// Category name.
+    /// Category name of the object.
     pub category: Text,
-    /// Name of the instance.
+    /// Name of the object instance.
     pub name: Text,
 }
 
@@ -76,11 +76,11 @@ const _: () = assert!(size_of::<TrueObject>() == 352);
 #[type_name("tabula.TruthHeader.v1")]
 #[repr(C)]
 pub struct TruthHeader {
-    /// [`SCHEMA_VERSION`] of the writer.
+    /// [`SCHEMA_VERSION`] of the sending program.
     pub schema_version: u32,
-    /// Padding, zero.
+    /// Padding for alignment, zero.
     pub reserved: u32,
-    /// Session of the frame.
+    /// Session number of the frame source.
     pub session: u64,
     /// Sequence number of the frame.
     pub sequence: u64,

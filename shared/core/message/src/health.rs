@@ -26,7 +26,7 @@ impl ProcessKind {
         Self::Simulator,
     ];
 
-    /// Wire code.
+    /// Wire code of the process kind.
     pub fn code(self) -> u32 {
         self as u32
     }
@@ -55,15 +55,15 @@ impl ProcessKind {
 /// State of a process, as a code in [`Health::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProcessState {
-    /// Starting, not ready yet.
+    /// Process is starting and not ready yet.
     Starting = 1,
-    /// Ready and working.
+    /// Process is ready and working.
     Ready = 2,
     /// Working with reduced function, explained in `note`.
     Degraded = 3,
     /// Finished but still running, such as a camera whose recording has ended.
     Idle = 4,
-    /// Shutting down.
+    /// Process is shutting down.
     Stopping = 5,
 }
 
@@ -76,7 +76,7 @@ impl ProcessState {
         Self::Stopping,
     ];
 
-    /// Wire code.
+    /// Wire code of the process state.
     pub fn code(self) -> u32 {
         self as u32
     }
@@ -103,9 +103,9 @@ impl ProcessState {
 #[type_name("tabula.Health.v3")]
 #[repr(C)]
 pub struct Health {
-    /// [`SCHEMA_VERSION`] of the writer.
+    /// [`SCHEMA_VERSION`] of the sending program.
     pub schema_version: u32,
-    /// Code of a [`ProcessKind`].
+    /// Kind of the process: code of a [`ProcessKind`].
     pub process: u32,
     /// Operating-system process id.
     pub pid: u32,
@@ -123,7 +123,7 @@ pub struct Health {
     pub frames_late: u64,
     /// Number of heap allocations since the start.
     pub allocated_bytes: u64,
-    /// Heap allocations since start.
+    /// Heap allocations of the process since its start.
     pub allocations: u64,
     /// Shared memory reserved by the publishers of the process, bytes.
     pub resident_bytes: u64,
@@ -139,7 +139,7 @@ pub struct Health {
     pub progress: u64,
     /// Explanation of the state as a sentence; empty when nothing is wrong.
     pub note: Text,
-    /// Padding, zero.
+    /// Padding for alignment, zero.
     pub reserved: u32,
 }
 

@@ -12,7 +12,7 @@ pub const MAX_NEAR_CATEGORIES: usize = 4;
 #[type_name("tabula.NearCategory.v3")]
 #[repr(C)]
 pub struct NearCategory {
-    /// Category name.
+    /// Name of the nearby category.
     pub label: Text,
     /// Distance in descriptor space to the category's nearest view; NaN for none.
     pub distance: f32,

@@ -11,7 +11,7 @@ use iceoryx2::prelude::ZeroCopySend;
 #[type_name("tabula.ObjectViewHeader.v5")]
 #[repr(C)]
 pub struct ObjectViewHeader {
-    /// Track id.
+    /// Track-id of the object.
     pub track_id: u64,
     /// Number of the view within the track, key views and others, from 0.
     pub view_id: u32,
@@ -19,7 +19,7 @@ pub struct ObjectViewHeader {
     pub is_key_view: u32,
     /// Message number of the port, from 1.
     pub sent: u64,
-    /// Session of the camera.
+    /// Session number of the camera.
     pub session: u64,
     /// Sequence number of the frame.
     pub sequence: u64,
@@ -31,7 +31,7 @@ pub struct ObjectViewHeader {
     pub pose: WirePose,
     /// Side lengths of the box, metres.
     pub size_m: [f32; 3],
-    /// Number of points of the view.
+    /// Number of points of the object's view.
     pub n_points: u32,
     /// Shared memory location from which the actor read the frame's points: the camera's own bytes.
     pub frame_location: SegmentLocation,
@@ -53,7 +53,7 @@ pub struct ObjectViewHeader {
     pub n_key_views: u32,
     /// Number of valid entries of `categories`.
     pub n_categories: u32,
-    /// Nearest categories, nearest first.
+    /// Categories nearest in descriptor space, nearest first.
     pub categories: [NearCategory; MAX_NEAR_CATEGORIES],
 }
 
@@ -100,9 +100,9 @@ impl ObjectViewHeader {
 #[type_name("tabula.ObjectCloudHeader.v1")]
 #[repr(C)]
 pub struct ObjectCloudHeader {
-    /// Track id.
+    /// Track-id of the object.
     pub track_id: u64,
-    /// Session of the camera.
+    /// Session number of the camera.
     pub session: u64,
     /// Sequence number of the frame.
     pub sequence: u64,

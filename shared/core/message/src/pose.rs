@@ -19,7 +19,7 @@ pub struct WireTransform {
 #[type_name("tabula.Pose.v1")]
 #[repr(C)]
 pub struct WirePose {
-    /// Position, metres.
+    /// Position of the pose, metres.
     pub position_m: [f64; 3],
     /// Orientation quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],

@@ -27,7 +27,7 @@ const REPORT_ORDER: [Constraint; Constraint::N] = [
 pub struct WireFinding {
     /// Code of a [`Ternary`] value.
     pub truth: u16,
-    /// Code of a [`Reason`].
+    /// Reason of the finding: code of a [`Reason`].
     pub reason: u16,
     /// Parameters of the reason; unused ones are zero.
     pub values: [f32; 2],
@@ -62,7 +62,7 @@ pub struct RejectedCandidate {
     pub pose: WirePose,
     /// Side lengths of the box, metres.
     pub size_m: [f32; 3],
-    /// Number of measured points.
+    /// Number of measured points of the candidate.
     pub n_points: u32,
     /// Verdict of the rule: code of a [`Ternary`] value.
     pub verdict: u32,

@@ -22,7 +22,7 @@ pub struct WireCapsule {
     pub from_m: [f64; 3],
     /// Second end of the segment, metres.
     pub to_m: [f64; 3],
-    /// Radius, metres.
+    /// Radius of the capsule, metres.
     pub radius_m: f64,
 }
 
@@ -56,13 +56,13 @@ impl From<&Capsule> for WireCapsule {
 pub enum ArmActivity {
     /// Waiting for a command; any previous command is complete.
     Idle = 1,
-    /// Moving the joints.
+    /// Arm is moving its joints.
     Moving = 2,
-    /// Opening the fingers.
+    /// Gripper is opening its fingers.
     Opening = 3,
-    /// Closing the fingers.
+    /// Gripper is closing its fingers.
     Closing = 4,
-    /// Stopped by a command.
+    /// Arm was stopped by a command.
     Stopped = 5,
     /// Last command failed; the reason is in `note`.
     Failed = 6,
@@ -78,7 +78,7 @@ impl ArmActivity {
         Self::Failed,
     ];
 
-    /// Wire code.
+    /// Wire code of the arm activity.
     pub fn code(self) -> u32 {
         self as u32
     }
@@ -106,9 +106,9 @@ impl ArmActivity {
 #[type_name("tabula.ArmState.v5")]
 #[repr(C)]
 pub struct ArmState {
-    /// [`SCHEMA_VERSION`] of the writer.
+    /// [`SCHEMA_VERSION`] of the sending program.
     pub schema_version: u32,
-    /// Code of a [`ArmActivity`].
+    /// Activity of the arm: code of an [`ArmActivity`].
     pub activity: u32,
     /// Message number of the port, from 1.
     pub sent: u64,
@@ -157,9 +157,9 @@ impl Default for ArmState {
 #[type_name("tabula.PersonBody.v1")]
 #[repr(C)]
 pub struct PersonBody {
-    /// [`SCHEMA_VERSION`] of the writer.
+    /// [`SCHEMA_VERSION`] of the sending program.
     pub schema_version: u32,
-    /// Padding, zero.
+    /// Padding for alignment, zero.
     pub reserved: u32,
     /// Time of the observation, nanoseconds: monotonic clock, or the source's own clock in
     /// lockstep.

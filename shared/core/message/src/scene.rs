@@ -14,7 +14,7 @@ pub const MAX_SCENE_OBJECTS: usize = 256;
 pub enum TrackState {
     /// Not yet confirmed: measured in too few frames.
     Tentative,
-    /// Measured in this frame.
+    /// Object measured in this frame.
     Tracked,
     /// Not measured in this frame and expected to return; neither occluded nor outside the image.
     Missing,
@@ -33,7 +33,7 @@ impl TrackState {
         Self::OutOfView,
     ];
 
-    /// Wire code.
+    /// Wire code of the track state.
     pub fn code(self) -> u32 {
         self as u32
     }
@@ -84,13 +84,13 @@ pub struct StageStamps {
 pub struct ActorStamps {
     /// Time at which the view was sent to the actor.
     pub asked_ns: u64,
-    /// Time at which the actor started the view.
+    /// Time at which the actor began to process the view.
     pub begun_ns: u64,
     /// Time at which the descriptor was complete.
     pub described_ns: u64,
     /// Time at which recognition was complete.
     pub recognised_ns: u64,
-    /// Time at which the frame loop received the answer.
+    /// Time at which the frame loop received the actor's answer.
     pub answered_ns: u64,
 }
 
@@ -99,9 +99,9 @@ pub struct ActorStamps {
 #[type_name("tabula.SceneObject.v4")]
 #[repr(C)]
 pub struct SceneObject {
-    /// Track id; never reused.
+    /// Track-id of the object; never reused.
     pub track_id: u64,
-    /// Code of a [`TrackState`].
+    /// State of the track: code of a [`TrackState`].
     pub state: u32,
     /// 1 when the image border cuts the object.
     pub cut_by_image: u32,
@@ -113,7 +113,7 @@ pub struct SceneObject {
     pub pose: WirePose,
     /// Side lengths of the box, metres.
     pub size_m: [f32; 3],
-    /// Number of measured points.
+    /// Number of measured points of the object.
     pub n_points: u32,
     /// Number of described views so far.
     pub n_views: u32,
@@ -149,7 +149,7 @@ pub struct SceneObject {
     pub velocity_m_s: [f32; 3],
     /// Angular velocity, world axes, radians per second.
     pub angular_velocity_rad_s: [f32; 3],
-    /// Nearest categories, nearest first.
+    /// Categories nearest in descriptor space, nearest first.
     pub categories: [NearCategory; MAX_NEAR_CATEGORIES],
     /// Processing times of the newest view in the object's actor.
     pub stamps: ActorStamps,
@@ -160,13 +160,13 @@ pub struct SceneObject {
 #[type_name("tabula.SceneSummary.v5")]
 #[repr(C)]
 pub struct SceneSummary {
-    /// [`SCHEMA_VERSION`] of the writer.
+    /// [`SCHEMA_VERSION`] of the sending program.
     pub schema_version: u32,
     /// Flags of the frame, see [`frame_flag`](crate::frame_flag).
     pub frame_flags: u32,
     /// Message number of the port, from 1.
     pub sent: u64,
-    /// Session of the camera.
+    /// Session number of the camera.
     pub session: u64,
     /// Sequence number of the frame.
     pub sequence: u64,
@@ -193,7 +193,7 @@ pub struct SceneSummary {
     pub rule: Text,
     /// Number of valid entries of `ignored`.
     pub n_ignored: u32,
-    /// Rejected candidates, nearest first.
+    /// Rejected candidates, nearest to the camera first.
     pub ignored: [RejectedCandidate; MAX_REJECTED_CANDIDATES],
 }
 
@@ -283,7 +283,7 @@ impl SceneObject {
         (self.n_views > 0).then_some(self.view_id)
     }
 
-    /// Track id of the lost track that this object continues, if any.
+    /// Track-id of the lost track that this object continues, if any.
     pub fn linked_to(&self) -> Option<u64> {
         (self.linked_to != 0).then_some(self.linked_to)
     }

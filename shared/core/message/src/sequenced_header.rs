@@ -12,9 +12,9 @@ use iceoryx2::prelude::ZeroCopySend;
 /// In a long header the number precedes the other fields, next to the time stamps: a receiver
 /// that reads it has the cache line with both, each of which takes 0.1 µs from another core.
 pub trait SequencedHeader {
-    /// Number of this message.
+    /// Number of this message, counted per port.
     fn sent(&self) -> u64;
-    /// Sets the number of this message.
+    /// Sets the number of this message, counted per port.
     fn set_sent(&mut self, sent: u64);
 }
 

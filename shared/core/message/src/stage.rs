@@ -33,7 +33,7 @@ macro_rules! stages {
                 }
             }
 
-            /// Scope of the stage.
+            /// Scope of the stage: frame, object or part of another stage.
             pub fn scope(self) -> StageScope {
                 match self {
                     $(Self::$stage => $place,)*
@@ -129,7 +129,7 @@ stages! {
 }
 
 impl Stage {
-    /// Wire code.
+    /// Wire code of the processing stage.
     pub fn code(self) -> u32 {
         self as u32
     }

@@ -24,7 +24,7 @@ impl Default for Text {
 }
 
 impl Text {
-    /// Maximum length, bytes.
+    /// Maximum length of the text, bytes.
     pub const CAPACITY: usize = 128;
 
     /// Creates a text, truncated at a character boundary if too long.

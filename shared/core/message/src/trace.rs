@@ -13,11 +13,11 @@ pub const MAX_SPANS: usize = 1024;
 #[type_name("tabula.TraceHeader.v1")]
 #[repr(C)]
 pub struct TraceHeader {
-    /// Code of a [`ProcessKind`](crate::ProcessKind).
+    /// Process that sent the trace: code of a [`ProcessKind`](crate::ProcessKind).
     pub process: u32,
     /// Operating-system process id.
     pub pid: u32,
-    /// Session of the source.
+    /// Session number of the frame source.
     pub session: u64,
     /// Sequence number of the frame.
     pub sequence: u64,
@@ -40,9 +40,9 @@ const _: () = assert!(size_of::<TraceHeader>() == 48);
 #[type_name("tabula.Span.v1")]
 #[repr(C)]
 pub struct Span {
-    /// Begin, monotonic clock, nanoseconds.
+    /// Begin of the span, monotonic clock, nanoseconds.
     pub begin_ns: u64,
-    /// End, monotonic clock, nanoseconds.
+    /// End of the span, monotonic clock, nanoseconds.
     pub end_ns: u64,
     /// Track id of the object; 0 for a stage of the whole frame.
     pub track_id: u64,
@@ -50,7 +50,7 @@ pub struct Span {
     pub cpu_ns: u64,
     /// Heap bytes allocated by the thread.
     pub allocated_bytes: u64,
-    /// Code of a [`Stage`].
+    /// Traced stage: code of a [`Stage`].
     pub stage: u32,
     /// Kernel thread id; 0 for waiting.
     pub thread_id: u32,
@@ -64,7 +64,7 @@ pub struct Span {
     pub n_minor_faults: u32,
     /// Number of major page faults (with disk access).
     pub n_major_faults: u32,
-    /// Padding, zero.
+    /// Padding for alignment, zero.
     pub reserved: u32,
 }
 

@@ -34,25 +34,25 @@ impl<'a> OrganizedCloud<'a> {
         Ok(Self { points, width })
     }
 
-    /// All points, row-major.
+    /// All points of the cloud, row-major.
     #[inline]
     pub fn points(&self) -> &'a [Point] {
         self.points
     }
 
-    /// Number of columns.
+    /// Number of columns of the organised cloud.
     #[inline]
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Number of rows.
+    /// Number of rows of the organised cloud.
     #[inline]
     pub fn height(&self) -> usize {
         self.points.len() / self.width
     }
 
-    /// One row of points.
+    /// One row of points of the organised cloud.
     ///
     /// # Panics
     /// When `row` is outside the image.

@@ -1,4 +1,4 @@
-//! Coloured point.
+//! Coloured 3D point.
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Point3;
@@ -31,13 +31,13 @@ impl Rgba {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct Point {
-    /// Right, metres.
+    /// Right coordinate in the camera frame, metres.
     pub x: f32,
-    /// Down, metres.
+    /// Down coordinate in the camera frame, metres.
     pub y: f32,
-    /// Forward, metres.
+    /// Forward coordinate in the camera frame, metres.
     pub z: f32,
-    /// Colour.
+    /// Colour of the point.
     pub color: Rgba,
 }
 

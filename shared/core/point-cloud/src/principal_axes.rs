@@ -17,7 +17,7 @@ pub struct Moments {
 /// Principal axes (PCA) of a set of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrincipalAxes {
-    /// Mean of the points.
+    /// Centroid: mean of the points.
     pub centroid: Point3<f64>,
     /// Variances along the axes, largest first, square metres.
     pub variances_m2: Vector3<f64>,
@@ -27,7 +27,7 @@ pub struct PrincipalAxes {
 }
 
 impl Moments {
-    /// Adds a finite point.
+    /// Adds a finite point to the moments.
     #[inline]
     pub fn add(&mut self, point: &Point3<f64>) {
         if self.n == 0 {
@@ -39,7 +39,7 @@ impl Moments {
         self.products += d * d.transpose();
     }
 
-    /// Number of points added.
+    /// Number of points added to the moments.
     pub fn n_points(&self) -> usize {
         self.n
     }

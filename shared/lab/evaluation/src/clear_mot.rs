@@ -12,7 +12,7 @@ const UNMATCHED_COST: f64 = 1e6;
 /// Position of an object or a track in a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScoredPosition {
-    /// Object number or track id.
+    /// Object number or track-id.
     pub id: u64,
     /// Position in the world frame, metres.
     pub position: Point3<f64>,
@@ -24,9 +24,9 @@ pub struct ScoredPosition {
 /// Matched pair of object and track, by index in the frame's lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Match {
-    /// Index of the object.
+    /// Index of the matched object in the frame's object list.
     pub object: usize,
-    /// Index of the track.
+    /// Index of the matched track in the frame's track list.
     pub track: usize,
 }
 

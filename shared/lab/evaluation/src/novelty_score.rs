@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Open-set metrics: questions about categories that were never taught against known ones.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoveltyScore {
-    /// Number of open-set questions.
+    /// Number of open-set questions (categories not taught).
     pub n: usize,
     /// Number of questions about taught categories.
     pub n_known: usize,

@@ -21,7 +21,7 @@ const UNSCORED_COLOR: [u8; 3] = [150; 3];
 /// Camera model for drawing unorganised clouds.
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 
-/// Overlay of a pixel.
+/// Overlay colour of a pixel in a scene picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Paint {
     Nothing,

@@ -13,9 +13,9 @@ const LEGEND: &str = "<h2>Scenes, worst first</h2>\n<p>Left the colour image, in
 pub struct ScoreLine {
     /// Name of the group of scenes.
     pub name: String,
-    /// Number of scenes.
+    /// Number of scenes in the group.
     pub n_scenes: usize,
-    /// Mean scores.
+    /// Mean segmentation scores of the group.
     pub score: SegmentationScore,
     /// Median duration of detection, milliseconds.
     pub detection_ms: f64,
@@ -24,9 +24,9 @@ pub struct ScoreLine {
 /// Mean scores over all scenes and over groups.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScoreTable {
-    /// Title of the table.
+    /// Title of the score table.
     pub title: String,
-    /// Rows of the table.
+    /// Rows of the score table.
     pub lines: Vec<ScoreLine>,
 }
 
@@ -35,9 +35,9 @@ pub struct ScoreTable {
 pub struct PicturedScene {
     /// Name of the scene.
     pub name: String,
-    /// Group of the scene.
+    /// Name of the scene's group.
     pub group: String,
-    /// Scores of the scene.
+    /// Segmentation scores of the scene.
     pub score: SegmentationScore,
     /// Median duration of detection, milliseconds.
     pub detection_ms: f64,
@@ -82,7 +82,7 @@ fn table(ScoreTable { title, lines }: &ScoreTable) -> String {
     rows.join("\n")
 }
 
-/// Scores in percent.
+/// Segmentation scores in percent.
 fn percent(score: &SegmentationScore) -> Vec<String> {
     let values = score.values();
     let percent = values.iter().map(|value| format!("{:.1}", 100.0 * value));

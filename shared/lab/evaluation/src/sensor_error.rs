@@ -88,7 +88,7 @@ impl SensorError {
         table
     }
 
-    /// Both sweeps as SVG.
+    /// Sensor error over distance and angle as SVG.
     ///
     /// # Errors
     /// If the plotting library fails.

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Life span and drift of a track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrackSpan {
-    /// Track id.
+    /// Track-id of the span.
     pub id: u64,
     /// Index of the first frame in which the track was output.
     pub first_frame: usize,

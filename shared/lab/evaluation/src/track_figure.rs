@@ -32,14 +32,14 @@ pub enum TrackSource {
     Truth,
     /// Ground-truth object in frames that are not scored.
     UnscoredTruth,
-    /// Track, by its id.
+    /// Estimated track, by its track-id.
     Track(u64),
 }
 
-/// Trajectory over the table.
+/// Trajectory of one source over the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
-    /// Source of the trajectory.
+    /// Source of the trajectory: ground truth or track.
     pub source: TrackSource,
     /// World x and y, metres.
     pub points: Vec<(f64, f64)>,
@@ -48,25 +48,25 @@ pub struct Trajectory {
 /// Time span in a row of the timeline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimelineSpan {
-    /// Source that was seen.
+    /// Source that was seen during the span.
     pub source: TrackSource,
-    /// Begin and end, seconds.
+    /// Begin and end of the span, seconds.
     pub time_s: Range<f64>,
 }
 
 /// Row of the timeline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimelineRow {
-    /// Name of the row.
+    /// Name of the timeline row.
     pub name: String,
-    /// Spans in drawing order.
+    /// Spans of the timeline row in drawing order.
     pub spans: Vec<TimelineSpan>,
 }
 
 /// Trajectories and timeline of one run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TrackFigure {
-    /// Caption.
+    /// Caption of the track figure.
     pub title: String,
     /// Trajectories in drawing order.
     pub trajectories: Vec<Trajectory>,

@@ -9,9 +9,9 @@ use geometry::{OrientedBox, RigidTransform};
 pub struct GroundTruthObject {
     /// Object number in the scene.
     pub id: u64,
-    /// Pose of the object.
+    /// True pose of the object.
     pub world_from_object: RigidTransform,
-    /// Upright bounding box of the whole surface, world frame.
+    /// Upright bounding box of the object's whole surface, world frame.
     pub whole_box: OrientedBox,
     /// Upright bounding box of the surface seen so far, world frame; `None` before anything was
     /// seen.
@@ -45,7 +45,7 @@ impl GroundTruthObject {
 /// Published state of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrackState {
-    /// Track id.
+    /// Track-id of the estimated track.
     pub id: u64,
     /// `true` if the track is confirmed and was seen in this frame; only such tracks are scored.
     pub is_output: bool,
@@ -68,9 +68,9 @@ impl TrackState {
 pub struct TrackedFrame {
     /// Time since the start of the run, seconds.
     pub time_s: f64,
-    /// Objects in the scene.
+    /// True objects in the scene.
     pub objects: Vec<GroundTruthObject>,
-    /// All live tracks.
+    /// All live tracks of the frame.
     pub tracks: Vec<TrackState>,
     /// Ids of the tracks that ended in this frame.
     pub ended: Vec<u64>,

@@ -18,9 +18,9 @@ const ONE_METRE_RANGE_M: std::ops::RangeInclusive<f64> = 0.8..=1.2;
 /// Tracking metrics of one run or of several.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrackingScore {
-    /// CLEAR MOT counts.
+    /// CLEAR MOT counts of the tracked sequence.
     pub mot: ClearMot,
-    /// Identity score.
+    /// Identity score (IDF1) of the tracked sequence.
     pub identity: IdentityScore,
     /// Errors of matched tracks, relative to the box of the surface seen so far.
     pub errors: PoseErrors,

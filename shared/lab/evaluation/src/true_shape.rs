@@ -58,7 +58,7 @@ pub struct WholeShape {
 }
 
 impl WholeShape {
-    /// Shape from surface points in the object frame.
+    /// Object shape from surface points in the object frame.
     pub fn new(points: Vec<Point3<f64>>) -> Self {
         Self {
             points,

@@ -43,7 +43,7 @@ impl UprightOutline {
         self.upright_from_object.inverse() * Vector3::z_axis()
     }
 
-    /// Adds a finite point.
+    /// Adds a finite point to the outline.
     pub(crate) fn add(&mut self, point: &Point3<f64>) {
         let p = self.upright_from_object * point;
         self.height_m = [self.height_m[0].min(p.z), self.height_m[1].max(p.z)];

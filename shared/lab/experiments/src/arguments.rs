@@ -31,7 +31,7 @@ pub enum SimulateVerb {
 /// Arguments of `simulate scene`.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
-    /// A scene file (TOML)
+    /// Scene file to simulate (TOML)
     pub(crate) file: Option<PathBuf>,
     /// isolated, pile, bin or set-table [default: isolated]
     #[arg(long, value_name = "KIND")]
@@ -45,13 +45,13 @@ pub struct SceneArguments {
     /// The same seed gives the same files [default: 1, or the file's]
     #[arg(long, value_name = "S")]
     pub(crate) seed: Option<u64>,
-    /// Number of frames
+    /// Number of frames to record
     #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub(crate) frames: u64,
-    /// Frames per second
+    /// Frames per second of the recording
     #[arg(long, value_name = "HZ", default_value_t = 30.0)]
     pub(crate) rate: f64,
-    /// Folder for the sequence
+    /// Output folder for the RGB-D sequence
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 }
@@ -71,10 +71,10 @@ pub struct ViewsArguments {
     /// Only this category; may be given more than once [default: all]
     #[arg(long, value_name = "NAME")]
     pub(crate) category: Vec<String>,
-    /// The same seed gives the same files
+    /// Random seed; the same seed gives the same files
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Folder for the views
+    /// Output folder for the views
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
 }
@@ -126,7 +126,7 @@ pub struct TrackingArguments {
     /// Number of seeds of each scene
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     pub(crate) seeds: u64,
-    /// The first seed
+    /// Seed of the first run
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
     /// Only the scene of this name; can be given several times
@@ -138,7 +138,7 @@ pub struct TrackingArguments {
 }
 
 impl SceneArguments {
-    /// Source of the models.
+    /// Source of the object models.
     pub(crate) fn models(&self) -> ModelSource {
         self.models
             .as_deref()
@@ -147,7 +147,7 @@ impl SceneArguments {
 }
 
 impl ViewsArguments {
-    /// Source of the models.
+    /// Source of the object models.
     pub(crate) fn models(&self) -> ModelSource {
         model_source(&self.models)
     }
@@ -184,10 +184,10 @@ pub struct SweepArguments {
     /// Data set of the evaluation
     #[arg(long, value_name = "DIR")]
     pub dataset: Option<PathBuf>,
-    /// Factors, one after the other
+    /// Factors to multiply the constants by, one after the other
     #[arg(long, value_name = "F", value_delimiter = ',', default_values_t = [0.5, 2.0])]
     pub factors: Vec<f64>,
-    /// Folder for the table
+    /// Output folder for the table
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }

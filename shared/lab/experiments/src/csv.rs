@@ -1,4 +1,4 @@
-//! CSV lines (RFC 4180).
+//! Writing of CSV lines (RFC 4180).
 
 use std::borrow::Cow;
 

@@ -17,11 +17,11 @@ pub(crate) struct Sample {
 /// Percentiles of one batch of a run, milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Batch {
-    /// Median.
+    /// Median (50th percentile) of the batch.
     pub p50: f64,
-    /// 90th percentile.
+    /// 90th percentile of the batch.
     pub p90: f64,
-    /// 99th percentile.
+    /// 99th percentile of the batch.
     pub p99: f64,
 }
 
@@ -29,7 +29,7 @@ pub struct Batch {
 type Named = (&'static str, fn(&Batch) -> f64);
 
 impl Batch {
-    /// Percentiles by name.
+    /// Percentiles of a batch with their names.
     pub(crate) const NAMED: [Named; 3] = [
         ("p50", |batch| batch.p50),
         ("p90", |batch| batch.p90),

@@ -17,7 +17,7 @@ struct LatencyLimits {
     max_ms: Option<f64>,
 }
 
-/// Limits of counts and shares of the whole run.
+/// Budget limits of counts and shares over the whole run.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct TotalLimits {
@@ -53,7 +53,7 @@ pub struct BudgetViolation {
     pub what: String,
     /// Measured value; milliseconds for durations.
     pub measured: f64,
-    /// Limit of the budget.
+    /// Budget limit that is exceeded.
     pub limit: f64,
 }
 

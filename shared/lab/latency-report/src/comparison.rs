@@ -16,7 +16,7 @@ use serde::Serialize;
 /// as much.
 const RELATIVE_DIFFERENCE_MIN: f64 = 0.03;
 
-/// Outcome of a comparison.
+/// Outcome of an A/B comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ComparisonVerdict {
@@ -54,7 +54,7 @@ pub struct Comparison {
     pub ratio: f64,
     /// 95 % confidence interval of the ratio.
     pub ratio_interval: [f64; 2],
-    /// Outcome.
+    /// Outcome of the comparison.
     pub verdict: ComparisonVerdict,
 }
 

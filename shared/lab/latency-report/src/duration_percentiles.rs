@@ -8,15 +8,15 @@ const NS_PER_MS: f64 = 1e6;
 /// Percentiles of durations, milliseconds, by nearest rank.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct DurationPercentiles {
-    /// Median.
+    /// Median (50th percentile) of the durations.
     pub p50: f64,
-    /// 90th percentile.
+    /// 90th percentile of the durations.
     pub p90: f64,
-    /// 99th percentile.
+    /// 99th percentile of the durations.
     pub p99: f64,
-    /// 99.9th percentile.
+    /// 99.9th percentile of the durations.
     pub p999: f64,
-    /// Maximum.
+    /// Maximum duration.
     pub max: f64,
 }
 

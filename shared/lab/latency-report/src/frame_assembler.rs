@@ -64,7 +64,7 @@ impl FrameAssembler {
             .map(|(_, timeline)| timeline)
     }
 
-    /// Remaining frames, complete or not, oldest first.
+    /// Drains the timelines of the remaining frames, complete or not, oldest first.
     pub fn drain(&mut self) -> impl Iterator<Item = FrameTimeline> {
         std::mem::take(&mut self.pending).into_values()
     }

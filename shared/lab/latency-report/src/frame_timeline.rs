@@ -8,16 +8,16 @@ use std::collections::BTreeMap;
 pub struct StageInterval {
     /// Processing stage.
     pub stage: Stage,
-    /// Process that recorded the interval.
+    /// Process that executed and recorded the stage.
     pub process: ProcessKind,
-    /// Id of that process.
+    /// Process id of the process that recorded the stage.
     pub pid: u32,
-    /// Begin, end and resource usage.
+    /// Begin, end and resource usage of the stage.
     pub span: Span,
 }
 
 impl StageInterval {
-    /// Duration of the interval, nanoseconds.
+    /// Duration of the stage in this frame, nanoseconds.
     pub fn duration_ns(&self) -> u64 {
         self.span.duration_ns()
     }
@@ -43,7 +43,7 @@ impl FrameTimeline {
         self.intervals.iter().filter(is_link)
     }
 
-    /// First interval of a stage.
+    /// First recorded interval of a stage in this frame.
     pub fn interval(&self, stage: Stage) -> Option<&StageInterval> {
         self.intervals
             .iter()

@@ -43,7 +43,7 @@ impl Histograms {
         Ok(())
     }
 
-    /// Adds end-to-end durations.
+    /// Adds end-to-end latencies to the histogram.
     ///
     /// # Errors
     /// As [`add`](Self::add).

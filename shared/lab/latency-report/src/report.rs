@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 pub struct Conditions {
     /// Version of the measuring program.
     pub version: String,
-    /// Source of the frames.
+    /// Frame source of the measurement.
     pub source: String,
     /// End of the measurement, seconds since 1970 (Unix time).
     pub measured_at_s: u64,
@@ -34,7 +34,7 @@ pub struct Conditions {
 pub struct ProcessReport {
     /// Short name of the process.
     pub process: String,
-    /// Process id.
+    /// Operating-system process id.
     pub pid: u32,
     /// Mean CPU utilisation: processor time over elapsed time, 1 is one core.
     pub cores: f64,
@@ -57,9 +57,9 @@ pub struct ProcessReport {
 /// Shared-memory usage of the domain.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SharedMemoryReport {
-    /// Bytes in use.
+    /// Shared memory in use, bytes.
     pub used_bytes: u64,
-    /// Bytes reserved by the limits.
+    /// Shared memory reserved by the limits, bytes.
     pub reserved_bytes: u64,
     /// Trace messages overwritten before they were read; the affected frames lack spans.
     pub lost_messages: u64,
@@ -85,21 +85,21 @@ pub struct MeasurementOverhead {
 /// Number of objects per frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ObjectCounts {
-    /// Mean number.
+    /// Mean number of objects per frame.
     pub mean: f64,
-    /// Maximum number.
+    /// Maximum number of objects in a frame.
     pub max: u64,
 }
 
-/// Statistics of one stage.
+/// Latency statistics of one processing stage.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct StageReport {
     /// Durations of the stage, milliseconds.
     #[serde(flatten)]
     pub ms: DurationPercentiles,
-    /// Number of intervals.
+    /// Number of recorded executions of the stage.
     pub count: u64,
-    /// Resource usage of all intervals.
+    /// Resource usage summed over all executions of the stage.
     pub usage: ResourceUsage,
     /// Percentiles of each batch of the run.
     pub batches: Vec<Batch>,
@@ -126,11 +126,11 @@ pub struct LatencyReport {
     pub end_to_end_batches: Vec<Batch>,
     /// Latency from scheduled capture to the answer of each object's actor.
     pub object_label_ms: DurationPercentiles,
-    /// Stages by name.
+    /// Statistics of the stages, by stage name.
     pub stages: BTreeMap<String, StageReport>,
     /// Consistency check of stage durations against end-to-end latency.
     pub sum_check: SumCheck,
-    /// Overhead of the measurement.
+    /// Overhead of the measurement itself.
     #[serde(rename = "measuring")]
     pub overhead: MeasurementOverhead,
     /// Ten slowest frames, slowest first.

@@ -8,15 +8,15 @@ use serde::{Deserialize, Serialize};
 pub struct ResourceUsage {
     /// Number of intervals in which a measured thread worked.
     pub worked: u64,
-    /// Processor time, nanoseconds.
+    /// Processor time used, nanoseconds.
     pub cpu_ns: u64,
-    /// Voluntary context switches.
+    /// Number of voluntary context switches.
     pub voluntary_switches: u64,
-    /// Involuntary context switches.
+    /// Number of involuntary context switches.
     pub involuntary_switches: u64,
-    /// Heap allocations.
+    /// Number of heap allocations.
     pub allocations: u64,
-    /// Heap bytes requested.
+    /// Heap bytes requested by allocations.
     pub allocated_bytes: u64,
     /// Minor page faults (no disk access).
     pub minor_faults: u64,

@@ -5,7 +5,7 @@ use message::{Stage, StageScope};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Number of reported frames.
+/// Number of slowest frames in the report.
 pub(crate) const N_WORST: usize = 10;
 
 /// Number of minor page faults above which they are reported as the cause. Chosen.
@@ -20,7 +20,7 @@ pub struct WorstFrame {
     pub sequence: u64,
     /// Latency from scheduled capture to published labels, milliseconds.
     pub end_to_end_ms: f64,
-    /// Probable cause: one sentence.
+    /// Probable cause of the delay as one sentence.
     pub reason: String,
 }
 

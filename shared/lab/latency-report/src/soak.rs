@@ -45,7 +45,7 @@ pub struct SoakWindow {
 /// Detected growth or drift.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Growth {
-    /// Description: one sentence.
+    /// Description of the growth as one sentence.
     pub sentence: String,
 }
 

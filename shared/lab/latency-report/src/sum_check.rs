@@ -10,9 +10,9 @@ const TOLERANCE: f64 = 0.01;
 /// Result of the consistency check of stage durations against end-to-end latency.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SumCheck {
-    /// Number of checked frames.
+    /// Number of frames checked.
     pub frames: u64,
-    /// Number of checked objects.
+    /// Number of objects checked.
     pub objects: u64,
     /// Largest deviation of a frame's stages, as a share of its end-to-end latency.
     pub worst_frame_share: f64,

@@ -17,7 +17,7 @@ const DRAWN_SHARE_MIN: f64 = 0.03;
 /// Measurement at one value of the swept parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepRow {
-    /// Value of the swept parameter.
+    /// Value of the swept parameter in this row.
     pub value: f64,
     /// Scheduled captures (frames that were due).
     pub frames: u64,

@@ -26,9 +26,9 @@ pub fn drawing_error(error: impl fmt::Display) -> DrawingError {
 pub struct Color(pub u8, pub u8, pub u8);
 
 impl Color {
-    /// Blue.
+    /// Colour blue.
     pub const BLUE: Self = Self(0, 0, 255);
-    /// Red.
+    /// Colour red.
     pub const RED: Self = Self(255, 0, 0);
     /// Light grey, for reference curves.
     pub const GREY: Self = Self(190, 190, 190);
@@ -49,13 +49,13 @@ impl From<Color> for RGBColor {
 /// Position of a diagram's legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Legend {
-    /// Inside, upper left.
+    /// Legend inside the diagram, upper left.
     UpperLeft,
-    /// Inside, upper right.
+    /// Legend inside the diagram, upper right.
     UpperRight,
-    /// Inside, lower left.
+    /// Legend inside the diagram, lower left.
     LowerLeft,
-    /// Outside, right of the diagram: for curves that fill the whole plot area.
+    /// Legend outside, right of the diagram: for curves that fill the whole plot area.
     Outside,
 }
 
@@ -123,12 +123,12 @@ impl<'a> Axis<'a> {
     }
 }
 
-/// Line of a diagram.
+/// Curve of a diagram.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve<'a> {
     /// Name in the legend; empty to leave the curve out of it.
     pub name: &'a str,
-    /// Line colour.
+    /// Line colour of the curve.
     pub color: Color,
     /// Points in drawing order, joined by lines; positive where an axis is logarithmic.
     pub points: Vec<(f64, f64)>,
@@ -139,11 +139,11 @@ pub struct Curve<'a> {
 /// Line chart: title, axes, curves, legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagram<'a> {
-    /// Caption.
+    /// Caption of the diagram.
     pub title: &'a str,
-    /// Horizontal axis.
+    /// Horizontal axis of the diagram.
     pub x: Axis<'a>,
-    /// Vertical axis.
+    /// Vertical axis of the diagram.
     pub y: Axis<'a>,
     /// Curves; later ones are drawn on top.
     pub curves: Vec<Curve<'a>>,

@@ -5,7 +5,7 @@ use crate::html_page::{self, escaped, linked_picture};
 /// Picture with a caption.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageFigure {
-    /// Caption.
+    /// Caption of the picture.
     pub caption: String,
     /// Path of the picture, relative to the page; plain text.
     pub picture: String,
@@ -14,7 +14,7 @@ pub struct PageFigure {
 /// Table whose first row is the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PageTable {
-    /// Title.
+    /// Title of the table.
     pub title: String,
     /// Cells, row by row; the first row is the header.
     pub rows: Vec<Vec<String>>,

@@ -24,7 +24,7 @@ const PALE_BLUE: RGBColor = RGBColor(130, 170, 245);
 /// Row of a forest plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForestPlotRow {
-    /// Name of the variant.
+    /// Name of the compared variant.
     pub name: String,
     /// Estimate with its interval; `None` leaves the row empty.
     pub estimate: Option<Estimate>,

@@ -5,9 +5,9 @@ use serde::Serialize;
 /// Median and 99th percentile of a sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Percentiles {
-    /// Median.
+    /// Median (50th percentile) of the values.
     pub p50: f64,
-    /// 99th percentile.
+    /// 99th percentile of the values.
     pub p99: f64,
 }
 

@@ -8,15 +8,15 @@ use serde::Serialize;
 pub struct Spread {
     /// Number of values.
     pub n: usize,
-    /// Arithmetic mean.
+    /// Arithmetic mean of the values.
     pub mean: f64,
-    /// Median.
+    /// Median of the values.
     pub median: f64,
-    /// 95th percentile.
+    /// 95th percentile of the values.
     pub p95: f64,
-    /// 99th percentile.
+    /// 99th percentile of the values.
     pub p99: f64,
-    /// Maximum.
+    /// Maximum of the values.
     pub max: f64,
 }
 

@@ -51,7 +51,7 @@ struct ProcessSample {
 }
 
 impl Disturbance {
-    /// Starts monitoring.
+    /// Starts monitoring the kernel's disturbance counters.
     pub fn begin() -> DisturbanceMonitor {
         DisturbanceMonitor::begin(SystemFiles::real())
     }

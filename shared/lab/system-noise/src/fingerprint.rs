@@ -37,7 +37,7 @@ pub struct Fingerprint {
     pub tabula_version: String,
     /// Build profile of this program.
     pub build_profile: BuildProfile,
-    /// Processor model.
+    /// Processor model name.
     pub cpu_model: Option<String>,
     /// Number of online logical cores.
     pub n_logical_cores: Option<u32>,
@@ -47,7 +47,7 @@ pub struct Fingerprint {
     pub is_smt_active: Option<bool>,
     /// Size of the last-level cache, bytes.
     pub last_level_cache_bytes: Option<u64>,
-    /// Kernel release.
+    /// Kernel release (`uname -r`).
     pub kernel_release: Option<String>,
     /// Kernel preemption model.
     pub preemption: Option<String>,
@@ -55,7 +55,7 @@ pub struct Fingerprint {
     pub clock_source: Option<String>,
     /// Frequency governor of each core; virtual machines have none.
     pub governors: Option<Vec<String>>,
-    /// Current frequencies.
+    /// Current clock frequencies of the cores.
     pub frequency: Option<FrequencyRange>,
     /// `true` if the CPU flags show a hypervisor.
     pub has_hypervisor: Option<bool>,
@@ -63,7 +63,7 @@ pub struct Fingerprint {
     pub virtual_machine: Option<String>,
     /// Kind of container, or `none`.
     pub container: Option<String>,
-    /// Total memory, bytes.
+    /// Total main memory, bytes.
     pub memory_total_bytes: Option<u64>,
     /// Policy of transparent huge pages: `always`, `madvise` or `never`.
     pub transparent_huge_pages: Option<String>,

@@ -7,7 +7,7 @@ use plot::DrawingError;
 use plot::diagram::{Axis, Color, Curve, Diagram, Legend, in_columns};
 use std::borrow::Cow;
 
-/// Histogram bins per decade.
+/// Number of histogram bins per decade.
 const BINS_PER_DECADE: i32 = 20;
 /// Height at which an empty bin is drawn, so that a count of 1 is visible.
 const EMPTY: f64 = 0.5;
@@ -78,7 +78,7 @@ fn of_probes<'a>(probes: &[&'a Samples]) -> Vec<Series<'a>> {
     series.collect()
 }
 
-/// Series of one probe for each setting, all its trials together; the baseline is grey.
+/// Colour of the baseline curve.
 fn of_trials(
     trials: &[SettingTrial],
     is_loaded: bool,

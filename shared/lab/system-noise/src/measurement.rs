@@ -65,16 +65,16 @@ impl MeasurementPlan {
 /// Probe that could not be run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NotMeasured {
-    /// Name of the probe.
+    /// Name of the probe that was not run.
     pub name: String,
-    /// Reason: one sentence.
+    /// Reason why the probe was not run, as one sentence.
     pub why: String,
 }
 
 /// Report of all system-noise measurements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MachineReport {
-    /// Environment.
+    /// Environment fingerprint: hardware, kernel and privileges.
     pub fingerprint: Fingerprint,
     /// Disturbances during the measurement.
     pub disturbance: Disturbance,
@@ -92,9 +92,9 @@ pub struct MachineReport {
     pub huge_page_bandwidths: Vec<Bandwidth>,
     /// Timer and wake-up latencies under each thread setting, idle and busy.
     pub trials: Vec<SettingTrial>,
-    /// Effects of the mitigations.
+    /// Measured effects of the mitigations.
     pub effects: Vec<MitigationEffect>,
-    /// Recommendations.
+    /// Recommended mitigations, in the order in which they are worth trying.
     #[serde(rename = "advice")]
     pub recommendations: Vec<Recommendation>,
     /// Probes that could not be run.

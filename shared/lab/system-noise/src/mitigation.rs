@@ -17,15 +17,15 @@ pub enum Mitigation {
     Governor,
     /// Core isolation: cores reserved for some threads.
     Isolation,
-    /// Real-time scheduling (`SCHED_FIFO`).
+    /// Real-time scheduling of threads (`SCHED_FIFO`).
     RealTime,
     /// Minimal timer slack: timers are not coalesced.
     TimerSlack,
     /// CPU affinity: one core for a thread.
     OneCore,
-    /// Locked memory (`mlockall`).
+    /// Memory locked in RAM (`mlockall`).
     LockedMemory,
-    /// Huge pages.
+    /// Huge memory pages.
     HugePages,
 }
 
@@ -50,40 +50,40 @@ pub enum EffectVerdict {
 pub enum MitigationEffect {
     /// Effect on latencies, judged by the 50th, 99th and 99.9th percentiles.
     Latency {
-        /// Mitigation.
+        /// Tested mitigation.
         #[serde(rename = "advice")]
         mitigation: Mitigation,
-        /// Name of the probe.
+        /// Name of the latency probe.
         probe: String,
         /// `true` if a thread was spinning on every core.
         is_loaded: bool,
         /// Latencies of all baseline trials.
         before: LatencySummary,
-        /// Latencies with the mitigation.
+        /// Latencies under the mitigation.
         after: LatencySummary,
-        /// Verdict.
+        /// Verdict on the latency effect.
         verdict: EffectVerdict,
     },
     /// Effect on memory bandwidth, judged by the best round.
     Bandwidth {
-        /// Mitigation.
+        /// Tested mitigation.
         #[serde(rename = "advice")]
         mitigation: Mitigation,
-        /// Memory operation.
+        /// Memory operation of the probe.
         operation: MemoryOperation,
         /// Baseline bandwidth, 10^9 bytes per second.
         before_gb_per_s: f64,
         /// Bandwidth with the mitigation, 10^9 bytes per second.
         after_gb_per_s: f64,
-        /// Verdict.
+        /// Verdict on the bandwidth effect.
         verdict: EffectVerdict,
     },
     /// Mitigation that could not be tried.
     NotAllowed {
-        /// Mitigation.
+        /// Mitigation that could not be tried.
         #[serde(rename = "advice")]
         mitigation: Mitigation,
-        /// Reason: one sentence.
+        /// Reason why the mitigation could not be tried, as one sentence.
         why: String,
         /// Instruction for obtaining the privilege: one sentence.
         how_to_get_it: String,

@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ResourceLimit {
-    /// No limit.
+    /// Unlimited resource.
     Unlimited,
-    /// Soft limit.
+    /// Soft limit (current limit) of the resource.
     Most(u64),
 }
 
-/// Maximum unprivileged real-time priority.
+/// Maximum real-time priority without privileges (`RLIMIT_RTPRIO`).
 pub(crate) fn realtime_priority_limit() -> ResourceLimit {
     limit(getrlimit(Resource::Rtprio))
 }

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Recommended mitigation with its measured effect.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Recommendation {
-    /// Mitigation.
+    /// Recommended mitigation.
     pub kind: Mitigation,
-    /// Instruction: one sentence.
+    /// Instruction for applying the mitigation, as one sentence.
     pub what_to_do: String,
     /// Measured effect on this computer, or the reason why it was not measured.
     pub finding: String,

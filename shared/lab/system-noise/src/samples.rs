@@ -6,18 +6,18 @@ use statistics::percentiles::nearest_rank;
 /// Latency samples of one probe.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Samples {
-    /// Name of the probe.
+    /// Name of the latency probe.
     pub name: String,
     /// Meaning of a value: the measured time.
     pub meaning: String,
     /// Values in order of measurement, ns.
     pub values_ns: Vec<u64>,
-    /// Percentiles; `None` without values.
+    /// Percentiles of the samples; `None` without samples.
     pub summary: Option<LatencySummary>,
 }
 
 impl Samples {
-    /// Samples with their summary.
+    /// Latency samples with their computed percentiles.
     pub fn new(name: &str, meaning: &str, values_ns: Vec<u64>) -> Self {
         Self {
             name: name.to_owned(),
@@ -31,17 +31,17 @@ impl Samples {
 /// Nearest-rank percentiles of latencies, ns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LatencySummary {
-    /// Number of values.
+    /// Number of samples.
     pub n: usize,
-    /// Median.
+    /// Median latency, ns.
     pub p50_ns: u64,
-    /// 90th percentile.
+    /// 90th percentile of the latencies, ns.
     pub p90_ns: u64,
-    /// 99th percentile.
+    /// 99th percentile of the latencies, ns.
     pub p99_ns: u64,
-    /// 99.9th percentile.
+    /// 99.9th percentile of the latencies, ns.
     pub p99_9_ns: u64,
-    /// Maximum.
+    /// Maximum latency, ns.
     pub max_ns: u64,
 }
 

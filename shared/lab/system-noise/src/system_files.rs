@@ -9,12 +9,12 @@ pub(crate) struct SystemFiles {
 }
 
 impl SystemFiles {
-    /// Files of this computer.
+    /// System files (`/proc`, `/sys`) of this computer.
     pub(crate) fn real() -> Self {
         Self::below(Path::new("/"))
     }
 
-    /// Files below a folder.
+    /// System files below another root folder, for tests.
     pub(crate) fn below(root: &Path) -> Self {
         Self {
             root: root.to_owned(),
@@ -28,7 +28,7 @@ impl SystemFiles {
         (!text.is_empty()).then(|| text.to_owned())
     }
 
-    /// Number in a file.
+    /// Reads a number from a system file.
     pub(crate) fn number(&self, path: &str) -> Option<u64> {
         self.text(path)?.parse().ok()
     }

@@ -30,7 +30,7 @@ pub enum ThreadSetting {
 }
 
 impl ThreadSetting {
-    /// Name for text reports.
+    /// Name of the thread setting for text reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Baseline => "as it is",
@@ -45,13 +45,13 @@ impl ThreadSetting {
 /// Latencies of the probes under one setting.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SettingTrial {
-    /// Setting.
+    /// Thread setting of the trial.
     pub setting: ThreadSetting,
     /// `true` if a thread was spinning on every core.
     pub is_loaded: bool,
-    /// Timer latencies.
+    /// Timer latencies under the setting.
     pub timer: Samples,
-    /// Wake-up latencies.
+    /// Wake-up latencies under the setting.
     pub wake_up: Samples,
 }
 

@@ -25,7 +25,7 @@ const FAST_CLOCK_SOURCES: [&str; 5] = [
 pub struct Warning {
     /// Condition and its effect on the figures: one sentence.
     pub finding: String,
-    /// Remedy: one sentence.
+    /// Remedy for the problem, as one sentence.
     pub remedy: String,
 }
 

@@ -34,7 +34,7 @@ const N_CACHED_BLOCKS: usize = 16;
 /// tables at once.
 pub const WRITE_BUFFER_BYTES: usize = 16 << 20;
 
-/// Open database.
+/// Open LevelDB database with checksummed records.
 pub struct Database {
     /// Database handle; `None` if reopening failed.
     db: Option<DB>,
@@ -235,7 +235,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Value of `key`.
+    /// Reads the newest value of `key`.
     ///
     /// # Errors
     ///

@@ -39,17 +39,17 @@ pub type Observer = Box<dyn FnMut(&FileOperation<'_>) -> io::Result<()> + Send>;
 /// Change of a file or folder of the database, as seen by an [`Observer`].
 #[derive(Debug)]
 pub enum FileOperation<'a> {
-    /// Creation of a file.
+    /// Creation of a database file.
     Create(&'a Path),
     /// Bytes appended to a file.
     Write(&'a Path, &'a [u8]),
-    /// `fdatasync` of a file.
+    /// `fdatasync` of a database file.
     Sync(&'a Path),
-    /// Renaming of the first path to the second.
+    /// Renaming of the file at the first path to the second.
     Rename(&'a Path, &'a Path),
-    /// Deletion of a file.
+    /// Deletion of a database file.
     Delete(&'a Path),
-    /// `fsync` of a folder.
+    /// `fsync` of the database folder.
     SyncFolder(&'a Path),
 }
 
@@ -131,7 +131,7 @@ impl EnvHealth {
         self.state.lock().failure.get_or_insert(failure);
     }
 
-    /// Records a corruption.
+    /// Records a detected corruption.
     pub(crate) fn note_damage(&self, what: String) {
         let mut state = self.state.lock();
         state.n_damages += 1;
@@ -173,18 +173,18 @@ impl EnvHealth {
             .unwrap_or_default()
     }
 
-    /// First failed operation.
+    /// First failed file operation.
     pub(crate) fn failure(&self) -> Option<StorageFailure> {
         self.state.lock().failure.clone()
     }
 
-    /// Number of corruptions, and the first ones as sentences.
+    /// Number of detected corruptions, and the first ones as sentences.
     pub(crate) fn damages(&self) -> (u64, Vec<String>) {
         let state = self.state.lock();
         (state.n_damages, state.damages.clone())
     }
 
-    /// Number of corruptions.
+    /// Number of detected corruptions.
     pub(crate) fn n_damages(&self) -> u64 {
         self.state.lock().n_damages
     }

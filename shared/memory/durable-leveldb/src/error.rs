@@ -35,7 +35,7 @@ pub enum Error {
     /// Corrupted data on disk; opening the store again rebuilds it.
     #[error("the store is damaged ({what}); open it again to rebuild it")]
     Damaged {
-        /// Description of the corruption.
+        /// Description of the detected corruption.
         what: String,
     },
 }

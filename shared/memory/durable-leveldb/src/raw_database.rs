@@ -24,7 +24,7 @@ pub struct RawDatabase {
 
 struct Newest {
     sequence: u64,
-    /// Location of the value; `None` for a deletion.
+    /// Location of the newest value; `None` for a deletion.
     location: Option<RecordLocation>,
 }
 

@@ -105,7 +105,7 @@ impl StoreFolder {
         &self.path
     }
 
-    /// Path of the database.
+    /// Path of the database in the store folder.
     pub fn database(&self) -> PathBuf {
         self.path.join("database")
     }

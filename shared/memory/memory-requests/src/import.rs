@@ -11,7 +11,7 @@ use std::io::BufReader;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
-/// Parameters of an import.
+/// Parameters of an import into the store.
 pub(crate) struct ImportRequest {
     id: MutationId,
     author: String,
@@ -159,7 +159,7 @@ fn open(path: &Path) -> Result<PortableReader<BufReader<File>>, String> {
     PortableReader::new(BufReader::new(file)).map_err(|error| error.to_string())
 }
 
-/// Imports one batch; returns the number of changed views.
+/// Imports one batch of views and documents; returns the number of changed views.
 fn take_over(
     context: &JobContext,
     request: &ImportRequest,

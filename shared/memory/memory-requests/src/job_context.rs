@@ -46,7 +46,7 @@ impl Progress {
 #[derive(Default)]
 pub(crate) struct ExportBuffer {
     pub(crate) bytes: VecDeque<u8>,
-    /// Offset of the first buffered byte in the file.
+    /// Offset in the export file of the first buffered byte.
     pub(crate) offset: u64,
 }
 

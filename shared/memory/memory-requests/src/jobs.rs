@@ -17,7 +17,7 @@ const MAX_JOBS: usize = 4;
 /// Time without polling after which a job is abandoned.
 const ABANDON_AFTER: Duration = Duration::from_secs(60);
 
-/// Job table.
+/// Table of the long-running jobs.
 pub(crate) struct Jobs {
     context: JobContext,
     jobs: Mutex<BTreeMap<u64, Job>>,

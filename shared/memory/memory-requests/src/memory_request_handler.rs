@@ -22,7 +22,7 @@ const MAX_CHANGES_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 4 * 3;
 
 /// Configuration of a request handler.
 pub struct MemoryRequestHandlerConfig {
-    /// Handle of the store.
+    /// Handle of the perceptual memory's store thread.
     pub store: StoreHandle,
     /// Folder for the upload files of imports.
     pub scratch: PathBuf,

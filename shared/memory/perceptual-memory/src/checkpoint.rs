@@ -102,9 +102,9 @@ pub struct Verification {
     pub n_history: u64,
     /// Bytes of descriptors, point clouds and documents whose digests match.
     pub n_content_bytes: u64,
-    /// Number of findings.
+    /// Number of integrity errors found by verification.
     pub n_findings: u64,
-    /// First findings, as sentences.
+    /// First integrity errors found, as sentences.
     pub findings: Vec<String>,
 }
 
@@ -190,7 +190,7 @@ impl Checkpoint {
 }
 
 impl Verification {
-    /// Empty verification result.
+    /// Verification result without integrity errors at a position.
     fn of(position: Position) -> Self {
         Self {
             position,

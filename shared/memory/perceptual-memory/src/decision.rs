@@ -23,7 +23,7 @@ pub(crate) struct Decision {
 /// Content inserted by a decision, by digest.
 #[derive(Default)]
 pub(crate) struct NewContent {
-    /// Views by content digest.
+    /// Inserted views, by content digest.
     pub(crate) views: HashMap<Digest, ViewParts>,
     pub(crate) documents: HashMap<Digest, Vec<u8>>,
 }

@@ -11,7 +11,7 @@ use serde_bytes::ByteArray;
 pub struct Digest(pub u128);
 
 impl Digest {
-    /// Digest of `bytes`.
+    /// Computes the digest of `bytes`.
     pub fn of(bytes: &[u8]) -> Self {
         Hasher::new(b"").update(bytes).finish()
     }

@@ -21,7 +21,7 @@ pub struct MemoryDocument {
     pub key: DocumentKey,
     /// Media type, such as `text/plain`; at most [`MAX_NAME_BYTES`].
     pub media_type: String,
-    /// Content, at most [`MAX_DOCUMENT_BYTES`].
+    /// Content of the document, at most [`MAX_DOCUMENT_BYTES`].
     pub content: Vec<u8>,
 }
 
@@ -55,7 +55,7 @@ impl MemoryDocument {
 }
 
 impl DocumentKey {
-    /// Validates the name.
+    /// Validates the length of the document's name.
     pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
         let n_bytes = self.name.len();
         let reason = if n_bytes == 0 {
@@ -77,18 +77,18 @@ impl DocumentKey {
 /// Content reference of a version.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DocumentContent {
-    /// Content digest.
+    /// Digest of the document's content.
     pub digest: Digest,
-    /// Content size, bytes.
+    /// Size of the document's content, bytes.
     pub n_bytes: u32,
-    /// Media type.
+    /// Media type (MIME) of the content.
     pub media_type: String,
 }
 
 /// Stored version of a document; the key of its record contains the sequence number.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct DocumentVersion {
-    /// Content reference; `None` for a removal.
+    /// Reference to the version's content; `None` if the document was removed.
     pub(crate) content: Option<DocumentContent>,
     pub(crate) decided: DecisionStamp,
 }
@@ -100,7 +100,7 @@ pub struct DocumentSummary {
     pub key: DocumentKey,
     /// Content reference of the present version.
     pub content: DocumentContent,
-    /// Author and time of the last change.
+    /// Author and time of the document's last change.
     pub decided: DecisionStamp,
     /// Sequence number of the history entry of the last change.
     pub sequence: u64,

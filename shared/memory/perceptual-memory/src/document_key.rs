@@ -16,7 +16,7 @@ pub enum DocumentKind {
 }
 
 impl DocumentKind {
-    /// All kinds.
+    /// All kinds of documents.
     pub const ALL: [Self; 2] = [Self::ObjectModel, Self::TaskKnowledge];
 
     /// Byte code in database keys.
@@ -45,7 +45,7 @@ impl DocumentKind {
 pub struct DocumentKey {
     /// Kind of the document.
     pub kind: DocumentKind,
-    /// Name, 1 to [`MAX_NAME_BYTES`](crate::MAX_NAME_BYTES).
+    /// Name of the document, 1 to [`MAX_NAME_BYTES`](crate::MAX_NAME_BYTES).
     pub name: Arc<str>,
 }
 

@@ -187,7 +187,7 @@ impl EntryApplier<'_> {
     }
 }
 
-/// Decision stamp of the author of the entry.
+/// Decision stamp by the entry's author, later than all stamps of the store so far.
 fn later(entry: &HistoryEntry, last_stamp_ns: u64) -> DecisionStamp {
     DecisionStamp::after(last_stamp_ns, Arc::clone(&entry.author), entry.wall_ns)
 }

@@ -28,7 +28,7 @@ pub enum Error {
         /// Error of the earlier write.
         source: Arc<Error>,
     },
-    /// Full request queue.
+    /// Full request queue of the store thread.
     #[error("{capacity} requests are waiting for the store already; send this one again later")]
     QueueFull {
         /// Capacity of the queue, requests.
@@ -52,15 +52,15 @@ pub enum StoreRefusal {
         view_phrase(*view)
     )]
     ViewDiffers {
-        /// Id of the view.
+        /// Id of the conflicting view.
         view: ViewId,
     },
     /// View with invalid values.
     #[error("{} cannot be stored because {reason}; send it again corrected", view_phrase(*view))]
     InvalidView {
-        /// Id of the view.
+        /// Id of the invalid view.
         view: ViewId,
-        /// Violated constraint.
+        /// Constraint that the view violates.
         reason: &'static str,
     },
     /// Batch with no views or too many.
@@ -85,7 +85,7 @@ pub enum StoreRefusal {
         view_phrase(*view)
     )]
     UnknownView {
-        /// Id of the view.
+        /// Id of the missing view.
         view: ViewId,
     },
     /// New category name that is in use already.
@@ -96,27 +96,27 @@ pub enum StoreRefusal {
     NameTaken {
         /// Category to rename.
         from: CategoryName,
-        /// New name.
+        /// New category name that is in use.
         to: CategoryName,
     },
     /// Document with invalid values.
     #[error("{document} cannot be stored because {reason}; send it again corrected")]
     InvalidDocument {
-        /// Key of the document.
+        /// Key of the invalid document.
         document: DocumentKey,
-        /// Violated constraint.
+        /// Constraint that the document violates.
         reason: &'static str,
     },
     /// Document that is not stored.
     #[error("{document} is not stored; list the documents to see which there are")]
     UnknownDocument {
-        /// Key of the document.
+        /// Key of the missing document.
         document: DocumentKey,
     },
     /// History entry that does not exist.
     #[error("the history has no entry {sequence}; read the history to see which there are")]
     UnknownEntry {
-        /// Sequence number of the entry.
+        /// Sequence number of the missing entry.
         sequence: u64,
     },
     /// Undo of an entry without effects, or by an author without a teaching entry.
@@ -131,7 +131,7 @@ pub enum StoreRefusal {
     ViewChangedSince {
         /// Sequence number of the entry to undo.
         sequence: u64,
-        /// Id of the view.
+        /// Id of the view that was changed later.
         view: ViewId,
         /// Sequence number of the later entry.
         by: u64,
@@ -144,7 +144,7 @@ pub enum StoreRefusal {
     DocumentChangedSince {
         /// Sequence number of the entry to undo.
         sequence: u64,
-        /// Key of the document.
+        /// Key of the document that was changed later.
         document: DocumentKey,
     },
     /// Undo of an entry whose content was purged.
@@ -178,7 +178,7 @@ pub enum StoreRefusal {
     AuthorTooLong {
         /// Length of the name, bytes.
         n_bytes: usize,
-        /// Maximum length, bytes.
+        /// Maximum length of the name, bytes.
         most: usize,
     },
     /// View under a track-id that was never leased.
@@ -188,7 +188,7 @@ pub enum StoreRefusal {
         view_phrase(*view)
     )]
     TrackNotLeased {
-        /// Id of the view.
+        /// Id of the view under that track-id.
         view: ViewId,
     },
     /// Lease of no track-ids, or of too many.

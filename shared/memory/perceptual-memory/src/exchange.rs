@@ -15,21 +15,21 @@ use crate::view_record::ViewParts;
 /// Maximum accepted clock difference between two robots: a day. Chosen.
 const MAX_AHEAD_NS: u64 = 24 * 3_600_000_000_000;
 
-/// View of another memory.
+/// View exported by another memory.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForeignView {
-    /// View with its content.
+    /// Foreign view with its content.
     Present {
         /// View; its id has no meaning here.
         view: Box<CapturedView>,
         /// Provenance: memory and id under which the view was first stored.
         origin: Origin,
-        /// Label status.
+        /// Label status of the foreign view.
         standing: LabelStatus,
         /// Author and time of the label status; `None` for a view that was never labelled.
         decided: Option<DecisionStamp>,
     },
-    /// Forgotten view, without content.
+    /// Foreign view that was forgotten, without content.
     Forgotten {
         /// Content digest of the view.
         identity: Digest,
@@ -47,7 +47,7 @@ impl ForeignView {
         }
     }
 
-    /// Label status.
+    /// Label status of the foreign view.
     pub fn standing(&self) -> &LabelStatus {
         match self {
             Self::Present { standing, .. } => standing,
@@ -93,14 +93,14 @@ impl ForeignView {
     }
 }
 
-/// Document of another memory.
+/// Document exported by another memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ForeignDocument {
     /// Key of the document.
     pub key: DocumentKey,
     /// Document; `None` if it was removed.
     pub document: Option<MemoryDocument>,
-    /// Author and time of the last change.
+    /// Author and time of the document's last change.
     pub decided: DecisionStamp,
 }
 

@@ -19,12 +19,12 @@ use crate::digest::{Digest, Hasher};
 use crate::keys;
 use crate::model::{Contradiction, Effect, MutationReceipt, Operation};
 
-/// Entry of the history.
+/// Entry of the store's history.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HistoryEntry {
-    /// Sequence number, from one.
+    /// Sequence number of the entry, from one.
     pub sequence: u64,
-    /// Digest of the preceding entry; zero for the first.
+    /// Hash chain: digest of the preceding entry; zero for the first.
     pub previous: Digest,
     /// Time of the request, nanoseconds since 1970, UTC.
     pub wall_ns: u64,
@@ -34,7 +34,7 @@ pub struct HistoryEntry {
     pub operation: Operation,
     /// Idempotency key of the mutation; `None` for entries that the store writes itself.
     pub mutation: Option<MutationId>,
-    /// Effects on the store.
+    /// Effects of the operation on the store.
     pub effects: Vec<Effect>,
     /// Contradicted label, if the entry has no effect for that reason.
     pub contradiction: Option<Contradiction>,
@@ -97,7 +97,7 @@ impl HistoryEntry {
             .finish()
     }
 
-    /// Receipt to the mutation that made the entry.
+    /// Receipt for the mutation that made the entry.
     pub(crate) fn answer(&self) -> MutationReceipt {
         // An import may change only the time stamp of a decision.
         let is_change = |effect: &&Effect| !matches!(effect, Effect::Changed { before, after, .. } if before == after);

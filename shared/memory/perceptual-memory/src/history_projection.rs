@@ -84,12 +84,12 @@ impl HistoryProjection {
         self.versions
     }
 
-    /// Number of entries.
+    /// Number of history entries.
     pub(crate) fn n_entries(&self) -> u64 {
         self.links.len() as u64
     }
 
-    /// Sequence number and digest of the last entry.
+    /// Sequence number and digest of the last history entry.
     pub(crate) fn head(&self) -> (u64, Digest) {
         let last = self.links.last();
         last.map_or((0, Digest::default()), |(sequence, _, digest)| {

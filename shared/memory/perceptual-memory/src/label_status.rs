@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Label status of a stored view.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum LabelStatus {
-    /// Unlabelled.
+    /// Unlabelled view.
     #[serde(rename = "u")]
     Unnamed,
     /// Labelled as an example of a category.
@@ -49,7 +49,7 @@ impl fmt::Display for LabelStatus {
 /// across robots.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DecisionStamp {
-    /// Author.
+    /// Author of the decision.
     pub author: Arc<str>,
     /// Time, nanoseconds since 1970, UTC; always later than that of the decision it replaced,
     /// whatever the clock says.

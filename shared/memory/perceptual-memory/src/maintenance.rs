@@ -24,9 +24,9 @@ const OTHER_TABLES: [u8; 6] = [
 /// Statistics of a store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stats {
-    /// Id of the store.
+    /// Id of the perceptual store.
     pub store_id: StoreId,
-    /// Id of the memory.
+    /// Id of the perceptual memory.
     pub memory_id: u128,
     /// Schema version of the database.
     pub schema: u32,

@@ -15,7 +15,7 @@ use crate::label_status::{DecisionStamp, LabelStatus};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
-    /// One view.
+    /// One view, by its id.
     CapturedView(ViewId),
     /// All views of a track.
     Track(u64),
@@ -42,16 +42,16 @@ pub enum Operation {
     StoreViews,
     /// Labelling of a track.
     Teach {
-        /// Track.
+        /// Track-id of the labelled track.
         track_id: u64,
-        /// Category label.
+        /// Category label that the track received.
         category: CategoryName,
     },
     /// Relabelling of a track or view.
     Correct {
-        /// Relabelled views.
+        /// Relabelled track, view or category.
         target: Target,
-        /// Category label.
+        /// Category label that the views received.
         category: CategoryName,
     },
     /// Removal of a label, or forgetting of views.
@@ -61,14 +61,14 @@ pub enum Operation {
     },
     /// Renaming of a category.
     Rename {
-        /// Old name.
+        /// Category name before the renaming.
         from: CategoryName,
-        /// New name.
+        /// Category name after the renaming.
         to: CategoryName,
     },
     /// Merge of two categories.
     MergeCategories {
-        /// Dissolved category.
+        /// Category that was merged away.
         from: CategoryName,
         /// Category that received the views.
         into: CategoryName,
@@ -104,7 +104,7 @@ pub enum Operation {
     },
     /// Rebuild of a damaged store from its intact records.
     Rebuild {
-        /// Losses of the rebuild.
+        /// Content lost in the rebuild.
         loss: DataLoss,
         /// First and last sequence numbers of each range of lost entries.
         lost: Vec<(u64, u64)>,
@@ -132,13 +132,13 @@ pub enum Effect {
     /// Change of the label status of a view.
     #[serde(rename = "c")]
     Changed {
-        /// Id of the view.
+        /// Id of the view whose label status changed.
         #[serde(rename = "v")]
         view: ViewId,
-        /// Label status before.
+        /// Label status before the change.
         #[serde(rename = "b")]
         before: LabelStatus,
-        /// Label status after.
+        /// Label status after the change.
         #[serde(rename = "a")]
         after: LabelStatus,
         /// Author and time of the decision, if they differ from those of the entry.
@@ -148,7 +148,7 @@ pub enum Effect {
     /// Permanent deletion of a view.
     #[serde(rename = "p")]
     Purged {
-        /// Id of the view.
+        /// Id of the purged view.
         #[serde(rename = "v")]
         view: ViewId,
     },
@@ -168,10 +168,10 @@ pub enum Effect {
         /// Key of the document.
         #[serde(rename = "k")]
         document: DocumentKey,
-        /// Content before.
+        /// Content before the change; `None` if there was no document.
         #[serde(rename = "b")]
         before: Option<DocumentContent>,
-        /// Content after.
+        /// Content after the change; `None` if the document was removed.
         #[serde(rename = "a")]
         after: Option<DocumentContent>,
         /// Author and time of the decision, if they differ from those of the entry.
@@ -230,7 +230,7 @@ pub struct MutationReceipt {
     pub contradiction: Option<Contradiction>,
 }
 
-/// Losses of a rebuild.
+/// Content lost in a rebuild.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DataLoss {
     /// Number of acknowledged history entries that are lost.
@@ -276,7 +276,7 @@ pub struct RetentionLimits {
 }
 
 impl Default for RetentionLimits {
-    /// No limits.
+    /// No retention limits.
     fn default() -> Self {
         Self {
             max_views_per_category: usize::MAX,

@@ -22,15 +22,15 @@ pub const MAX_BATCH_BYTES: usize = 64 << 20;
 pub struct Mutation {
     /// Idempotency key of the client.
     pub id: MutationId,
-    /// Author, at most [`MAX_NAME_BYTES`].
+    /// Author of the mutation, at most [`MAX_NAME_BYTES`].
     pub author: String,
     /// Time of the request, nanoseconds since 1970, UTC.
     pub wall_ns: u64,
-    /// Requested change.
+    /// Requested change of the store.
     pub change: StoreChange,
 }
 
-/// Kinds of changes.
+/// Kinds of changes to the store.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum StoreChange {
@@ -40,16 +40,16 @@ pub enum StoreChange {
     /// Label all views of an unlabelled track. If the track has another label, nothing changes and
     /// the history records the contradiction.
     Teach {
-        /// Track to label.
+        /// Track-id of the track to label.
         track_id: u64,
-        /// Category label.
+        /// Category label to assign.
         category: CategoryName,
     },
     /// Relabel a view, a track, or all views of a category.
     Correct {
         /// Views to relabel.
         target: Target,
-        /// New category label.
+        /// New category label of the views.
         category: CategoryName,
     },
     /// Forget a target. Of a category only the label is removed and its views stay; a track or view
@@ -57,14 +57,14 @@ pub enum StoreChange {
     Forget(Target),
     /// Rename a category to an unused name.
     Rename {
-        /// Present name.
+        /// Present category name.
         from: CategoryName,
-        /// New name.
+        /// New category name.
         to: CategoryName,
     },
     /// Merge two categories.
     MergeCategories {
-        /// Category that is dissolved.
+        /// Category that is merged away.
         from: CategoryName,
         /// Category that receives the views.
         into: CategoryName,
@@ -72,7 +72,7 @@ pub enum StoreChange {
     /// Undo a history entry, unless its effects were changed later. Without a sequence number: the
     /// last teaching entry of this author that still holds.
     Undo {
-        /// Sequence number of the entry.
+        /// Sequence number of the entry to undo.
         sequence: Option<u64>,
     },
     /// Merge the export of another memory; for each view the later decision wins.
@@ -81,7 +81,7 @@ pub enum StoreChange {
         source: String,
         /// Imported views, up to [`MAX_BATCH_VIEWS`] and [`MAX_BATCH_BYTES`].
         views: Vec<ForeignView>,
-        /// Imported documents.
+        /// Documents to import.
         documents: Vec<ForeignDocument>,
     },
     /// Store a document, replacing the one with the same key.

@@ -18,7 +18,7 @@ use crate::watermark::{self, Watermark, WatermarkRecord};
 /// Report of opening a store; `Display` gives a sentence for log and health status.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OpenReport {
-    /// Condition of the store.
+    /// Condition in which the store was found.
     pub condition: Condition,
     /// Number of stored views, without forgotten ones.
     pub n_views: u64,
@@ -38,11 +38,11 @@ pub struct OpenReport {
 pub enum Condition {
     /// Missing; a new store was created.
     New,
-    /// Intact.
+    /// Intact store.
     Sound,
     /// Damaged; all intact records were copied, under a new store id.
     Rebuilt {
-        /// Detected corruptions, as sentences.
+        /// Detected corruptions of the store, as sentences.
         findings: Vec<String>,
         /// Content that could not be copied.
         loss: DataLoss,
@@ -68,7 +68,7 @@ pub enum Condition {
 }
 
 impl OpenReport {
-    /// Losses of acknowledged content.
+    /// Acknowledged content that was lost.
     pub fn loss(&self) -> DataLoss {
         match &self.condition {
             Condition::Rebuilt { loss, .. } | Condition::Replaced { loss, .. } => *loss,

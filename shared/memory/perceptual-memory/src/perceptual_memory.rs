@@ -294,7 +294,7 @@ impl PerceptualMemory {
         written.map_err(|error| self.fail(error))
     }
 
-    /// Number of staged bytes.
+    /// Number of bytes staged for the next commit.
     pub(crate) fn n_staged_bytes(&self) -> usize {
         self.staged.writes.n_bytes()
     }

@@ -86,13 +86,13 @@ pub enum PortableError {
     /// Failed read or write of the operating system.
     #[error("{0}")]
     Io(io::Error),
-    /// File of another format.
+    /// File that is not an export of tabula.
     #[error("it is no exported memory; export one with: tabula memory export FILE")]
     NotAnExport,
     /// File of a newer format version.
     #[error("it was exported by a newer version of this program; update this one")]
     Newer,
-    /// Truncated or corrupted file.
+    /// Truncated or corrupted export file.
     #[error(
         "it is damaged at byte {offset}: {reason}; nothing of it was taken over, export it again"
     )]
@@ -118,7 +118,7 @@ pub struct PortableWriter<W> {
 }
 
 impl<W: Write> PortableWriter<W> {
-    /// Writes the header.
+    /// Writes the header of the export file.
     ///
     /// # Errors
     ///
@@ -133,7 +133,7 @@ impl<W: Write> PortableWriter<W> {
         Ok(writer)
     }
 
-    /// Writes a view frame.
+    /// Writes a view as a frame of the export file.
     ///
     /// # Errors
     ///
@@ -168,7 +168,7 @@ impl<W: Write> PortableWriter<W> {
         }
     }
 
-    /// Writes a document frame.
+    /// Writes a document as a frame of the export file.
     ///
     /// # Errors
     ///
@@ -254,7 +254,7 @@ enum PortableItem {
 }
 
 impl<R: Read> PortableReader<R> {
-    /// Reads the header.
+    /// Reads the header of the export file.
     ///
     /// # Errors
     ///
@@ -281,7 +281,7 @@ impl<R: Read> PortableReader<R> {
         })
     }
 
-    /// Number of bytes read.
+    /// Number of bytes read from the export file.
     pub fn n_bytes_read(&self) -> u64 {
         self.offset
     }
@@ -397,7 +397,7 @@ impl<R: Read> PortableReader<R> {
     }
 }
 
-/// Fills `bytes`; `false` at the end of the file.
+/// Fills `bytes` from the file; `false` at its end.
 fn read_whole(from: &mut impl Read, bytes: &mut [u8]) -> io::Result<bool> {
     match from.read_exact(bytes) {
         Ok(()) => Ok(true),

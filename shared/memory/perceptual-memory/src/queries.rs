@@ -38,9 +38,9 @@ pub struct Position {
 pub struct LabelledView {
     /// Id of the view.
     pub view: ViewId,
-    /// Category label.
+    /// Category label of the view.
     pub category: CategoryName,
-    /// Shape descriptor.
+    /// Descriptor of the view.
     pub descriptor: StoredDescriptor,
 }
 
@@ -76,7 +76,7 @@ pub enum Changes {
 /// Label changes of one history entry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChangeEntry {
-    /// Sequence number of the entry.
+    /// Sequence number of the history entry.
     pub sequence: u64,
     /// Label changes; empty for an entry that only stored views.
     pub names: Vec<NameChange>,
@@ -205,7 +205,7 @@ impl PerceptualMemory {
         self.index.documents().collect()
     }
 
-    /// Document with its content.
+    /// Reads a document with its content.
     ///
     /// # Errors
     ///

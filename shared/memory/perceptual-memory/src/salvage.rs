@@ -31,7 +31,7 @@ const WRITE_BYTES: usize = 1 << 20;
 /// Author of the final entry in the history.
 const AUTHOR: &str = "the store itself";
 
-/// Result of a rebuild.
+/// Outcome of rebuilding a damaged or older store.
 pub(crate) struct SalvageOutcome {
     pub(crate) loss: DataLoss,
     /// Older schema version, if the database was migrated.

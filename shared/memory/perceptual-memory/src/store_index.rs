@@ -40,7 +40,7 @@ impl IndexedView {
     }
 }
 
-/// Statistics of a category.
+/// Statistics of a learned category.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CategorySummary {
     /// Name of the category.
@@ -53,7 +53,7 @@ pub struct CategorySummary {
     pub last_taught_ns: u64,
 }
 
-/// In-memory index.
+/// In-memory index of the store.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct StoreIndex {
     views: BTreeMap<ViewId, IndexedView>,
@@ -75,14 +75,14 @@ pub(crate) struct StoreIndex {
     pub(crate) lost: Vec<(u64, u64)>,
 }
 
-/// Queries about the history.
+/// Queries about lost history entries.
 impl StoreIndex {
     /// `true` if the entry was lost with a damaged store.
     pub(crate) fn is_lost(&self, sequence: u64) -> bool {
         is_among(&self.lost, sequence)
     }
 
-    /// Number of lost entries.
+    /// Number of lost history entries.
     pub(crate) fn n_lost(&self) -> u64 {
         self.lost.iter().map(|(first, last)| last - first + 1).sum()
     }
@@ -338,7 +338,7 @@ impl StoreIndex {
             .map_or(0, |(_, version)| version.decided.stamp_ns)
     }
 
-    /// All present documents.
+    /// All documents that are present.
     pub(crate) fn documents(&self) -> impl Iterator<Item = DocumentSummary> {
         self.documents.iter().filter_map(|(key, versions)| {
             let (sequence, version) = versions.last_key_value()?;

@@ -31,7 +31,7 @@ pub struct StoredDescriptor {
 pub struct CapturedView {
     /// Id of the view; its track-id must be leased.
     pub id: ViewId,
-    /// Shape descriptor.
+    /// Descriptor of the view.
     pub descriptor: StoredDescriptor,
     /// Oriented bounding box of the object in the world frame, metres.
     pub box_in_world: OrientedBox,
@@ -52,18 +52,18 @@ pub struct CapturedView {
 pub struct Origin {
     /// Id of the memory; for views learned from files, a digest of the files.
     pub memory_id: u128,
-    /// Id of the view in that memory.
+    /// Id of the view in its original memory.
     pub view: ViewId,
 }
 
 /// View with its label status, as stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredView {
-    /// Stored view.
+    /// Captured view with its content.
     pub view: CapturedView,
     /// Provenance of the view.
     pub origin: Origin,
-    /// Label status.
+    /// Label status of the view.
     pub standing: LabelStatus,
     /// Author and time of the label status; `None` for a view that was never labelled.
     pub decided: Option<DecisionStamp>,
@@ -78,7 +78,7 @@ impl CapturedView {
         size_of_val(&self.descriptor.values[..]) + n_points_bytes
     }
 
-    /// Validates the values of the view.
+    /// Validates the values of the captured view.
     pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
         let pose = &self.box_in_world.frame_from_box;
         let centre = &pose.translation.vector;

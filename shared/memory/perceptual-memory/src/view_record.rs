@@ -16,7 +16,7 @@ const IDENTITY_PURPOSE: &[u8] = b"tabula view 2";
 /// Oriented box as ten numbers: centre, rotation quaternion x, y, z, w, half sides.
 pub(crate) type Box10 = [f64; 10];
 
-/// Metadata of a view.
+/// Metadata record of a view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ViewMetadata {
     box_in_world: Box10,

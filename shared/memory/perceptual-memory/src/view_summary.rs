@@ -25,7 +25,7 @@ pub struct ViewSummary {
     pub identity: Digest,
     /// Provenance: memory and id under which the view was first stored.
     pub origin: Origin,
-    /// Label status.
+    /// Label status of the view.
     pub standing: LabelStatus,
     /// Author and time of the label status; `None` for a view that was never labelled.
     pub decided: Option<DecisionStamp>,

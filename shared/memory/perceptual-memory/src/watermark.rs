@@ -36,7 +36,7 @@ pub(crate) fn path(folder: &StoreFolder) -> PathBuf {
     folder.path().join("acknowledged")
 }
 
-/// Open watermark file.
+/// Watermark file that is open.
 pub(crate) struct Watermark {
     file: File,
 }

@@ -13,7 +13,7 @@ pub struct Event {
     pub happening: EventKind,
 }
 
-/// Kinds of events.
+/// Kinds of events in the world model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum EventKind {
@@ -23,7 +23,7 @@ pub enum EventKind {
     Appeared {
         /// Track-id of the object.
         track_id: u64,
-        /// Label at that time.
+        /// Label of the object when it appeared.
         label: Option<String>,
         /// Centre of the bounding box in the world frame, metres.
         position_m: [f64; 3],
@@ -32,16 +32,16 @@ pub enum EventKind {
     Vanished {
         /// Track-id of the object.
         track_id: u64,
-        /// Label at that time.
+        /// Label of the object when it vanished.
         label: Option<String>,
     },
     /// Change of the label of an object.
     Relabelled {
         /// Track-id of the object.
         track_id: u64,
-        /// Label before.
+        /// Label of the object before the change.
         before: Option<String>,
-        /// Label after.
+        /// Label of the object after the change.
         after: Option<String>,
     },
     /// Departure of an object from a place where it had rested.
@@ -59,27 +59,27 @@ pub enum EventKind {
     ActionEnded {
         /// Command number of the robot.
         command_id: u64,
-        /// Result of the action.
+        /// Outcome of the robot action.
         outcome: ActionOutcome,
         /// Reason of a failure; empty on success.
         note: String,
     },
-    /// Start of a task.
+    /// Start of a task of the robot.
     TaskStarted {
-        /// Number of the task.
+        /// Number of the started task.
         task: u64,
-        /// Kind of the task.
+        /// Kind of the started task.
         kind: String,
     },
-    /// End of a task.
+    /// End of a task of the robot.
     TaskEnded {
-        /// Number of the task.
+        /// Number of the ended task.
         task: u64,
-        /// Kind of the task.
+        /// Kind of the ended task.
         kind: String,
-        /// Result of the task.
+        /// Outcome of the task.
         outcome: ActionOutcome,
-        /// Reason for the result.
+        /// Reason for the task's outcome.
         reason: String,
     },
 }
@@ -87,36 +87,36 @@ pub enum EventKind {
 /// Details of a teaching event.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TeachingEvent {
-    /// Kind of teaching.
+    /// Kind of the teaching event.
     pub lesson: TeachingKind,
-    /// Category label.
+    /// Category that was taught, corrected or forgotten.
     pub category: String,
     /// Track-id; `None` if a whole category was forgotten.
     pub track_id: Option<u64>,
-    /// Author.
+    /// Author of the teaching.
     pub author: String,
     /// Sequence number in the history of the perceptual memory.
     pub history: u64,
 }
 
-/// Kinds of teaching.
+/// Kinds of teaching events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TeachingKind {
-    /// Labelling of an object.
+    /// Label taught to an object.
     Taught,
-    /// Correction of a label.
+    /// Label of an object corrected.
     Corrected,
-    /// Forgetting of a category.
+    /// Category forgotten.
     Forgot,
 }
 
 /// Result of an action or a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ActionOutcome {
-    /// Success.
+    /// Action or task succeeded.
     Succeeded,
-    /// Failure.
+    /// Action or task failed.
     Failed,
-    /// Cancellation.
+    /// Action or task was cancelled.
     Cancelled,
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 pub(crate) struct ExpiryQueue(BTreeSet<(u64, u64)>);
 
 impl ExpiryQueue {
-    /// Adds an ended item.
+    /// Adds an ended item to the queue.
     pub(crate) fn insert(&mut self, over_ns: u64, number: u64) {
         self.0.insert((over_ns, number));
     }

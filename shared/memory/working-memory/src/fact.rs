@@ -8,15 +8,15 @@ use crate::world_config::WorldConfig;
 /// Subject of a fact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Subject {
-    /// Object with this track-id.
+    /// Object as the subject, by its track-id.
     ObjectRecord(u64),
-    /// Robot.
+    /// Robot as the subject.
     Robot,
-    /// Task with this number.
+    /// Task as the subject, by its number.
     Task(u64),
 }
 
-/// Property of a subject.
+/// Property of a subject in the world model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Property {
     /// State of a track or of a task.
@@ -31,7 +31,7 @@ pub enum Property {
     Holding,
 }
 
-/// Value of a property.
+/// Value of a subject's property.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Value {
     /// Value of [`Property::State`].
@@ -59,11 +59,11 @@ pub(crate) enum ValueRef<'a> {
 /// Oriented bounding box of an object in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BoxPose {
-    /// Centre, metres.
+    /// Centre of the box, world frame, metres.
     pub position_m: [f64; 3],
     /// Orientation: unit quaternion x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Full side lengths, metres.
+    /// Full side lengths of the box, metres.
     pub size_m: [f64; 3],
 }
 
@@ -74,7 +74,7 @@ pub struct Fact {
     pub number: u64,
     /// Subject of the fact.
     pub subject: Subject,
-    /// Value of the property.
+    /// Value of the property that the fact asserts.
     pub value: Value,
     /// Start of the validity, nanoseconds since 1970.
     pub start_ns: u64,
@@ -83,7 +83,7 @@ pub struct Fact {
 }
 
 impl Value {
-    /// Property of the value.
+    /// Property to which the value belongs.
     pub fn property(&self) -> Property {
         self.as_value_ref().property()
     }

@@ -21,12 +21,12 @@ pub struct Sighting<'a> {
     pub last_seen_ns: u64,
 }
 
-/// Present or past object.
+/// Object of the world model, present or past.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObjectRecord {
     /// Track-id of the object.
     pub track_id: u64,
-    /// Last state of the track.
+    /// Last observed state of the track.
     pub state: String,
     /// Last label; `None` for an unknown object.
     pub label: Option<String>,
@@ -38,7 +38,7 @@ pub struct ObjectRecord {
     pub last_seen_ns: u64,
     /// Time of the disappearance; `None` for a present object.
     pub gone_ns: Option<u64>,
-    /// Number of the last scene with the object.
+    /// Number of the last scene that contained the object.
     #[serde(skip)]
     pub(crate) scene: u64,
     /// Value of `last_seen_ns` on disk, or about to be written.

@@ -17,9 +17,9 @@ pub enum Region {
     },
     /// Axis-aligned box, metres.
     Box {
-        /// Minimum coordinates, metres.
+        /// Minimum corner of the box, metres.
         min_m: [f64; 3],
-        /// Maximum coordinates, metres.
+        /// Maximum corner of the box, metres.
         max_m: [f64; 3],
     },
 }
@@ -27,7 +27,7 @@ pub enum Region {
 /// Closed time interval, nanoseconds since 1970.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Window {
-    /// First instant.
+    /// First instant of the time window, nanoseconds since 1970.
     pub from_ns: u64,
     /// Last instant; equal to the first for a single instant.
     pub to_ns: u64,
@@ -36,7 +36,7 @@ pub struct Window {
 /// Query for facts that held at an instant at which all given conditions held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactQuery {
-    /// Subject of the facts.
+    /// Subject that the facts must describe.
     pub subject: Option<Subject>,
     /// Label of the subject at that instant.
     pub label: Option<String>,
@@ -53,7 +53,7 @@ pub struct FactQuery {
 /// Page of facts, newest first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FactPage {
-    /// Facts of the page.
+    /// Facts on the page.
     pub facts: Vec<Fact>,
     /// Cursor of the next page; `None` after the last page.
     pub next: Option<u64>,

@@ -1,7 +1,7 @@
 //! Database keys of the working memory: a table letter and a big-endian number, so that byte order
 //! equals semantic order.
 
-/// Key of a record.
+/// Database key of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum RecordKey {
     /// Metadata record: `m`.

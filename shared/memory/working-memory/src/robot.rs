@@ -7,7 +7,7 @@ use crate::event::ActionOutcome;
 /// State report of the robot arm.
 #[derive(Debug, Clone, Copy)]
 pub struct RobotSighting<'a> {
-    /// Present activity.
+    /// Present activity of the arm.
     pub activity: &'a str,
     /// Result of the last command; `None` while it runs.
     pub outcome: Option<ActionOutcome>,
@@ -30,13 +30,13 @@ pub struct RobotSighting<'a> {
 /// Robot arm with its last reported state; the pose of its base is not part of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Robot {
-    /// Last reported activity.
+    /// Last reported activity of the arm.
     pub activity: String,
     /// Number of the running or last command; zero before the first.
     pub command_id: u64,
     /// Result of that command; `None` while it runs.
     pub outcome: Option<ActionOutcome>,
-    /// Failure reason; empty otherwise.
+    /// Failure reason of the last command; empty otherwise.
     pub note: String,
     /// `true` if the gripper holds something.
     pub is_holding: bool,

@@ -32,13 +32,13 @@ pub struct TaskEnd {
     pub id: MutationId,
     /// Number of the task.
     pub task: u64,
-    /// Result of the task.
+    /// Outcome of the task.
     pub outcome: ActionOutcome,
-    /// Reason for the result, at most 2048 bytes.
+    /// Reason for the outcome, at most 2048 bytes.
     pub reason: String,
 }
 
-/// Running or ended task.
+/// Running or ended task of the robot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Task {
     /// Number of the task, from one.
@@ -59,13 +59,13 @@ pub struct Task {
 /// State of a task: running or ended.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TaskState {
-    /// Running.
+    /// Task is running.
     Running,
-    /// Ended.
+    /// Task has ended.
     Ended {
-        /// Result of the task.
+        /// Outcome of the ended task.
         outcome: ActionOutcome,
-        /// Reason for the result.
+        /// Reason for the task's outcome.
         reason: String,
         /// End time, nanoseconds since 1970, not before the start.
         ended_ns: u64,
@@ -83,13 +83,13 @@ pub enum TaskRefusal {
         "there is no task {task}; it was never started, or ended so long ago that it is forgotten"
     )]
     Unknown {
-        /// Number in the request.
+        /// Task number in the request.
         task: u64,
     },
     /// Task that has ended already.
     #[error("task {task} has ended already; start another one to do it again")]
     HasEnded {
-        /// Number of the task.
+        /// Number of the task that has ended.
         task: u64,
     },
     /// Empty kind, or text above its length limit.
@@ -99,7 +99,7 @@ pub enum TaskRefusal {
         what: &'static str,
         /// Length of the text, bytes.
         n_bytes: usize,
-        /// Maximum length, bytes.
+        /// Maximum length of the text, bytes.
         most: usize,
     },
     /// Limit of concurrently running tasks reached.

@@ -40,7 +40,7 @@ pub struct WorkingMemory {
 /// Report of opening the working memory; `Display` gives a sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WorldReport {
-    /// Condition of the database.
+    /// Condition in which the database was found.
     pub condition: WorldCondition,
     /// Number of stored objects.
     pub n_objects: usize,
@@ -54,7 +54,7 @@ pub struct WorldReport {
 pub enum WorldCondition {
     /// Missing; a new database was created.
     New,
-    /// Intact.
+    /// Intact database.
     Sound,
     /// Damaged; an empty database was created.
     Reset {
@@ -166,7 +166,7 @@ impl WorkingMemory {
         Ok(self.engine.write(batch, true)?)
     }
 
-    /// Closes the database.
+    /// Closes the working memory's database.
     ///
     /// # Errors
     ///

@@ -1,6 +1,6 @@
 //! Configuration of the world model: change thresholds and retention.
 
-/// Configuration of a [`WorldModel`](crate::WorldModel).
+/// Configuration of a [`WorldModel`](crate::WorldModel): retention and change thresholds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldConfig {
     /// Minimum change of an object's centre or side length for a new fact, metres.

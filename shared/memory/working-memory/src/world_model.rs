@@ -42,7 +42,7 @@ pub struct WorldModel {
 }
 
 impl WorldModel {
-    /// Empty model.
+    /// Empty world model.
     pub fn new(config: WorldConfig) -> Self {
         Self {
             config,

@@ -34,7 +34,7 @@ const SIZE_OFFSET: usize = WarpedGood::DIMENSION;
 /// Offset of the colour values in the computed order.
 const COLOR_OFFSET: usize = SIZE_OFFSET + 3;
 
-/// Length of a descriptor.
+/// Length of an appearance descriptor, values.
 const DIMENSION: usize = COLOR_OFFSET + N_COLORS;
 
 /// Offset added to a side before the logarithm, metres: the thickness that noise gives
@@ -65,7 +65,7 @@ impl Default for AppearanceWeights {
 }
 
 impl AppearanceWeights {
-    /// Weights without colour.
+    /// Descriptor weights without colour.
     pub fn shape_only() -> Self {
         Self {
             color: 0.0,
@@ -95,7 +95,7 @@ pub struct AppearanceDescriptor {
 }
 
 impl AppearanceDescriptor {
-    /// Length of a descriptor.
+    /// Length of an appearance descriptor, values.
     pub const DIMENSION: usize = DIMENSION;
 
     /// Descriptor with weights from 0 to 100.

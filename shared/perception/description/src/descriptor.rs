@@ -1,4 +1,4 @@
-//! Descriptor trait.
+//! Trait of object descriptors.
 
 use crate::{DescriptorFrame, Error, ObjectPoints};
 
@@ -7,7 +7,7 @@ use crate::{DescriptorFrame, Error, ObjectPoints};
 /// An implementation owns its scratch memory, which grows to the largest object and is
 /// then reused: keep one per worker.
 pub trait Descriptor {
-    /// Length of a descriptor.
+    /// Length of the descriptor vector, values.
     fn dimension(&self) -> usize;
 
     /// Computes the descriptor of the points into `out`, replacing its content.

@@ -1,4 +1,4 @@
-//! Errors of object description.
+//! Errors of computing object descriptors.
 
 /// Invalid descriptor parameter or object.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -29,12 +29,12 @@ pub enum Error {
          give the cloud that the indices were made for"
     )]
     IndexOutsideCloud {
-        /// Largest index.
+        /// Largest point index in the request.
         index: u32,
         /// Number of points in the cloud.
         n_points: usize,
     },
-    /// Too few finite points.
+    /// Too few finite points to describe an object.
     #[error("the object has too few finite points to describe: skip this view")]
     NoPoints,
     /// Extent of the points that overflows.

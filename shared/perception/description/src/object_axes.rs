@@ -19,7 +19,7 @@ pub enum AxesKind {
 /// Object axes with the centroid of the points as origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjectAxes {
-    /// Kind of the axes.
+    /// Kind of the object axes: how they are determined.
     pub kind: AxesKind,
     /// Transform from the cloud's frame to the axes.
     pub object_from_source: DescriptorFrame,

@@ -16,7 +16,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Block without points.
+    /// Point block without points.
     pub(crate) const EMPTY: Self = Self {
         x: [f32::NAN; LANES],
         y: [f32::NAN; LANES],

@@ -37,7 +37,7 @@ impl AffineForm {
         })
     }
 
-    /// Value at a point.
+    /// Value of the affine form at a point.
     #[inline]
     pub(crate) fn at(&self, x: f32, y: f32, z: f32) -> f32 {
         self.x * x + self.y * y + self.z * z + self.offset

@@ -22,7 +22,7 @@ pub enum Support {
 pub struct Candidate {
     /// Range of its points in [`Detection::point_indices`](crate::Detection).
     pub range: Range<usize>,
-    /// Mean of the points.
+    /// Centroid: mean of the candidate's points.
     pub centroid: Point3<f64>,
     /// Minimum-area upright bounding box: z along the table's normal, x along the longer
     /// side of the footprint. Extends down to the table when the candidate stands on it.
@@ -40,7 +40,7 @@ pub struct Candidate {
     /// `true` when the longest side is between `side_min_m` and `side_max_m` of the
     /// settings.
     pub is_object_sized: bool,
-    /// Findings of all constraints.
+    /// Findings of all constraints about the candidate.
     pub findings: Findings,
     /// Verdict of the rule. False for a candidate that is not object-sized, whatever the
     /// rule says. Only a true verdict begins a track.
@@ -50,7 +50,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Number of points.
+    /// Number of points of the candidate.
     pub fn n_points(&self) -> usize {
         self.range.len()
     }

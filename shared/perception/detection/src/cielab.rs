@@ -8,7 +8,7 @@ pub(crate) struct ColorSum {
 }
 
 impl ColorSum {
-    /// Add a colour.
+    /// Adds a colour to the sum.
     #[inline]
     pub(crate) fn add(&mut self, rgb: [u8; 3]) {
         self.n += 1;
@@ -17,7 +17,7 @@ impl ColorSum {
         }
     }
 
-    /// Add another sum.
+    /// Adds another colour sum.
     pub(crate) fn merge(&mut self, other: &Self) {
         self.n += other.n;
         for (sum, value) in self.rgb.iter_mut().zip(other.rgb) {

@@ -56,7 +56,7 @@ pub(crate) struct Clusters {
     number_of: Vec<u32>,
     /// Start of each cluster in `pixels`, with one more entry at the end.
     starts: Vec<u32>,
-    /// Pixels sorted by cluster.
+    /// Pixel indices sorted by cluster.
     pixels: Vec<u32>,
     ungrouped: Vec<u32>,
     /// Pixels added by growth towards the support plane.

@@ -92,20 +92,20 @@ pub struct Config {
     rule: Expression,
 }
 
-/// Invalid detection setting.
+/// Error of an invalid detection setting.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum InvalidConfig {
     /// A number is outside its range.
     #[error("the detection setting {name} is {value} but must lie between {min} and {max}")]
     OutOfRange {
-        /// Name of the setting.
+        /// Name of the detection setting.
         name: &'static str,
-        /// Given value.
+        /// Rejected value of the setting.
         value: f64,
-        /// Least valid value.
+        /// Least valid value of the setting.
         min: f64,
-        /// Greatest valid value.
+        /// Greatest valid value of the setting.
         max: f64,
     },
     /// The rule cannot be parsed.
@@ -114,7 +114,7 @@ pub enum InvalidConfig {
 }
 
 impl Config {
-    /// Validate settings.
+    /// Validates detection settings.
     ///
     /// # Errors
     ///
@@ -175,7 +175,7 @@ impl Config {
         &self.rule
     }
 
-    /// Settings as written.
+    /// Detection settings as written.
     pub fn get(&self) -> &RawConfig {
         &self.raw
     }

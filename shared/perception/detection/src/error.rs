@@ -1,15 +1,15 @@
-//! Detection errors.
+//! Errors of detection.
 
 use thiserror::Error;
 
-/// Detection error.
+/// Error of detection.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The cloud has more points than an index can address.
     #[error("a cloud of {n_points} points is larger than an image of 8192x8192; reduce it first")]
     TooLarge {
-        /// Number of points.
+        /// Number of points in the cloud.
         n_points: usize,
     },
 }

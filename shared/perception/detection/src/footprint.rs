@@ -82,7 +82,7 @@ impl Footprint {
         }
     }
 
-    /// Add a finite point.
+    /// Adds a finite point to the footprint.
     #[inline]
     pub(crate) fn add(&mut self, u: f32, v: f32) {
         let [of_u, of_v] = &self.directions;

@@ -33,7 +33,7 @@ pub struct ScenePriors<'a> {
 /// Live track predicted to the frame that is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExpectedTrack {
-    /// Predicted box, camera frame.
+    /// Predicted box of the track, camera frame.
     pub oriented_box: OrientedBox,
     /// Number of points at the last observation. 0 marks a box that may be empty; no
     /// cluster is split by it.

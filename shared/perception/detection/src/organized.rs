@@ -81,7 +81,7 @@ impl OrganizedBuffers {
         detection.point_indices.clear();
     }
 
-    /// Pixels of a hypothesis.
+    /// Pixels covered by a cluster hypothesis.
     fn pixels(&self, hypothesis: &ClusterHypothesis) -> &[u32] {
         let clusters = if hypothesis.is_masked {
             &self.masked_clusters

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 /// Outline polygon of the table, counter-clockwise in the table's frame, possibly concave.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Outline {
-    /// Corner points, metres.
+    /// Corners of the outline, metres.
     pub corners: Vec<Point2<f64>>,
     /// Per side, from each corner to the next: `true` on the table's rim, `false` where the
     /// view ends.

@@ -14,7 +14,7 @@ pub(crate) const MARGIN_PX: usize = 2;
 /// the nearest caches. Reused from cluster to cluster.
 #[derive(Debug, Default)]
 pub(crate) struct Patch {
-    /// Row stride, pixels.
+    /// Row stride of the patch, pixels.
     pub(crate) width: usize,
     /// Pixels of the cluster in image order.
     pub(crate) pixels: Vec<PatchPixel>,
@@ -27,11 +27,11 @@ pub(crate) struct Patch {
 /// Pixel of a cluster patch.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PatchPixel {
-    /// Index in the patch.
+    /// Index of the pixel in the patch.
     pub(crate) index: u32,
     pub(crate) row: u32,
     pub(crate) column: u32,
-    /// Depth, metres.
+    /// Depth of the pixel, metres.
     pub(crate) z: f32,
 }
 

@@ -38,7 +38,7 @@ pub(crate) struct PlaneRegionBuffers {
     region_of_cell: Vec<u32>,
     stack: Vec<usize>,
     outline: Vec<Point2<f64>>,
-    /// Corners of the outline at which the view ends.
+    /// Corners of the outline at which the image ends rather than the plane.
     view_ends: Vec<Point2<f64>>,
 }
 

@@ -115,7 +115,7 @@ impl Samples {
         self.z[sample]
     }
 
-    /// Pixels between samples.
+    /// Stride: pixels between samples.
     pub(crate) fn stride(&self) -> usize {
         self.stride
     }

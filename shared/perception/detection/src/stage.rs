@@ -3,9 +3,9 @@
 /// Detection stage of an organised cloud, in the order of execution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DetectionStage {
-    /// Subsampling of the cloud.
+    /// Subsampling of the point cloud.
     Subsampling,
-    /// Table plane search.
+    /// Search for the table plane.
     TablePlane,
     /// Table surface cells and outline.
     TableSurface,

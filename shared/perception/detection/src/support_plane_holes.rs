@@ -26,7 +26,7 @@ const RIM_SHARE_MIN: f32 = 0.7;
 /// `tabula-lab sweep`.
 const HEIGHT_M: std::ops::RangeInclusive<f32> = -0.006..=0.02;
 
-/// Empty row range.
+/// Row range that contains no rows.
 const NO_ROWS: [usize; 2] = [1, 0];
 
 /// Holes found last, with buffers.
@@ -36,7 +36,7 @@ pub(crate) struct SupportPlaneHoles {
     region_of: Vec<u16>,
     regions: Vec<LevelRegion>,
     stack: Vec<u32>,
-    /// Pixels between samples.
+    /// Stride: pixels between samples.
     stride: usize,
     width: usize,
     /// First and last row of samples with a hole; empty without any.
@@ -65,9 +65,9 @@ impl LevelRegion {
 /// Height class of a sample relative to the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum HeightClass {
-    /// Level with the table.
+    /// Pixel level with the table.
     Level,
-    /// Higher than the table.
+    /// Pixel above the table.
     Above,
     /// Lower than the table or without depth.
     BelowOrUnknown,

@@ -45,12 +45,12 @@ pub enum TableChoice {
     Most,
     /// Largest of several surfaces that can be a table.
     Largest {
-        /// Number of other surfaces.
+        /// Number of other surfaces that can be a table.
         n_others: usize,
     },
     /// Surface over a larger one, which is the floor or a lower table.
     OverLarger {
-        /// Number of other surfaces.
+        /// Number of other surfaces that can be a table.
         n_others: usize,
     },
     /// Surface around a larger one a little above it, the top of an object.

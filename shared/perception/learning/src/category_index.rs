@@ -164,7 +164,7 @@ impl CategoryIndex {
         ids.into_iter().filter(|&id| self.remove_view(id)).count()
     }
 
-    /// Removes all views.
+    /// Removes all views from the index.
     pub fn clear(&mut self) {
         self.revision = new_revision();
         self.views.clear();
@@ -173,7 +173,7 @@ impl CategoryIndex {
         self.distances = DistanceSum::default();
     }
 
-    /// Metric of the distances.
+    /// Metric of the descriptor distances.
     pub fn metric(&self) -> Metric {
         self.metric
     }
@@ -183,7 +183,7 @@ impl CategoryIndex {
         self.dimension
     }
 
-    /// Number of views.
+    /// Number of views in the index.
     pub fn n_views(&self) -> usize {
         self.views.len()
     }

@@ -16,17 +16,17 @@ const MAX_BYTES: usize = 64;
 #[serde(into = "String", try_from = "String")]
 pub struct CategoryName(Arc<str>);
 
-/// Rejected category name.
+/// Error of an invalid category name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidCategoryName {
-    /// No visible character.
+    /// Category name without visible characters.
     #[error("the category has no name: give it one, \"mug\" for example")]
     Empty,
-    /// More than 64 bytes.
+    /// Category name of more than 64 bytes.
     #[error("the name of the category is {n_bytes} bytes long: use {MAX_BYTES} at most")]
     TooLong {
-        /// Length, bytes.
+        /// Length of the category name, bytes.
         n_bytes: usize,
     },
     /// Invisible character, or one that changes the writing direction.
@@ -35,7 +35,7 @@ pub enum InvalidCategoryName {
         u32::from(*character)
     )]
     Invisible {
-        /// Rejected character.
+        /// Rejected character of the category name.
         character: char,
     },
 }
@@ -63,7 +63,7 @@ impl CategoryName {
         }
     }
 
-    /// Name as text.
+    /// Category name as text.
     pub fn as_str(&self) -> &str {
         &self.0
     }

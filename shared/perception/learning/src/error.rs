@@ -2,19 +2,19 @@
 
 use crate::Metric;
 
-/// Rejected descriptor.
+/// Error of a descriptor that cannot be compared.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Length different from that of the other descriptors.
+    /// Descriptor length different from that of the other descriptors.
     #[error(
         "a descriptor of {found} values cannot be compared with descriptors of \
          {expected}: describe both in the same way"
     )]
     Dimension {
-        /// Length of the other descriptors.
+        /// Length of the other descriptors, values.
         expected: usize,
-        /// Length of this descriptor.
+        /// Length of the rejected descriptor, values.
         found: usize,
     },
     /// Value outside the domain of the metric.
@@ -25,11 +25,11 @@ pub enum Error {
         metric.values().end()
     )]
     Value {
-        /// Index of the value.
+        /// Index of the invalid descriptor value.
         position: usize,
-        /// Rejected value.
+        /// Invalid descriptor value.
         value: f32,
-        /// Metric of the comparison.
+        /// Distance metric of the comparison.
         metric: Metric,
     },
 }

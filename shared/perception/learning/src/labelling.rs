@@ -8,7 +8,7 @@ use crate::{CategoryName, ViewId};
 /// Stored key view with its label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ViewLabel<'a> {
-    /// View id.
+    /// Id of the stored view.
     pub id: ViewId,
     /// Label; `None` when the view was never taught, or forgotten.
     pub category: Option<&'a CategoryName>,
@@ -17,11 +17,11 @@ pub struct ViewLabel<'a> {
 /// Label change of one view; `before` and `after` differ.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LabelChange {
-    /// View id.
+    /// Id of the relabelled view.
     pub id: ViewId,
-    /// Previous label.
+    /// Label of the view before the change.
     pub before: Option<CategoryName>,
-    /// New label.
+    /// Label of the view after the change.
     pub after: Option<CategoryName>,
 }
 
@@ -29,33 +29,33 @@ pub struct LabelChange {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TeachingError {
-    /// Track without key views.
+    /// Track that has no key views to label.
     #[error(
         "track {track_id} has no key views to learn from: let the object rest in view of the \
          camera and teach it again"
     )]
     NoViews {
-        /// Track id.
+        /// Track-id of that track.
         track_id: u64,
     },
-    /// Track with another label.
+    /// Track that already has another label.
     #[error(
         "track {track_id} was taught as {present}, not as {asked}: correct it if {asked} is right"
     )]
     LabelConflict {
-        /// Track id.
+        /// Track-id of the labelled track.
         track_id: u64,
-        /// Present label.
+        /// Present label of the track.
         present: CategoryName,
-        /// Requested label.
+        /// Label requested for the track.
         asked: CategoryName,
     },
-    /// Category without views.
+    /// Category to which no view belongs.
     #[error(
         "no view belongs to the category {category}: list the categories to see which there are"
     )]
     UnknownCategory {
-        /// Requested category.
+        /// Name of the empty category.
         category: CategoryName,
     },
 }

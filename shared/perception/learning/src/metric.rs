@@ -127,7 +127,7 @@ impl Metric {
         Ok(self.distance_from_score(score.unwrap_or(f32::INFINITY), a.len()))
     }
 
-    /// Domain of descriptor values.
+    /// Domain (valid range) of descriptor values under the metric.
     pub(crate) fn values(self) -> std::ops::RangeInclusive<f32> {
         match self {
             Self::Manhattan | Self::Euclidean | Self::Gower => -MAX_VALUE..=MAX_VALUE,

@@ -12,7 +12,7 @@ pub(crate) struct ScoredView {
     pub(crate) view: ViewId,
     /// Number of the view's category.
     pub(crate) category: u64,
-    /// Row of the view's descriptor.
+    /// Row of the view in the view table.
     pub(crate) row: usize,
 }
 
@@ -36,7 +36,7 @@ pub(crate) struct NearestCategories {
 }
 
 impl NearestCategories {
-    /// Entries, nearest first.
+    /// Nearest view of each of the nearest categories, nearest first.
     pub(crate) fn views(&self) -> [Option<ScoredView>; N_NEAREST] {
         self.views
     }

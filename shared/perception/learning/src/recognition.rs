@@ -44,10 +44,10 @@ pub struct Recognition {
 /// Nearest stored view of a category.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Neighbour {
-    /// View id.
+    /// Id of the neighbouring view.
     pub view: ViewId,
-    /// Category of the view.
+    /// Category of the neighbouring view.
     pub category: CategoryName,
-    /// Distance to the view.
+    /// Descriptor distance to the neighbouring view.
     pub distance: f32,
 }

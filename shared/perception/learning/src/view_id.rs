@@ -1,4 +1,4 @@
-//! View identifier.
+//! Identifier of a key view: track-id and view number.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(into = "(u64, u32)", from = "(u64, u32)")]
 pub struct ViewId {
-    /// Track id.
+    /// Track-id of the object that the view shows.
     pub track_id: u64,
     /// View number within the track.
     pub view_id: u32,

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Golden distances of all pairs of clouds.
 struct Reference {
-    /// Descriptors by cloud name.
+    /// Reference descriptors, by cloud name.
     descriptors: HashMap<String, Vec<f32>>,
     distances: Vec<ReferenceDistance>,
 }

@@ -19,13 +19,13 @@ const N_SAMPLES: usize = 400;
 pub struct CandidateMeasurement {
     /// Oriented bounding box in the world with its stamp.
     pub measurement: Measurement,
-    /// Frame of the measurement.
+    /// Capture time and camera pose of the measured frame.
     pub frame: FramePose,
     /// Coarse appearance for data association.
     pub appearance: CoarseAppearance,
     /// Mean red, green and blue, 0 to 255.
     pub mean_rgb: [f32; 3],
-    /// Number of points.
+    /// Number of points of the candidate.
     pub n_points: usize,
     /// `true` when the candidate lies in the space of a person or the robot.
     pub overlaps_body: bool,

@@ -50,7 +50,7 @@ impl Config {
     }
 }
 
-/// Length of a descriptor.
+/// Length of an object descriptor, values.
 const DESCRIPTOR_DIMENSION: usize = AppearanceDescriptor::DIMENSION;
 
 /// Metric of descriptor distances.

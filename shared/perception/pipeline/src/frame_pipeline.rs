@@ -30,7 +30,7 @@ pub trait FrameExecutor {
     /// Called before a stage, for instance to read a clock.
     fn stage_started(&mut self, _stage: FrameStage) {}
 
-    /// Called after a stage.
+    /// Callback after a stage of the frame has finished.
     fn stage_finished(&mut self, _stage: FrameStage) {}
 
     /// Buffer for the expected tracks, a prior of the coming detection.
@@ -89,7 +89,7 @@ pub struct FramePipeline {
 }
 
 impl FramePipeline {
-    /// Pipeline without tracks.
+    /// Frame pipeline without tracks.
     pub fn new(config: Config) -> Self {
         Self {
             tracks: TrackTable::new(config),

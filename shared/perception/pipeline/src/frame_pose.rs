@@ -7,7 +7,7 @@ use tracking::DepthView;
 /// Capture stamp, camera pose and camera intrinsics of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FramePose {
-    /// Capture stamp, nanoseconds.
+    /// Capture stamp of the frame, nanoseconds.
     pub capture_ns: u64,
     /// Camera pose; the identity when it is unknown.
     pub world_from_camera: RigidTransform,

@@ -86,7 +86,7 @@ impl LostTrackGallery {
         self.0.remove(best).map(|lost| lost.track_id)
     }
 
-    /// Removes all entries.
+    /// Removes all lost tracks from the gallery.
     pub(crate) fn clear(&mut self) {
         self.0.clear();
     }

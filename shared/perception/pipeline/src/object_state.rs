@@ -34,7 +34,7 @@ pub struct ObjectWorkspace {
 }
 
 impl ObjectWorkspace {
-    /// Empty scratch memory.
+    /// Scratch memory for one object, without allocations.
     ///
     /// # Errors
     /// When the descriptor weights are invalid.
@@ -83,11 +83,11 @@ pub struct Posterior {
 /// Completed stage of an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObservationStage {
-    /// Motion filter updated.
+    /// Stage: motion filter updated.
     Tracked,
-    /// Descriptor computed.
+    /// Stage: descriptor computed.
     Described,
-    /// Category recognised.
+    /// Stage: category recognised.
     Recognised,
 }
 

@@ -18,9 +18,10 @@ use std::future::ready;
 /// Frame with its priors, as a recording or a simulation supplies it.
 #[derive(Debug, Clone, Copy)]
 pub struct SequentialFrame<'a> {
-    /// Capture stamp, camera pose and intrinsics.
+    /// Single-threaded [`FrameExecutor`] for one frame; runs detection and observation on the
+    /// calling thread.
     pub pose: FramePose,
-    /// Point cloud, camera frame.
+    /// Point cloud of the frame, camera frame.
     pub cloud: OrganizedCloud<'a>,
     /// Up direction, camera frame; `None` when unknown.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,

@@ -9,15 +9,15 @@ use tracking::{CoarseAppearance, MotionFilter, TrackLifecycle, TrackPhase, Visib
 /// Track of one object: motion, appearance and recognition result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
-    /// Track id, never reused.
+    /// Track-id, never reused.
     pub id: u64,
     /// Capture stamp of the first measurement, nanoseconds.
     pub first_seen_ns: u64,
     /// Capture stamp of the last measurement, nanoseconds.
     pub last_seen_ns: u64,
-    /// Last measurement.
+    /// Last measurement of the object.
     pub measured: CandidateMeasurement,
-    /// Number of described views.
+    /// Number of views that were described.
     pub n_views: u32,
     /// Recognised category; `None` when unknown.
     pub label: Option<CategoryName>,
@@ -28,9 +28,9 @@ pub struct Track {
     pub probability: Option<f32>,
     /// Nearest stored view of each of the nearest categories, nearest first.
     pub nearest: [Option<Neighbour>; N_NEAREST],
-    /// Number of key views.
+    /// Number of key views of the track.
     pub n_key_views: u32,
-    /// Id of the lost track as which this object was re-identified by appearance.
+    /// Track-id of the earlier, lost track with which this object was re-identified by appearance.
     pub reidentified_as: Option<u64>,
     pub(crate) lifecycle: TrackLifecycle,
     /// Motion state after the last measurement update.
@@ -46,12 +46,12 @@ pub struct Track {
 }
 
 impl Track {
-    /// Life-cycle phase.
+    /// Life-cycle phase of the track.
     pub fn phase(&self) -> TrackPhase {
         self.lifecycle.phase()
     }
 
-    /// Visibility in the last frame.
+    /// Visibility of the object in the last frame.
     pub fn visibility(&self) -> Visibility {
         self.lifecycle.visibility()
     }

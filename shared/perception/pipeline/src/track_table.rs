@@ -58,11 +58,11 @@ const N_FRAMES_CONTAINED_MAX: u32 = 3;
 /// Track-to-candidate match of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sighting {
-    /// Track id.
+    /// Track-id of the matched track.
     pub track_id: u64,
     /// Index of the candidate in the detection.
     pub candidate: usize,
-    /// Measurement of the candidate.
+    /// Measurement of the matched candidate.
     pub measured: CandidateMeasurement,
     /// `true` when the track starts with this candidate.
     pub is_new: bool,
@@ -97,7 +97,7 @@ pub struct TrackTable {
 }
 
 impl TrackTable {
-    /// Empty table.
+    /// Track table without tracks.
     pub fn new(config: Config) -> Self {
         Self {
             config,

@@ -37,7 +37,7 @@ const BODY_VOLUME_RATIO_MAX: f64 = 1.6;
 pub struct CoarseAppearance {
     /// Volume of the bounding box, cubic metres.
     pub volume_m3: f64,
-    /// Colour histogram.
+    /// Colour histogram of the object.
     pub colors: ColorHistogram,
     /// `true` when a part may be missing, so that the volume is only a lower bound.
     pub is_truncated: bool,
@@ -50,7 +50,7 @@ pub struct PredictedTrack {
     pub box_in_world: OrientedBox,
     /// Covariance of the centre, world axes, square metres.
     pub covariance_m2: Matrix3<f64>,
-    /// Remembered appearance.
+    /// Remembered appearance of the track.
     pub appearance: CoarseAppearance,
 }
 
@@ -61,7 +61,7 @@ pub struct ObservedCandidate {
     pub box_in_world: OrientedBox,
     /// Variance of the measured centre per axis, square metres.
     pub position_variance_m2: f64,
-    /// Measured appearance.
+    /// Measured appearance of the candidate.
     pub appearance: CoarseAppearance,
     /// `true` when the candidate lies in the space of a person or the robot: it may be a
     /// held object or the hand.

@@ -5,7 +5,7 @@ use point_cloud::Rgba;
 /// Number of hue bins around the colour circle.
 const N_HUES: usize = 8;
 
-/// Number of saturation bins.
+/// Number of saturation bins of the histogram.
 const N_SATURATIONS: usize = 4;
 
 /// Number of brightness bins for achromatic colours.

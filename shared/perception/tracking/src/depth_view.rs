@@ -55,11 +55,11 @@ pub struct DepthView<'a> {
 enum RayResult {
     /// Outside the image or behind the camera.
     Outside,
-    /// No valid depth.
+    /// No valid depth along the ray.
     NoDepth,
     /// Surface in front of the box.
     Nearer,
-    /// Surface inside the box.
+    /// Measured surface lies inside the box.
     Inside,
     /// Surface behind the box, so that the sample is free space.
     Farther,

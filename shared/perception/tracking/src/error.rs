@@ -1,6 +1,6 @@
 //! Errors of the tracking crate.
 
-/// Rejected measurement or setting.
+/// Error of a rejected measurement or setting.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -24,13 +24,13 @@ pub enum Error {
     /// Setting outside its valid range.
     #[error("the tracking setting {name} is {value} but must lie between {min} and {max}")]
     InvalidSetting {
-        /// Name of the setting.
+        /// Name of the tracking setting.
         name: &'static str,
-        /// Rejected value.
+        /// Rejected value of the setting.
         value: f64,
-        /// Smallest valid value.
+        /// Smallest valid value of the setting.
         min: f64,
-        /// Largest valid value.
+        /// Largest valid value of the setting.
         max: f64,
     },
 }

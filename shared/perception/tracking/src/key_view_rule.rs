@@ -43,7 +43,7 @@ const MOVED_ANGLE_RAD: f64 = 0.262;
 pub enum MotionPhase {
     /// At rest at the pose of its last key view.
     Static,
-    /// In motion.
+    /// Object in motion.
     Moving,
     /// Stopped, and possibly coming to rest.
     Settling,
@@ -112,7 +112,7 @@ impl KeyViewRule {
         rests && self.accept_key_view(pose, !touches_image_border)
     }
 
-    /// Motion phase.
+    /// Motion phase of the object.
     pub fn phase(&self) -> MotionPhase {
         self.phase
     }

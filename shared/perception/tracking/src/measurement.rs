@@ -63,7 +63,7 @@ impl Measurement {
         }
     }
 
-    /// Capture stamp.
+    /// Capture stamp of the measurement, nanoseconds.
     pub fn stamp_ns(&self) -> u64 {
         self.stamp_ns
     }
@@ -73,7 +73,7 @@ impl Measurement {
         &self.box_in_world
     }
 
-    /// Viewing conditions.
+    /// Viewing conditions of the measurement.
     pub fn conditions(&self) -> &ViewingConditions {
         &self.conditions
     }

@@ -394,7 +394,7 @@ impl MotionFilter {
         self.velocity_m_s = self.rotation * along.component_mul(&Vector3::from(shares));
     }
 
-    /// Capture stamp of the state.
+    /// Capture stamp of the filter state, nanoseconds.
     pub fn stamp_ns(&self) -> u64 {
         self.stamp_ns
     }

@@ -12,7 +12,7 @@ pub struct ObservationContext<'a> {
     pub cloud: &'a [Point],
     /// Indices of the object's points in the cloud.
     pub indices: &'a [u32],
-    /// Camera pose.
+    /// Pose of the camera, `world_from_camera`.
     pub world_from_camera: RigidTransform,
     /// Depth image for occlusion tests; `None` when the cloud is not organised.
     pub view: Option<DepthView<'a>>,

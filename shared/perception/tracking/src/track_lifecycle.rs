@@ -27,9 +27,9 @@ const OUT_OF_VIEW_TIMEOUT_NS: u64 = 60_000_000_000;
 pub enum TrackPhase {
     /// Too few measurements; the track may be noise.
     Tentative,
-    /// Established track.
+    /// Track confirmed by repeated measurements.
     Confirmed,
-    /// Terminated track; never resumed.
+    /// Track has been terminated; it never resumes.
     Lost,
 }
 
@@ -118,12 +118,12 @@ impl TrackLifecycle {
         stamp_ns.saturating_sub(self.last_seen_ns)
     }
 
-    /// Visibility in the last frame.
+    /// Visibility of the object in the last frame.
     pub fn visibility(&self) -> Visibility {
         self.visibility
     }
 
-    /// Life-cycle phase.
+    /// Life-cycle phase of the track.
     pub fn phase(&self) -> TrackPhase {
         self.phase
     }

@@ -5,7 +5,7 @@ use nalgebra::{Unit, Vector3};
 /// Contact of an object with a hand, human or robotic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HandContact {
-    /// No hand is near.
+    /// No hand is near the object.
     None,
     /// A hand touches the object and may be moving it.
     Touching,

@@ -17,11 +17,11 @@ pub enum OcclusionState {
 /// Visibility of a track's object in the last frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Visibility {
-    /// The object was measured.
+    /// Object measured in the last frame.
     Visible,
-    /// The object is occluded.
+    /// Object occluded by another surface.
     Occluded,
-    /// The object is outside the image.
+    /// Object outside the image.
     OutOfView,
     /// The object should be visible but was not detected.
     Missing,

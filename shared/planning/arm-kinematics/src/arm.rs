@@ -92,17 +92,17 @@ impl Arm {
         }
     }
 
-    /// Kinematic chain.
+    /// Kinematic chain of the arm.
     pub fn chain(&self) -> &KinematicChain {
         &self.chain
     }
 
-    /// Link lengths.
+    /// Link lengths of the arm.
     pub fn dimensions(&self) -> &ArmDimensions {
         &self.dimensions
     }
 
-    /// Gripper geometry.
+    /// Gripper geometry of the arm.
     pub fn gripper(&self) -> &GripperGeometry {
         &self.gripper
     }

@@ -20,13 +20,13 @@ const QUEUE_CAPACITY: usize = 16;
 /// State of the arm controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MotionState {
-    /// Waiting for a command; the last one is done.
+    /// Controller is idle; the last command is done.
     Idle,
-    /// Joints are moving.
+    /// Arm joints are moving.
     Moving,
-    /// Fingers are closing.
+    /// Gripper fingers are closing.
     Closing,
-    /// Fingers are opening.
+    /// Gripper fingers are opening.
     Opening,
     /// Stopped by a command; the next command moves the arm again.
     Stopped,
@@ -101,22 +101,22 @@ impl ArmController {
         })
     }
 
-    /// Arm model.
+    /// Kinematic model of the controlled arm.
     pub fn arm(&self) -> &Arm {
         &self.arm
     }
 
-    /// Joint angles and velocities.
+    /// Current joint angles and velocities of the arm.
     pub fn joints(&self) -> &JointState {
         &self.joints
     }
 
-    /// Gripper state.
+    /// State of the gripper.
     pub fn gripper(&self) -> &Gripper {
         &self.gripper
     }
 
-    /// Controller state.
+    /// State of the arm controller.
     pub fn state(&self) -> MotionState {
         self.state
     }
@@ -327,7 +327,7 @@ impl ArmController {
         }
     }
 
-    /// Advances the running motion.
+    /// Advances the running motion by a time step.
     fn advance(&mut self, dt_s: f64, both_pads_touch: bool) {
         let (joints, passed_s, duration_s) = match &mut self.activity {
             Activity::Idle => return,

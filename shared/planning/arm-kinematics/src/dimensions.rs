@@ -5,9 +5,9 @@
 pub struct ArmDimensions {
     /// Mounting plate to shoulder, `D1`.
     pub base_m: f64,
-    /// Shoulder to elbow, `D2`.
+    /// Length of the upper arm from shoulder to elbow, `D2`, metres.
     pub upper_arm_m: f64,
-    /// Elbow to the first wrist joint, `D3`.
+    /// Length of the forearm from elbow to the first wrist joint, `D3`, metres.
     pub forearm_m: f64,
     /// First to second wrist joint, `D4`.
     pub first_wrist_m: f64,

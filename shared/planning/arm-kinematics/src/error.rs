@@ -9,21 +9,21 @@ pub enum Error {
     /// A number is not finite, or a quaternion is not of unit length.
     #[error("{what} cannot be used: {rule}; check where it was computed")]
     BadNumber {
-        /// Quantity that contains the number.
+        /// Name of the quantity that contains the invalid number.
         what: &'static str,
-        /// Rule that it violates.
+        /// Rule that the number violates.
         rule: &'static str,
     },
     /// A number lies outside its range.
     #[error("{what} is {value} but must lie between {min} and {max}")]
     OutOfRange {
-        /// Quantity, with its unit.
+        /// Name of the quantity, with its unit.
         what: &'static str,
-        /// Rejected value.
+        /// Value outside its range.
         value: f64,
-        /// Lower limit.
+        /// Lower limit of the quantity.
         min: f64,
-        /// Upper limit.
+        /// Upper limit of the quantity.
         max: f64,
     },
     /// A joint angle lies outside the joint's limits.
@@ -36,7 +36,7 @@ pub enum Error {
     JointLimit {
         /// The joint, counted from 1 at the base.
         joint: usize,
-        /// Rejected angle.
+        /// Joint angle outside its limits, radians.
         angle_rad: f64,
         /// Lower limit of the joint.
         min_rad: f64,
@@ -55,7 +55,7 @@ pub enum Error {
         distance_m: f64,
         /// Rotation angle of the nearest solution from the pose.
         angle_rad: f64,
-        /// Number of iterations spent.
+        /// Number of solver iterations spent.
         n_iterations: usize,
     },
     /// A straight line leaves the workspace of the arm.
@@ -66,9 +66,9 @@ pub enum Error {
         1000.0 * length_m
     )]
     LineLeavesWorkspace {
-        /// Length of the reachable part of the line.
+        /// Length of the reachable part of the line, metres.
         reached_m: f64,
-        /// Length of the whole line.
+        /// Length of the whole line, metres.
         length_m: f64,
     },
     /// A straight line needs a sudden change of a joint (singularity).
@@ -79,9 +79,9 @@ pub enum Error {
         1000.0 * length_m
     )]
     LineJumps {
-        /// Length of the line up to the jump.
+        /// Length of the line up to the joint jump, metres.
         reached_m: f64,
-        /// Length of the whole line.
+        /// Length of the whole line, metres.
         length_m: f64,
         /// The joint that would jump, counted from 1 at the base.
         joint: usize,
@@ -89,13 +89,13 @@ pub enum Error {
     /// The command queue is full.
     #[error("{capacity} commands wait already; send the next when one is done")]
     QueueFull {
-        /// Capacity of the queue.
+        /// Capacity of the command queue.
         capacity: usize,
     },
     /// A command with this identity exists already.
     #[error("a command with the id {id} is known already; give each its own")]
     RepeatedId {
-        /// Repeated identity.
+        /// Repeated command identity.
         id: u64,
     },
 }

@@ -16,9 +16,9 @@ pub struct GripperGeometry {
     /// Length of a pad. The middle of the pad is at the tool's origin; the fingertips are half a
     /// pad length ahead of it.
     pub pad_length_m: f64,
-    /// Width of a pad.
+    /// Width of a finger pad, metres.
     pub pad_width_m: f64,
-    /// Thickness of a pad.
+    /// Thickness of a finger pad, metres.
     pub pad_thickness_m: f64,
     /// Thickness of the finger that carries the pad.
     pub finger_thickness_m: f64,
@@ -89,7 +89,7 @@ impl GripperGeometry {
             .map(|tool_from_finger| self.pad_in_finger().transformed(&tool_from_finger))
     }
 
-    /// Validates an opening, metres.
+    /// Checks that an opening, metres, is within the gripper's stroke.
     ///
     /// # Errors
     ///
@@ -121,11 +121,11 @@ pub fn tool_from_fingers(opening_m: f64) -> [RigidTransform; 2] {
 /// Motion state of the fingers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GripperMotion {
-    /// Not moving.
+    /// Fingers are not moving.
     Still,
-    /// Moving apart.
+    /// Fingers are moving apart.
     Opening,
-    /// Moving together.
+    /// Fingers are moving together.
     Closing,
 }
 

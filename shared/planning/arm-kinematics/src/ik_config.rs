@@ -3,9 +3,9 @@
 /// Tolerances and iteration limit of inverse kinematics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IkConfig {
-    /// Position tolerance, metres.
+    /// Position tolerance of a solution, metres.
     pub tolerance_m: f64,
-    /// Rotation tolerance, radians.
+    /// Rotation tolerance of a solution, radians.
     pub tolerance_rad: f64,
     /// Iteration limit of one least squares search; there are at most nine searches.
     pub max_iterations: usize,

@@ -9,7 +9,7 @@ use crate::closed_form::{N_BRANCHES, solution_branches};
 use crate::damped_least_squares::{LeastSquaresSolution, solve_least_squares};
 use crate::{Arm, Error, IkConfig, JointVector, PoseResidual, link_capsules, self_clearance_m};
 
-/// Solution of inverse kinematics.
+/// Solution of an inverse kinematics problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IkSolution {
     /// Joint angles, within the limits, radians.

@@ -13,7 +13,7 @@ pub struct JointState {
 }
 
 impl JointState {
-    /// State with zero velocities.
+    /// Joint state at rest: given angles, zero velocities.
     pub fn at_rest(angles_rad: JointVector) -> Self {
         Self {
             angles_rad,
@@ -89,7 +89,7 @@ impl JointTrajectory {
         }
     }
 
-    /// Duration, seconds.
+    /// Duration of the trajectory, seconds.
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use crate::Error;
 
-/// Number of joints.
+/// Number of joints of the arm.
 pub const N_JOINTS: usize = 6;
 
 /// One value per joint, from the base to the hand.
@@ -23,9 +23,9 @@ pub struct Joint {
     pub parent_from_joint: RigidTransform,
     /// Axis of positive rotation, joint frame.
     pub axis: Unit<Vector3<f64>>,
-    /// Lower limit, radians.
+    /// Lower joint limit, radians.
     pub min_rad: f64,
-    /// Upper limit, radians.
+    /// Upper joint limit, radians.
     pub max_rad: f64,
     /// Maximum velocity, rad/s, > 0.
     pub max_velocity_rad_s: f64,
@@ -69,7 +69,7 @@ pub struct KinematicChain {
 pub struct LinkPoses {
     /// Link poses: the base, then the link behind each joint.
     pub base_from_link: [RigidTransform; N_JOINTS + 1],
-    /// Tool pose.
+    /// Pose of the tool in the base frame.
     pub base_from_tool: RigidTransform,
 }
 

@@ -66,7 +66,7 @@ impl LineTrajectory {
         })
     }
 
-    /// Duration, seconds.
+    /// Duration of the trajectory, seconds.
     pub fn duration_s(&self) -> f64 {
         self.profile.duration_s()
     }

@@ -1,4 +1,4 @@
-//! Residual between two poses.
+//! Residual between two poses: distance and rotation angle.
 
 use geometry::RigidTransform;
 

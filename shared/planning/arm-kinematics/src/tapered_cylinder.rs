@@ -4,7 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::ArmDimensions;
 
-/// Number of tapered cylinders.
+/// Number of tapered cylinders that model the arm.
 pub(crate) const N_CYLINDERS: usize = 10;
 
 /// Colour of the shells between the joints (white), sRGB.
@@ -22,7 +22,7 @@ pub(crate) struct TaperedCylinder {
     pub(crate) ends: [Point3<f64>; 2],
     /// Radius at each end, metres.
     pub(crate) radii_m: [f64; 2],
-    /// Colour, sRGB.
+    /// Colour of the cylinder, sRGB.
     pub(crate) color: [u8; 3],
 }
 

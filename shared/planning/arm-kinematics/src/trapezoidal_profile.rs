@@ -11,7 +11,7 @@ pub(crate) struct TrapezoidalProfile {
     target: f64,
     /// Sign of the cruising velocity: +1 or -1.
     direction: f64,
-    /// Initial velocity along `direction`.
+    /// Initial velocity along the direction of motion.
     initial_speed: f64,
     cruise_speed: f64,
     acceleration: f64,
@@ -101,7 +101,7 @@ impl TrapezoidalProfile {
             + 0.5 * self.cruise_speed * self.slow_down_s
     }
 
-    /// Duration, seconds.
+    /// Duration of the velocity profile, seconds.
     pub(crate) fn duration_s(&self) -> f64 {
         self.speed_up_s + self.cruise_s + self.slow_down_s
     }

@@ -34,7 +34,7 @@ pub trait Actor: Sized + Send + 'static {
     type Checkpoint: Clone + Send + 'static;
     /// Read-only data shared by all actors of this kind.
     type Context: Send + Sync + 'static;
-    /// Error of the handler.
+    /// Error type of the message handler.
     type Error: std::error::Error + Send + Sync + 'static;
     /// Overflow policy of the mailbox.
     type Overflow: Overflow;

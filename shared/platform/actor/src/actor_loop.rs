@@ -147,7 +147,7 @@ impl<A: Actor> ActorLoop<A> {
         stopped.map_err(|cause| failed(cause, None))
     }
 
-    /// Commits the state, then answers.
+    /// Commits the actor's state, then answers the message.
     fn commit(
         &mut self,
         checkpoint: A::Checkpoint,

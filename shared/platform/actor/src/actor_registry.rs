@@ -115,7 +115,7 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
     }
 }
 
-/// Registration and stopping.
+/// Registration and stopping of actors.
 impl<I: Identity, A: Actor> ActorRegistry<I, A> {
     pub(crate) fn register(self: &Arc<Self>, id: I) -> Result<Spawned<I, A>, Error> {
         let (sender, mailbox) = mailbox(self.config.mailbox_capacity);
@@ -237,7 +237,7 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
     }
 }
 
-/// Failures and escalation.
+/// Restart of failed actors and escalation of repeated failures.
 impl<I: Identity, A: Actor> ActorRegistry<I, A> {
     /// Back-off before the restart of a failed actor; `None` when the restart policy
     /// or the supervisor has ended it. The failure that exceeds the policy stops all

@@ -14,7 +14,7 @@ pub enum Restart {
     Permanent,
     /// Restart after a failure, not after the actor stops itself.
     Transient,
-    /// Never restart.
+    /// Restart type: never restart.
     Temporary,
 }
 
@@ -36,7 +36,7 @@ pub struct Config {
     /// Restart intensity and back-off: the limit counts the restarts of all actors
     /// together, the back-off those of the one actor.
     pub policy: RestartPolicy,
-    /// Placement of handlers.
+    /// Placement of handlers: worker pool or actor task.
     pub placement: Placement,
     /// Mailbox capacity of one actor, messages.
     pub mailbox_capacity: NonZeroUsize,

@@ -14,7 +14,7 @@ pub enum Error {
          more threads or configure fewer workers."
     )]
     ThreadNotStarted {
-        /// Name of the thread.
+        /// Name of the thread that could not be started.
         name: String,
         /// Error of the operating system.
         source: io::Error,
@@ -22,7 +22,7 @@ pub enum Error {
     /// Contradictory restart policy.
     #[error("The restart policy is refused: {rule}; correct the configuration.")]
     InvalidRestartPolicy {
-        /// The violated rule.
+        /// Rule that the restart policy violates.
         rule: &'static str,
     },
     /// An actor with this id is running or still stopping.
@@ -31,7 +31,7 @@ pub enum Error {
          stopping; await its stop or use a new id."
     )]
     AlreadyRunning {
-        /// Its id in `Debug` format.
+        /// Id of that actor, in `Debug` format.
         id: String,
     },
     /// The supervisor has escalated or has stopped all actors.

@@ -18,30 +18,30 @@ pub type Events<I> = Receiver<LifecycleEvent<I>, DropOldest>;
 pub enum LifecycleEvent<I> {
     /// The actor is ready for messages, for the first time or after a restart.
     Started {
-        /// Id of the actor.
+        /// Id of the started actor.
         id: I,
     },
     /// The actor failed and restarts after the back-off.
     Restarting {
-        /// Id of the actor.
+        /// Id of the restarting actor.
         id: I,
-        /// Cause of the failure.
+        /// Cause of the actor's failure.
         cause: Cause,
         /// Tag of the message being handled, which is lost; `None` outside `handle`.
         tag: Option<u64>,
-        /// Back-off before the restart.
+        /// Back-off delay before the restart.
         after: Duration,
     },
     /// The actor stopped and is not restarted.
     Stopped {
-        /// Id of the actor.
+        /// Id of the stopped actor.
         id: I,
-        /// Reason of the stop.
+        /// Reason for the actor's stop.
         reason: StopReason,
     },
     /// The actor did not stop within the time limit and was abandoned.
     Abandoned {
-        /// Id of the actor.
+        /// Id of the abandoned actor.
         id: I,
     },
     /// Restart intensity exceeded: all actors were stopped, and no more can be
@@ -84,12 +84,12 @@ pub enum Cause {
 pub enum StopReason {
     /// A stop was requested, for this actor or for all.
     Requested,
-    /// The actor stopped itself.
+    /// Actor stopped itself.
     Finished,
     /// The actor failed and is not restarted: by its restart type, because a stop was
     /// requested, or because the limit was exceeded.
     Failed {
-        /// Cause of the failure.
+        /// Cause of the actor's failure.
         cause: Cause,
         /// Tag of the message being handled; `None` outside `handle`.
         tag: Option<u64>,

@@ -20,12 +20,12 @@ pub struct RestartPolicy {
     backoff_max: Duration,
 }
 
-/// Decision about a failure.
+/// Decision of the restart policy about a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RestartDecision {
-    /// Restart after this back-off.
+    /// Restart the actor after a back-off.
     Restart {
-        /// Back-off before the restart.
+        /// Back-off delay before the restart.
         after: Duration,
     },
     /// Escalate: the limit is exceeded.

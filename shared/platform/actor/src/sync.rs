@@ -8,7 +8,7 @@ pub(crate) use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 /// Iterations of spinning before a thread sleeps; about as long as a wake-up takes.
 pub(crate) const SPIN_LIMIT: usize = 2_000;
 
-/// One iteration of spinning.
+/// One iteration of a spin loop.
 pub(crate) fn pause() {
     std::hint::spin_loop();
 }

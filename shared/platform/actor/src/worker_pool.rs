@@ -37,7 +37,7 @@ const SHORTEST_PERIOD: Duration = Duration::from_millis(1);
 pub struct PoolConfig {
     /// Prefix of the threads' names; Linux shows the first 15 bytes of a name.
     pub name: String,
-    /// Number of worker threads.
+    /// Number of worker threads in the pool.
     pub n_workers: NonZeroUsize,
     /// Stall time: a job without progress for this long is abandoned.
     pub stall_after: Duration,

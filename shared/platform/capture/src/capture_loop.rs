@@ -27,9 +27,9 @@ const LOCKSTEP_START_NS: u64 = 1_000_000_000;
 /// Reason for the end of the loop without a failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CaptureEnd {
-    /// Shutdown was requested.
+    /// Capture ended because shutdown was requested.
     Stopped,
-    /// End of the recording.
+    /// Capture ended at the end of the recording.
     EndOfRecording,
 }
 

@@ -28,7 +28,7 @@ pub(crate) struct LeadTime {
 }
 
 impl LeadTime {
-    /// Estimator without observations.
+    /// Lead-time estimator without observations.
     pub(crate) const UNKNOWN: Self = Self {
         recent_ns: [0; N_RECENT],
         n_recorded: 0,

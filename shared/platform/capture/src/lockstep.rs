@@ -24,7 +24,7 @@ pub(crate) enum LockstepOutcome {
     Finished,
     /// A follower has not finished in time; send the frame again.
     TimedOut,
-    /// Shutdown was requested.
+    /// Shutdown was requested while waiting.
     Stop,
 }
 

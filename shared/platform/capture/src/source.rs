@@ -9,14 +9,14 @@ use point_cloud::Point;
 /// Frame size in columns and rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameSize {
-    /// Number of columns.
+    /// Number of columns of the frame.
     pub width: usize,
-    /// Number of rows.
+    /// Number of rows of the frame.
     pub height: usize,
 }
 
 impl FrameSize {
-    /// Number of points.
+    /// Number of points of the frame.
     pub fn n_points(self) -> usize {
         self.width * self.height
     }
@@ -30,7 +30,7 @@ pub struct FrameInfo {
     /// `true` when the intrinsics belong to this camera; `false` when they are
     /// nominal.
     pub is_calibrated: bool,
-    /// Camera pose, when known.
+    /// Pose of the camera, when known.
     pub world_from_camera: Option<RigidTransform>,
     /// Up direction (against gravity) in the camera frame, when known.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,

@@ -1,21 +1,21 @@
 //! Errors of camera sources.
 
-/// Unusable frame or source.
+/// Error of a camera source: unusable frame or source.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceError {
-    /// The source cannot be used at all.
+    /// Camera source that cannot be used at all.
     #[error("{0}")]
     Unusable(String),
     /// One frame cannot be used; the next one may.
     #[error("the frame {frame} is left out: {cause}")]
     Frame {
-        /// Name of the frame.
+        /// Name of the unusable frame.
         frame: String,
-        /// Reason.
+        /// Reason why the frame cannot be used.
         cause: String,
     },
-    /// End of the recording.
+    /// Recording has ended.
     #[error("the recording has come to its end")]
     EndOfRecording,
     /// The device is not connected; it may come back.

@@ -26,5 +26,5 @@ use std::sync::Arc;
 /// Request handler; runs as a tokio task for each request.
 pub type Handler = Arc<dyn Fn(Command) -> AnswerFuture + Send + Sync>;
 
-/// Future of a reply.
+/// Future that resolves to the reply of a request handler.
 pub type AnswerFuture = Pin<Box<dyn Future<Output = Reply> + Send>>;

@@ -49,7 +49,7 @@ struct Membership {
     name: DomainName,
     folder: PathBuf,
     run_folder: RunFolder,
-    /// `None` only during drop.
+    /// Node of iceoryx2; `None` only during drop.
     node: Option<Node<Service>>,
     /// Lock of the exclusive role.
     _role: Option<LockFile>,
@@ -79,7 +79,7 @@ impl Domain {
         })))
     }
 
-    /// Name of the domain.
+    /// Name of the joined domain.
     pub fn name(&self) -> &DomainName {
         &self.0.name
     }

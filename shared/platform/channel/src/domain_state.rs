@@ -18,7 +18,7 @@ pub struct DomainState {
 }
 
 impl DomainState {
-    /// Inspects a domain.
+    /// Lists the programs and files of a domain.
     pub fn inspect(domain: &DomainName, run_folder: &RunFolder) -> Self {
         let path = run_folder.domain_folder(domain);
         let entries = std::fs::read_dir(&path).into_iter().flatten().flatten();

@@ -7,17 +7,17 @@ use std::{fmt, io};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Invalid domain name.
+    /// Invalid name of a domain.
     #[error("the domain name {0:?} is not usable; choose 1 to 32 of the characters a-z, 0-9 and -")]
     DomainName(String),
     /// Unusable file or folder of the run folder.
     #[error("could not {attempt} {}: {source}", .path.display())]
     RunFolder {
-        /// Attempted operation.
+        /// File operation that failed.
         attempt: &'static str,
         /// Path of the file or folder.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// File or folder that another user controls, or of the wrong kind, at a path of
@@ -45,14 +45,14 @@ pub enum Error {
         in_process(*.pid)
     )]
     RoleTaken {
-        /// Name of the role.
+        /// Name of the role that is taken.
         role: String,
-        /// Name of the domain.
+        /// Name of the domain in which the role is taken.
         domain: String,
         /// Id of the running process, when it could be read.
         pid: Option<u32>,
     },
-    /// Not enough shared memory.
+    /// Insufficient shared memory for the daemon.
     #[error(
         "the daemon may use up to {} MB of shared memory and only {} MB of /dev/shm are free; \
          stop what uses it, or enlarge it (mount -o remount,size=512M /dev/shm; \
@@ -72,41 +72,41 @@ pub enum Error {
          tabula; stop all its processes and start them from one build"
     )]
     OtherVersion {
-        /// Name of the service.
+        /// Name of the iceoryx2 service.
         service: &'static str,
-        /// Name of the domain.
+        /// Name of the affected domain.
         domain: String,
     },
-    /// Failure of iceoryx2.
+    /// Failure of the iceoryx2 transport.
     #[error("shared memory failed to {attempt} {service}: {cause}")]
     Transport {
-        /// Attempted operation.
+        /// Transport operation that failed.
         attempt: &'static str,
         /// Name of the service, or empty.
         service: &'static str,
-        /// iceoryx2's error.
+        /// Error description from iceoryx2.
         cause: String,
     },
     /// All loans of a publisher are held.
     #[error("all messages of {service} are in use; send or drop one first")]
     NoLoan {
-        /// Name of the service.
+        /// Name of the iceoryx2 service.
         service: &'static str,
     },
     /// A receiver's queue is full; the message was not delivered to it.
     #[error("a receiver of {service} does not keep up, its queue is full")]
     QueueFull {
-        /// Name of the service.
+        /// Name of the iceoryx2 service.
         service: &'static str,
     },
     /// Message longer than the service carries.
     #[error("{service} carries at most {max} items in one message, not {len}")]
     TooLong {
-        /// Name of the service.
+        /// Name of the iceoryx2 service.
         service: &'static str,
-        /// Requested number of items.
+        /// Requested number of items in a message.
         len: usize,
-        /// Largest number of items.
+        /// Largest number of items that a message may have.
         max: usize,
     },
 }

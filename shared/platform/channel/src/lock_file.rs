@@ -58,7 +58,7 @@ impl LockFile {
         self.file.try_lock().is_ok()
     }
 
-    /// Writes this process's id into the file.
+    /// Writes this process's id into the lock file.
     pub(crate) fn write_pid(&mut self) -> Result<(), Error> {
         let write = |file: &mut File| {
             file.set_len(0)?;

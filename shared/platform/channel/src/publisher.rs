@@ -155,12 +155,12 @@ impl<T: Topic> Publisher<T> {
 }
 
 impl<T: Topic> Loan<T> {
-    /// Header to fill.
+    /// Message header to fill before sending.
     pub fn header_mut(&mut self) -> &mut T::Header {
         self.sample.user_header_mut()
     }
 
-    /// Items to fill.
+    /// Message items to fill before sending.
     pub fn items_mut(&mut self) -> &mut [T::Item] {
         self.sample.payload_mut()
     }

@@ -3,7 +3,7 @@
 /// Shared memory that the ports of one service reserve at most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reservation {
-    /// Name of the service.
+    /// Name of the iceoryx2 service.
     pub service: &'static str,
     /// Message slots of all its senders.
     pub slots: u64,

@@ -63,7 +63,7 @@ impl RunFolder {
         folders
     }
 
-    /// Path of the folder.
+    /// Path of the run folder.
     pub fn path(&self) -> &Path {
         &self.0
     }

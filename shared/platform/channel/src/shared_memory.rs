@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 /// State of the machine's shared memory from the view of one domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedMemory {
-    /// Size of the file system, bytes.
+    /// Size of the shared-memory file system, bytes.
     pub total_bytes: u64,
-    /// Free bytes of the file system.
+    /// Free space of the shared-memory file system, bytes.
     pub free_bytes: u64,
     /// Bytes used by the domain's files.
     pub used_by_domain: u64,

@@ -24,7 +24,7 @@ pub struct Subscriber<T: Topic> {
     _domain: Domain,
 }
 
-/// Number of the last message of a publisher.
+/// Number of the last message received from a publisher.
 #[derive(Debug)]
 struct LastMessage {
     publisher: u128,
@@ -34,9 +34,9 @@ struct LastMessage {
 /// Result of [`Subscriber::receive`].
 #[derive(Debug)]
 pub enum Received<T: Topic> {
-    /// Next message.
+    /// Next message of the topic.
     Message(SharedMessage<T>),
-    /// No message is queued.
+    /// No message is queued for the subscriber.
     Nothing,
     /// Borrow limit reached: the caller must drop a message first.
     BorrowLimitReached,

@@ -40,9 +40,9 @@ impl Overflow for Refuse {
 /// Limits of a service; their product is the shared memory it reserves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// Largest number of publishers.
+    /// Largest number of publishers of the topic.
     pub publishers: usize,
-    /// Largest number of subscribers.
+    /// Largest number of subscribers of the topic.
     pub subscribers: usize,
     /// Queue length of a subscriber, messages.
     pub buffer: usize,
@@ -56,7 +56,7 @@ pub struct Limits {
 
 /// Publish-subscribe topic: a header and a slice of items.
 pub trait Topic: Debug + Send + Sync + 'static {
-    /// Header of a message.
+    /// Header type of the topic's messages.
     type Header: Debug
         + Copy
         + Default
@@ -67,13 +67,13 @@ pub trait Topic: Debug + Send + Sync + 'static {
         + Sync;
     /// Item of the payload: plain numbers, any bit pattern valid.
     type Item: Debug + Copy + Default + AnyBitPattern + ZeroCopySend + Send + Sync;
-    /// Overflow policy.
+    /// Overflow policy of the topic's queues.
     type Overflow: Overflow;
     /// Service name within the domain.
     const NAME: &'static str;
     /// Largest number of items of a message.
     const MAX_ITEMS: usize;
-    /// Limits of the service.
+    /// Limits of the topic's service.
     const LIMITS: Limits;
 }
 

@@ -128,7 +128,7 @@ impl TrustedFolder {
         }
     }
 
-    /// Path of the folder.
+    /// Path of the trusted folder.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }

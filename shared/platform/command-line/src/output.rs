@@ -26,7 +26,7 @@ impl Output {
         Self { json }
     }
 
-    /// `true` for JSON output.
+    /// `true` if the output is JSON.
     pub fn is_json(self) -> bool {
         self.json
     }

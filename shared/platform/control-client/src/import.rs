@@ -14,10 +14,10 @@ use std::io::{self, Read};
 /// Maximum size of the file's part in one request, bytes; the rest of the message needs room too.
 const WRITE_BYTES: usize = MAX_MESSAGE_BYTES / 2;
 
-/// Parameters of an import.
+/// Parameters of an import over the control protocol.
 #[derive(Debug)]
 pub struct ImportRequest {
-    /// Author of the import.
+    /// Author of the imported changes.
     pub author: String,
     /// Name of the source in the history.
     pub source: String,

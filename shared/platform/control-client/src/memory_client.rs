@@ -152,7 +152,7 @@ impl MemoryClient {
         }
     }
 
-    /// Starts a job.
+    /// Starts a job on the memory.
     ///
     /// # Errors
     /// As [`Self::call`].

@@ -33,7 +33,7 @@ pub enum InvalidCalibration {
     Camera {
         /// Name of the camera: `depth` or `colour`.
         which: &'static str,
-        /// Cause.
+        /// Reason why the intrinsics are invalid.
         source: InvalidIntrinsics,
     },
     /// An image size is not 640x480.
@@ -86,7 +86,7 @@ impl Calibration {
         }
     }
 
-    /// Validates that the values can belong to a Kinect.
+    /// Checks that the calibration can be that of a Kinect.
     ///
     /// # Errors
     /// Names the invalid part. NaN fails.

@@ -209,7 +209,7 @@ impl FrameSink {
 }
 
 impl HeldPair {
-    /// Images of the pair.
+    /// Depth and colour images of the held pair.
     pub(crate) fn frame(&self) -> KinectFrame<'_> {
         let Pair { depth, video } = &self.0;
         KinectFrame {

@@ -15,7 +15,7 @@ pub const NO_DEPTH: u16 = 2047;
 /// Maximum depth, metres: the sensor's own limit. Larger values count as no depth.
 pub const MAX_DEPTH_M: f32 = 10.0;
 
-/// Number of 11-bit values.
+/// Number of raw depth values (11 bits).
 const N_VALUES: usize = 2048;
 
 /// Fit that converts raw depth to metres.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// No library was found.
+    /// The libfreenect library was not found.
     #[error(
         "{kind} is not on this machine; install the Debian package libfreenect0.5 \
          (sudo apt-get install libfreenect0.5). Tried{}",
@@ -26,11 +26,11 @@ pub enum Error {
         .library.display()
     )]
     SymbolMissing {
-        /// Path of the library.
+        /// Path of the libfreenect library.
         library: PathBuf,
         /// Name of the missing function.
         symbol: &'static str,
-        /// Error of the loader.
+        /// Error of the dynamic loader.
         source: libloading::Error,
     },
     /// The recording for fakenect is faulty.
@@ -54,7 +54,7 @@ pub enum Error {
          user may read it"
     )]
     UsbUnavailable {
-        /// Error code of libusb.
+        /// Error code returned by libusb.
         code: i32,
     },
     /// The library finds no Kinect.
@@ -90,13 +90,13 @@ pub enum Error {
         /// Name of the stream: `depth` or `video`.
         stream: &'static str,
     },
-    /// A library function failed.
+    /// A libfreenect function failed.
     #[error(
         "{function} failed (code {code}{}); unplug the Kinect and plug it in again",
         said_clause(.said)
     )]
     CallFailed {
-        /// Name of the function.
+        /// Name of the libfreenect function.
         function: &'static str,
         /// Error code of the function.
         code: i32,
@@ -121,7 +121,7 @@ pub enum Error {
         /// Log messages of the library.
         said: String,
     },
-    /// The recording has ended.
+    /// The recording played by fakenect has ended.
     #[error("the recording is played to its end")]
     Ended,
 }

@@ -17,8 +17,8 @@ pub struct Image<'a, T> {
 /// Synchronised pair of depth and colour image (see [`crate::PAIRING_WINDOW_TICKS`]).
 #[derive(Debug, Clone, Copy)]
 pub struct KinectFrame<'a> {
-    /// Raw depth image.
+    /// Raw depth image of the Kinect.
     pub depth: Image<'a, u16>,
-    /// Colour image.
+    /// Colour image of the Kinect.
     pub video: Image<'a, u8>,
 }

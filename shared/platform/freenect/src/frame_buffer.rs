@@ -31,7 +31,7 @@ impl<T: Copy + Default> FrameBuffer<T> {
         self.pixels.as_ptr().cast()
     }
 
-    /// Pixels of the image.
+    /// Pixels of the buffered image.
     ///
     /// # Safety
     /// The library must have been given another buffer, and must not be given this one again

@@ -77,7 +77,7 @@ impl Library {
         Err(Error::LibraryMissing { kind, tried })
     }
 
-    /// Loads a self-built library.
+    /// Loads a self-built libfreenect.
     ///
     /// # Errors
     /// If it cannot be loaded or is not libfreenect 0.5.
@@ -121,7 +121,7 @@ impl Library {
         })
     }
 
-    /// Kind of the library.
+    /// Kind of the library: libfreenect or fakenect.
     pub fn kind(&self) -> LibraryKind {
         self.kind
     }

@@ -31,7 +31,7 @@ pub enum LogLevel {
 /// Log message of the library.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LogMessage {
-    /// Severity.
+    /// Severity of the log message.
     pub level: LogLevel,
     /// Text without the end of line.
     pub text: String,

@@ -29,13 +29,13 @@ pub(crate) const N_FRAMES: usize = MAX_UNPAIRED + 4;
 pub(crate) struct StampedFrame<T> {
     /// Device stamp, ticks of [`CLOCK_HZ`].
     pub(crate) stamp_ticks: u32,
-    /// Time of arrival.
+    /// Arrival time of the image.
     pub(crate) arrived: Instant,
-    /// Image.
+    /// Stamped image.
     pub(crate) frame: T,
 }
 
-/// Synchronised pair of frames.
+/// Synchronised pair of depth and colour images.
 #[derive(Debug)]
 pub(crate) struct Pair<D, V> {
     pub(crate) depth: StampedFrame<D>,
@@ -63,7 +63,7 @@ pub(crate) struct Pairing<D, V> {
 /// Counts of paired and lost frames since the camera was opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PairingStatistics {
-    /// Number of pairs.
+    /// Number of synchronised pairs.
     pub n_pairs: u64,
     /// Number of pairs replaced by a newer one before they were taken.
     pub n_superseded: u64,

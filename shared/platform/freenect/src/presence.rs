@@ -18,7 +18,7 @@ pub enum UsbPartKind {
     Camera,
     /// Motor in the foot, with the accelerometer.
     Motor,
-    /// Microphone array.
+    /// Microphone array of the Kinect.
     Audio,
     /// Kinect v2, which libfreenect cannot use.
     SecondGeneration,
@@ -42,9 +42,9 @@ impl UsbPartKind {
 /// Access of this user to a device node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
-    /// Readable and writable.
+    /// Device node is readable and writable.
     Granted,
-    /// Permission denied.
+    /// Device node denies permission.
     Denied,
     /// Node missing or other failure.
     Failed,
@@ -53,13 +53,13 @@ pub enum Access {
 /// USB device of a Kinect.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UsbPart {
-    /// Kind of device.
+    /// Kind of the Kinect's USB device.
     pub kind: UsbPartKind,
     /// USB product id, of vendor 045e.
     pub product: u16,
     /// Device node.
     pub node: PathBuf,
-    /// Access of this user.
+    /// Access that this user has to the device node.
     pub access: Access,
 }
 

@@ -86,7 +86,7 @@ pub(crate) struct DeviceAttributes {
     pub(crate) camera_serial: *const c_char,
 }
 
-/// `struct timeval` of Linux.
+/// C structure `struct timeval` of Linux.
 #[repr(C)]
 pub(crate) struct TimeVal {
     pub(crate) seconds: c_long,

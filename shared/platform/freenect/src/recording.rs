@@ -30,17 +30,17 @@ const MAX_HEADER_BYTES: usize = 64;
 /// Contents of a valid folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RecordingSummary {
-    /// Number of depth images.
+    /// Number of recorded depth images.
     pub n_depth: usize,
-    /// Number of colour images.
+    /// Number of recorded colour images.
     pub n_video: usize,
-    /// Number of accelerometer readings.
+    /// Number of recorded accelerometer readings.
     pub n_acceleration: usize,
     /// Playing time: sum of all forward steps in time.
     pub duration: Duration,
 }
 
-/// Entry of the index.
+/// Entry of the recording's index file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct IndexEntry<'a> {
     kind: EntryKind,

@@ -18,7 +18,7 @@ use point_cloud::{Point, Rgba};
 /// Colour of points outside the colour image and of pixels without depth.
 pub const NEUTRAL_GREY: Rgba = Rgba::opaque(128, 128, 128);
 
-/// Number of 11-bit values.
+/// Number of raw depth values (11 bits).
 const N_VALUES: usize = 2048;
 
 /// Converter from images to clouds, precomputed from a calibration; 21 kB.
@@ -45,7 +45,7 @@ struct Linear {
     constant: f32,
     per_column: f32,
     per_row: f32,
-    /// Coefficient of 1/z, metres.
+    /// Coefficient of 1/z in the linear model, metres.
     per_inverse_z: f32,
 }
 

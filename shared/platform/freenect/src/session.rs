@@ -38,7 +38,7 @@ fn checked(function: &'static str, code: c_int) -> Result<c_int, Error> {
 }
 
 impl Context {
-    /// Initialises the library.
+    /// Initialises libfreenect.
     pub(crate) fn new(library: Arc<Library>) -> Result<Self, Error> {
         let api = *library.api();
         let mut pointer = ptr::null_mut();
@@ -193,7 +193,7 @@ impl Device {
         Ok(())
     }
 
-    /// Registers the frame callbacks.
+    /// Registers the frame callbacks with libfreenect.
     pub(crate) fn set_callbacks(&self) {
         // SAFETY: the device is open; the callback is a plain function that never unwinds.
         unsafe { (self.api().set_depth_callback)(self.pointer, callbacks::on_depth) };

@@ -30,7 +30,7 @@ pub struct CommonArguments {
 /// Command-line arguments of one process of the daemon.
 #[derive(Debug, Clone, Args)]
 pub struct ProcessArguments {
-    /// Selection of the daemon.
+    /// Options that select the daemon and its configuration.
     #[command(flatten)]
     pub common: CommonArguments,
 

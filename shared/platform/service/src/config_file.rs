@@ -7,7 +7,7 @@ use std::{fmt, io};
 /// Sections of the file: one for each process.
 const SECTIONS: [&str; 4] = ["camera", "simulator", "perception", "memory"];
 
-/// Largest accepted file, bytes.
+/// Largest accepted configuration file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Configuration file of all processes, each with its own section.
@@ -17,24 +17,24 @@ pub struct ConfigFile {
     text: String,
 }
 
-/// Unusable configuration.
+/// Error of an unusable configuration.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// The file cannot be read.
+    /// Configuration file that cannot be read.
     #[error("could not read the configuration {}: {source}", .path.display())]
     Unreadable {
-        /// Path of the file.
+        /// Path of the configuration file.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The file has invalid content.
+    /// Configuration file with invalid content.
     #[error("the configuration {} is wrong: {}", .path.display(), .cause.trim_end())]
     Wrong {
-        /// Path of the file.
+        /// Path of the configuration file.
         path: PathBuf,
-        /// Position and reason.
+        /// Position of the error in the file and its reason.
         cause: String,
     },
 }
@@ -66,7 +66,7 @@ impl ConfigFile {
         Ok(file)
     }
 
-    /// Path of the file, if any.
+    /// Path of the configuration file, if any.
     pub fn path(&self) -> Option<&Path> {
         self.path.as_deref()
     }

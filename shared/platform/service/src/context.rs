@@ -5,18 +5,18 @@ use channel::Domain;
 use message::ProcessKind;
 use std::sync::Arc;
 
-/// Context of a process.
+/// Context of a running daemon process.
 #[derive(Debug, Clone)]
 pub struct Context {
-    /// Kind of the process.
+    /// Kind of the running process.
     pub process: ProcessKind,
-    /// Membership in the domain.
+    /// Membership of the process in its domain.
     pub domain: Domain,
     /// Folder of persistent data.
     pub home: Home,
     /// Configuration file.
     pub config: ConfigFile,
-    /// Shutdown request.
+    /// Shutdown request to the process.
     pub shutdown: Shutdown,
     /// Health counters of the process.
     pub health: Arc<HealthCounters>,

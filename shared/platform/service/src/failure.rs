@@ -4,9 +4,9 @@ use std::fmt;
 
 /// Exit codes of all programs; documented in docs/guides/command-line.md.
 pub mod exit_code {
-    /// General failure.
+    /// Exit code of a general failure.
     pub const FAILURE: u8 = 1;
-    /// Wrong arguments or configuration.
+    /// Exit code of wrong arguments or configuration.
     pub const USAGE: u8 = 2;
     /// No daemon is running in the domain.
     pub const NO_DAEMON: u8 = 3;

@@ -19,7 +19,7 @@ pub struct HealthCounters {
     pub shared_memory_bytes: AtomicU64,
     /// Number of restarts inside the process.
     pub restarts: AtomicU64,
-    /// Number of actors now.
+    /// Number of live actors now.
     pub actors: AtomicU64,
     /// Number of abandoned worker threads.
     pub abandoned: AtomicU64,
@@ -48,7 +48,7 @@ impl HealthCounters {
         *self.state.lock() = (state, Text::truncated(note));
     }
 
-    /// State and its explanation.
+    /// State of the process and its explanation.
     pub fn state(&self) -> (ProcessState, Text) {
         *self.state.lock()
     }

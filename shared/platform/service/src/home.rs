@@ -30,7 +30,7 @@ impl Home {
         Self(data.join("tabula").join(domain.to_string()))
     }
 
-    /// Path of the folder.
+    /// Path of the data folder.
     pub fn path(&self) -> &Path {
         &self.0
     }

@@ -18,13 +18,13 @@ impl Shutdown {
         (ShutdownTrigger(sender), Self(receiver))
     }
 
-    /// Waits for the request.
+    /// Waits for the shutdown request.
     pub async fn requested(&self) {
         // An error means that the sender is gone: the process is ending.
         let _ = self.0.clone().wait_for(|requested| *requested).await;
     }
 
-    /// `true` after the request.
+    /// `true` after shutdown was requested.
     pub fn is_requested(&self) -> bool {
         *self.0.borrow()
     }

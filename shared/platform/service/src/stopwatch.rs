@@ -16,7 +16,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts the first stage now.
+    /// Starts timing the first stage now.
     pub fn start() -> Self {
         Self::since(monotonic_ns())
     }

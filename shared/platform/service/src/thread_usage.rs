@@ -15,12 +15,12 @@ thread_local! {
 /// Resources used by the calling thread since its start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ThreadUsage {
-    /// Processor time, nanoseconds.
+    /// Processor time of the thread, nanoseconds.
     pub cpu_ns: u64,
     /// Number of heap allocations, where [`CountingAllocator`] is the process's
     /// allocator.
     pub n_allocations: u64,
-    /// Requested heap bytes, under the same condition.
+    /// Heap bytes requested by the thread, under the same condition.
     pub allocated_bytes: u64,
     /// Number of voluntary context switches.
     pub n_voluntary_switches: u64,

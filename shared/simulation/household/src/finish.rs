@@ -12,7 +12,7 @@ pub(crate) const GLAZED: Surface = surface(0.3, 1.0);
 pub(crate) const PLASTIC: Surface = surface(0.15, 1.0);
 /// Finish of rubber, which absorbs infrared light.
 pub(crate) const RUBBER: Surface = surface(0.02, 0.5);
-/// Finish of polished metal.
+/// Finish of polished metal objects.
 pub(crate) const POLISHED: Surface = surface(0.8, 0.8);
 /// Finish of brushed metal.
 pub(crate) const BRUSHED: Surface = surface(0.5, 0.9);

@@ -12,7 +12,7 @@ const MASS_MIN_KG: f32 = 0.005;
 /// Frame: z up, in the resting pose on a table; the origin is the centre of the bounding box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Object {
-    /// Name of its category.
+    /// Name of the object's category.
     pub category: &'static str,
     /// Number of the instance within its category.
     pub instance: u64,
@@ -22,7 +22,7 @@ pub struct Object {
     pub convex_parts: Vec<ConvexPart>,
     /// Triangle ranges of the mesh without convex parts: stems, leaves, stickers.
     pub decoration: Vec<Range<usize>>,
-    /// Mass, kilograms.
+    /// Mass of the object, kilograms.
     pub mass_kg: f32,
     /// Coulomb friction coefficient against a wooden table.
     pub friction: f32,

@@ -4,7 +4,7 @@ use mesh::{Solid, lathe};
 use nalgebra::{Point2, Vector2};
 use std::f32::consts::TAU;
 
-/// Polyline in a plane.
+/// Profile curve: polyline in a plane.
 pub(crate) type Profile = Vec<Point2<f32>>;
 
 /// Point distance along a lathe profile, metres.
@@ -12,7 +12,7 @@ const STEP_M: f32 = 0.009;
 /// Point distance along a lathe profile with a printed label, metres.
 const PRINT_STEP_M: f32 = 0.0045;
 
-/// Polyline through points.
+/// Profile polyline through points.
 pub(crate) fn polyline(points: &[(f32, f32)]) -> Profile {
     points.iter().map(|&(x, y)| Point2::new(x, y)).collect()
 }
@@ -134,7 +134,7 @@ pub(crate) fn shell(outer: &[Point2<f32>], wall_m: f32, floor_m: f32) -> Profile
     profile
 }
 
-/// Ellipse around the origin.
+/// Profile curve of an ellipse around the origin.
 pub(crate) fn ellipse(half_x: f32, half_y: f32, n: usize) -> Profile {
     (0..n)
         .map(|k| (k as f32 / n as f32 * TAU).sin_cos())

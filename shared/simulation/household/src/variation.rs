@@ -30,12 +30,12 @@ impl Variation {
         self.random.next_u64()
     }
 
-    /// Uniform value in `low..high`.
+    /// Uniform random value in `low..high`.
     pub fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.random.unit_f32()
     }
 
-    /// Uniform integer in `low..=high`.
+    /// Uniform random integer in `low..=high`.
     pub fn count(&mut self, low: usize, high: usize) -> usize {
         low + (self.seed() % (high.saturating_sub(low) as u64 + 1)) as usize
     }

@@ -18,7 +18,7 @@ pub(crate) struct DeferredShader<'a> {
     pub(crate) shadow: &'a ShadowMap,
     pub(crate) visibility: &'a VisibilityBuffer,
     pub(crate) instances: &'a [Instance<'a>],
-    /// Index of the first face of each instance.
+    /// Index of each instance's first face.
     pub(crate) first_faces: &'a [u32],
     /// Shading attributes of each instance; `None` where its transform is not finite.
     pub(crate) attributes: &'a [Option<InstanceAttributes>],

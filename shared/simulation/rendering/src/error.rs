@@ -32,13 +32,13 @@ pub enum Error {
     /// A parameter of the sensor model is out of its range.
     #[error("the sensor parameter {name} is {value} but must lie between {min} and {max}")]
     SensorModel {
-        /// Name of the parameter.
+        /// Name of the rendering parameter.
         name: &'static str,
-        /// Rejected value.
+        /// Rejected value of the parameter.
         value: f32,
-        /// Lower limit.
+        /// Lower limit of the parameter.
         min: f32,
-        /// Upper limit.
+        /// Upper limit of the parameter.
         max: f32,
     },
 }

@@ -11,7 +11,7 @@ pub struct Illuminant {
 }
 
 impl Illuminant {
-    /// No light.
+    /// Illuminant without light.
     pub const DARK: Self = Self {
         temperature_k: 6500.0,
         intensity: 0.0,

@@ -27,7 +27,7 @@ impl Image {
         }
     }
 
-    /// Camera intrinsics.
+    /// Intrinsics of the camera.
     pub fn camera(&self) -> &PinholeCamera {
         &self.camera
     }
@@ -63,7 +63,7 @@ impl Image {
         }
     }
 
-    /// Writes a shaded pixel.
+    /// Writes a shaded pixel into the image.
     #[inline]
     pub(crate) fn set(&mut self, pixel: usize, lit: &LitPixel) {
         self.depth_m[pixel] = lit.depth_m;

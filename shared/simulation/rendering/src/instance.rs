@@ -6,7 +6,7 @@ use geometry::RigidTransform;
 /// Mesh instance in the world.
 #[derive(Debug, Clone, Copy)]
 pub struct Instance<'a> {
-    /// Geometry and colours.
+    /// Geometry and colours of the instance.
     pub mesh: &'a PreparedMesh,
     /// Pose in the world. An instance whose transform is not finite is not drawn.
     pub world_from_mesh: RigidTransform,
@@ -17,7 +17,7 @@ pub struct Instance<'a> {
 }
 
 impl<'a> Instance<'a> {
-    /// Instance without texture.
+    /// Mesh instance without texture.
     pub fn new(mesh: &'a PreparedMesh, world_from_mesh: RigidTransform, id: u16) -> Self {
         Self {
             mesh,

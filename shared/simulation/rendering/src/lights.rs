@@ -16,7 +16,7 @@ pub enum LightPlacement {
 /// Light source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
-    /// Colour temperature and intensity.
+    /// Colour temperature and intensity of the light.
     pub illuminant: Illuminant,
     /// Position or direction, world frame.
     pub placement: LightPlacement,
@@ -25,7 +25,7 @@ pub struct Light {
 /// Sphere in which the main light casts shadows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShadowRegion {
-    /// Centre, world frame, metres.
+    /// Centre of the shadow region, world frame, metres.
     pub center_in_world: Point3<f32>,
     /// Radius, metres. The soft border of a shadow is about 0.02 of it wide.
     pub radius_m: f32,
@@ -38,7 +38,7 @@ pub struct Lights {
     pub ambient: Illuminant,
     /// Main light, which casts shadows.
     pub main: Light,
-    /// Fill light, without shadows.
+    /// Fill light, which casts no shadows.
     pub fill: Option<Light>,
     /// Shadow region of the main light; `None` for no shadows.
     pub shadow: Option<ShadowRegion>,

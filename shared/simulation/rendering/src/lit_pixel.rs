@@ -13,7 +13,7 @@ pub(crate) struct LitPixel {
     pub(crate) radiance: Radiance,
     /// Share of the main light that arrives, times 255; 0 where the main light has no effect.
     pub(crate) light: u8,
-    /// Shadow map coordinates, cells.
+    /// Shadow map coordinates of the pixel, cells.
     pub(crate) place: [f32; 2],
     pub(crate) color: [u16; 3],
     pub(crate) reflection: Reflection,

@@ -24,7 +24,7 @@ pub(crate) const MIN_RUN: usize = 8;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FaceRun<'a> {
     pub(crate) row: usize,
-    /// First column.
+    /// First column of the run.
     pub(crate) column: usize,
     /// Viewing rays at z = 1: x for each pixel.
     pub(crate) x: &'a [f32],
@@ -69,7 +69,7 @@ pub(crate) struct PixelBlock {
     point: VectorLanes,
     /// Surface normals, of any length but zero.
     normal: VectorLanes,
-    /// Albedo, linear sRGB.
+    /// Albedo of the pixels, linear sRGB.
     albedo: VectorLanes,
     specular: Lanes,
     infrared: Lanes,

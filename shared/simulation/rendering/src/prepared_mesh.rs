@@ -54,7 +54,7 @@ impl PreparedMesh {
         }
     }
 
-    /// Number of faces.
+    /// Number of faces of the mesh.
     pub fn n_faces(&self) -> usize {
         self.faces.len()
     }

@@ -8,9 +8,9 @@ pub(crate) const NEAR_M: f32 = 0.02;
 /// Projected corner: pixel position and reverse-Z depth.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct ScreenCorner {
-    /// Column, pixels.
+    /// Column of the projected corner, pixels.
     pub(crate) x: f32,
-    /// Row, pixels.
+    /// Row of the projected corner, pixels.
     pub(crate) y: f32,
     /// Reverse-Z depth, linear in the image: the inverse depth, per metre, for a pinhole. Not
     /// positive where the corner cannot be projected.

@@ -21,15 +21,15 @@ use geometry::{PinholeCamera, RigidTransform};
 /// Static part of a scene: camera pose, lights and background.
 #[derive(Debug, Clone, Copy)]
 pub struct StaticScene<'a> {
-    /// Camera pose.
+    /// Pose of the camera, `world_from_camera`.
     pub world_from_camera: RigidTransform,
-    /// Light sources.
+    /// Light sources of the scene.
     pub lights: Lights,
     /// Instances that do not move; may be empty.
     pub background: &'a [Instance<'a>],
 }
 
-/// Rasteriser with its buffers.
+/// Software rasteriser with its buffers.
 ///
 /// [`Rasterizer::prepare`] draws the static background, [`Rasterizer::render`] draws the moving
 /// instances over it. The result is the same, bit by bit, as preparing an empty background and
@@ -91,12 +91,12 @@ impl Rasterizer {
         Ok(rasterizer)
     }
 
-    /// Camera intrinsics.
+    /// Intrinsics of the camera.
     pub fn camera(&self) -> &PinholeCamera {
         self.image.camera()
     }
 
-    /// Last rendered image.
+    /// Image that was rendered last.
     pub fn image(&self) -> &Image {
         &self.image
     }

@@ -19,11 +19,11 @@ pub(crate) enum FaceSide {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ScanlineSpan {
     pub(crate) row: usize,
-    /// First column.
+    /// First column of the span.
     pub(crate) start: usize,
-    /// Column after the last; greater than the first.
+    /// Column after the last one of the span; greater than the first.
     pub(crate) end: usize,
-    /// Reverse-Z depth in the centre of the first pixel.
+    /// Reverse-Z depth in the centre of the span's first pixel.
     reverse_z: f32,
     step: f32,
     reverse_z_min: f32,

@@ -9,7 +9,7 @@ use geometry::RigidTransform;
 /// Interpolated surface attributes in a pixel.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SurfaceSample {
-    /// Surface point, mesh frame.
+    /// Point on the surface, mesh frame.
     pub(crate) place: [f32; 3],
     /// Normal, camera frame, of any length but zero.
     pub(crate) normal: [f32; 3],

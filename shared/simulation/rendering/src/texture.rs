@@ -5,7 +5,7 @@ use crate::rounding::floor;
 /// Procedural texture over mesh coordinates; it multiplies the mesh's colours.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Texture {
-    /// No texture.
+    /// Plain surface without texture.
     #[default]
     None,
     /// Wooden boards along x with grain.
@@ -33,12 +33,12 @@ pub enum Texture {
     Mottle {
         /// Size of the stains, metres.
         scale_m: f32,
-        /// Contrast, 0 to 1.
+        /// Contrast of the texture, 0 to 1.
         contrast: f32,
     },
 }
 
-/// Clamp of cell indices.
+/// Largest cell index of a texture; larger ones are clamped.
 const CELL_MAX: f32 = 4e6;
 
 /// Number of points that are evaluated together (SIMD).

@@ -14,35 +14,35 @@ pub enum Action {
     },
     /// Carries an object to another position.
     Move {
-        /// Object number.
+        /// Number of the object to move.
         object: u16,
         /// Target position, world x and y, metres.
         to_m: [f64; 2],
     },
     /// Pushes an object over the table without lifting it; it pushes the objects it meets.
     Slide {
-        /// Object number.
+        /// Number of the object to push.
         object: u16,
         /// Target position, world x and y, metres.
         to_m: [f64; 2],
     },
     /// Lifts an object, holds it for a while and puts it back.
     Lift {
-        /// Object number.
+        /// Number of the object to lift.
         object: u16,
-        /// Holding time, seconds.
+        /// Time for which the object is held, seconds.
         for_s: f64,
     },
     /// Holds the hand in front of an object, so that it is partly occluded.
     Hide {
-        /// Object number.
+        /// Number of the object to hide.
         object: u16,
-        /// Duration, seconds.
+        /// Time for which the object stays hidden, seconds.
         for_s: f64,
     },
-    /// Takes an object away.
+    /// Takes an object off the table.
     Remove {
-        /// Object number.
+        /// Number of the object to take away.
         object: u16,
     },
 }
@@ -78,7 +78,7 @@ impl Action {
 pub struct TimedAction {
     /// Start time, seconds from the start of the scene.
     pub at_s: f64,
-    /// Action to perform.
+    /// Scripted action to perform.
     pub action: Action,
 }
 

@@ -46,11 +46,11 @@ pub enum ArmCommand {
 /// Status of the simulated arm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmStatus {
-    /// Controller state.
+    /// Motion state of the arm controller.
     pub motion: MotionState,
-    /// Joint angles, radians.
+    /// Joint angles of the arm, radians.
     pub joint_angles_rad: [f64; 6],
-    /// Joint velocities, rad/s.
+    /// Joint velocities of the arm, rad/s.
     pub joint_velocities_rad_s: [f64; 6],
     /// Distance between the pads, metres.
     pub opening_m: f64,
@@ -60,7 +60,7 @@ pub struct ArmStatus {
     pub holds: Option<u16>,
     /// Identity of the last accepted command; 0 before the first one.
     pub command_id: u64,
-    /// Failure message of the last command.
+    /// Failure message of the last arm command.
     pub failure: Option<String>,
 }
 

@@ -6,7 +6,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 /// Mounting pose of the arm's base plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmMount {
-    /// Position, world frame, metres.
+    /// Position of the arm's base, world frame, metres.
     pub position_m: [f64; 3],
     /// Yaw of the forward direction from world x, degrees.
     pub yaw_deg: f64,

@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
-/// Invalid scene, model or file.
+/// Error of an invalid scene, model or file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file cannot be read.
     #[error("{} cannot be read: {cause}", path.display())]
     Unreadable {
-        /// Path of the file.
+        /// Path of the unreadable file.
         path: PathBuf,
-        /// Cause.
+        /// Reason why the file cannot be read.
         cause: String,
     },
     /// A value of a scene is invalid.
@@ -19,7 +19,7 @@ pub enum Error {
     Scene {
         /// Key in the scene: `[table] size_m`.
         place: String,
-        /// Violated rule.
+        /// Rule that the value violates.
         rule: String,
     },
     /// A model cannot be used.
@@ -27,7 +27,7 @@ pub enum Error {
     Model {
         /// File or name of the model.
         name: String,
-        /// Cause.
+        /// Reason why the model cannot be used.
         cause: String,
     },
     /// Unknown category of generated objects.
@@ -36,7 +36,7 @@ pub enum Error {
          `tabula simulate categories` lists those there are"
     )]
     UnknownCategory {
-        /// Requested category.
+        /// Requested category of generated objects.
         category: String,
     },
     /// Not all objects fit onto the table.

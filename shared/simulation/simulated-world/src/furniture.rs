@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-/// Table dimensions.
+/// Dimensions of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableDimensions {
     /// Sides along world x and y, metres.

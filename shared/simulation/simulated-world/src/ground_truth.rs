@@ -17,15 +17,15 @@ pub struct ObjectTruth {
     pub id: u16,
     /// Unique name of the instance: `mug-3`.
     pub name: String,
-    /// Category: `mug`.
+    /// Category of the object, such as `mug`.
     pub category: String,
     /// Pose: origin in the middle of the model's bounding box.
     pub world_from_object: RigidTransform,
     /// Sides of the model's bounding box, metres.
     pub size_m: Vector3<f64>,
-    /// Velocity, world frame, m/s.
+    /// Velocity of the object, world frame, m/s.
     pub velocity_m_s: Vector3<f64>,
-    /// State of motion.
+    /// State of motion of the object.
     pub state: ObjectState,
     /// Number of pixels that show the object.
     pub visible_px: u32,

@@ -17,12 +17,12 @@ pub enum ModelSource {
 pub enum ModelChoice {
     /// Generated household object.
     Generated {
-        /// Category name.
+        /// Category name of the generated object.
         category: String,
-        /// Instance number.
+        /// Instance number of the generated object.
         instance: u64,
     },
-    /// PLY or OBJ file.
+    /// Model file in PLY or OBJ format.
     File(PathBuf),
 }
 

@@ -13,10 +13,10 @@ use std::path::PathBuf;
 pub enum ModelOrigin {
     /// Generated instance of a category.
     Generated {
-        /// Instance number.
+        /// Instance number of the generated object.
         instance: u64,
     },
-    /// Model file.
+    /// Model file in PLY or OBJ format.
     File(PathBuf),
 }
 
@@ -25,21 +25,21 @@ pub enum ModelOrigin {
 /// Frame: origin in the middle of the bounding box, z up in the natural upright pose.
 #[derive(Clone)]
 pub struct ObjectModel {
-    /// Category name: `mug`.
+    /// Category name of the model, such as `mug`.
     pub category: String,
     /// Unique name of the instance: `mug-3`.
     pub name: String,
     /// Origin of the model.
     pub origin: ModelOrigin,
-    /// Surface mesh.
+    /// Surface mesh of the model.
     pub mesh: TriangleMesh,
     /// Half sides of the bounding box, metres.
     pub half_sides_m: Vector3<f64>,
-    /// Mass, kilograms.
+    /// Mass of the object, kilograms.
     pub mass_kg: f64,
-    /// Coulomb friction coefficient.
+    /// Coulomb friction coefficient of the object.
     pub friction: f64,
-    /// Collision shape.
+    /// Collision shape of the object.
     pub(crate) shape: SharedShape,
 }
 

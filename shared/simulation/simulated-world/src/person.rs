@@ -40,7 +40,7 @@ impl Person {
         }
     }
 
-    /// Current body.
+    /// Current body of the person.
     pub(crate) fn body(&self) -> PersonBody {
         PersonBody::reaching(self.hand)
     }

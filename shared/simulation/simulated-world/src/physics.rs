@@ -61,7 +61,7 @@ fn set_damping(body: &mut RigidBody, (linear, angular): (f32, f32)) {
 pub(crate) enum CollisionGroup {
     /// Fixed body: table, floor, walls.
     Fixture,
-    /// Dynamic object.
+    /// Collision group of dynamic objects.
     Object,
     /// Kinematic body that pushes objects: the arm.
     Arm,
@@ -85,7 +85,7 @@ impl CollisionGroup {
     }
 }
 
-/// Handle of a body.
+/// Handle of a rigid body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct BodyId(RigidBodyHandle);
 
@@ -225,7 +225,7 @@ impl Physics {
         BodyId(handle)
     }
 
-    /// Removes a body.
+    /// Removes a rigid body from the physics world.
     pub(crate) fn remove(&mut self, body: BodyId) {
         self.bodies.remove(
             body.0,

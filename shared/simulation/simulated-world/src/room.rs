@@ -22,7 +22,7 @@ const BIN_WALL_M: f64 = 0.008;
 /// Material of a box of the room.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Material {
-    /// Floor tiles.
+    /// Tiles of the floor.
     Tiles,
     /// Plaster of the back wall.
     Plaster,
@@ -41,7 +41,7 @@ pub(crate) struct RoomBox {
 }
 
 impl RoomBox {
-    /// Box between two corners.
+    /// Room box between two corners.
     fn between(low: [f64; 3], high: [f64; 3], material: Material) -> Self {
         let (low, high) = (Vector3::from(low), Vector3::from(high));
         Self {

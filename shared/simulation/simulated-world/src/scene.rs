@@ -8,7 +8,7 @@ use crate::model_choice::ModelChoice;
 use geometry::RigidTransform;
 use rendering::kinect::SensorModel;
 
-/// Scene generator.
+/// Kind of generated scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SceneKind {
     /// Objects apart from each other in their upright poses.
@@ -23,7 +23,7 @@ pub enum SceneKind {
 }
 
 impl SceneKind {
-    /// All generators.
+    /// All kinds of generated scenes.
     pub const ALL: [Self; 4] = [Self::Isolated, Self::Pile, Self::Bin, Self::SetTable];
 
     /// Name in scene files and on the command line.
@@ -65,16 +65,16 @@ impl std::str::FromStr for SceneKind {
 /// Initial placement of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ObjectPlacement {
-    /// Upright on the table.
+    /// Object placed upright on the table.
     Upright {
         /// Position on the table, world x and y, metres.
         position_m: [f64; 2],
         /// Yaw about the vertical, radians.
         yaw_rad: f64,
     },
-    /// Dropped in the air.
+    /// Object dropped from the air.
     Dropped {
-        /// Initial pose, world frame.
+        /// Initial pose of the object, world frame.
         world_from_object: RigidTransform,
     },
 }
@@ -82,9 +82,9 @@ pub enum ObjectPlacement {
 /// Object of a scene with its placement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectPlan {
-    /// Model of the object.
+    /// Model of the planned object.
     pub model: ModelChoice,
-    /// Initial placement.
+    /// Initial placement of the object.
     pub placement: ObjectPlacement,
 }
 
@@ -93,11 +93,11 @@ pub struct ObjectPlan {
 pub struct Scene {
     /// Seed of all random streams.
     pub seed: u64,
-    /// Table dimensions.
+    /// Dimensions of the table.
     pub table: TableDimensions,
-    /// Bin on the table.
+    /// Bin on the table, if any.
     pub bin: Option<Bin>,
-    /// Camera mount.
+    /// Mounting pose of the camera.
     pub camera: CameraMount,
     /// Objects, in the order in which they are put down.
     pub objects: Vec<ObjectPlan>,
@@ -112,7 +112,7 @@ pub struct Scene {
 }
 
 impl Default for Scene {
-    /// Empty table.
+    /// Scene with an empty table.
     fn default() -> Self {
         Self {
             seed: 1,

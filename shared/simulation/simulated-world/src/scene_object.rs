@@ -13,15 +13,15 @@ const UNDER_M: f64 = 0.05;
 /// State of motion of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ObjectState {
-    /// At rest.
+    /// Object at rest.
     Settled,
-    /// Moving freely.
+    /// Object moving freely.
     Moving,
-    /// Held by the person.
+    /// Object held by the person.
     HeldByPerson,
-    /// Held by the arm.
+    /// Object held by the arm.
     HeldByArm,
-    /// Fallen off the table.
+    /// Object fallen off the table.
     OnFloor,
 }
 
@@ -43,13 +43,13 @@ impl ObjectState {
 pub struct SimulatedObject {
     /// Number in the scene, from 1; never reused.
     pub id: u16,
-    /// Object model.
+    /// Model of the object.
     pub model: Arc<ObjectModel>,
     /// Pose: origin in the middle of the model's bounding box.
     pub world_from_object: RigidTransform,
     /// Velocity of the origin, world frame, m/s.
     pub velocity_m_s: Vector3<f64>,
-    /// State of motion.
+    /// State of motion of the object.
     pub state: ObjectState,
     pub(crate) body: BodyId,
     is_fall_reported: bool,

@@ -26,7 +26,7 @@ const SHADOW_REACH_M: f32 = 1.1;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum PreparedView {
     Nothing,
-    /// Camera pose only.
+    /// Camera pose with an empty background, without the room.
     Pose(RigidTransform),
     /// Camera pose with the room as background.
     Room(RigidTransform),

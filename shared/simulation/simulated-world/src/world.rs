@@ -251,12 +251,12 @@ impl World {
         &self.objects
     }
 
-    /// Object by its number.
+    /// Finds an object by its number.
     pub fn find(&self, id: u16) -> Option<&SimulatedObject> {
         self.objects.iter().find(|object| object.id == id)
     }
 
-    /// Scene description.
+    /// Description of the simulated scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -307,12 +307,12 @@ impl World {
         self.person.as_ref().is_some_and(Person::is_busy)
     }
 
-    /// Camera pose, world frame.
+    /// Pose of the camera, `world_from_camera`.
     pub fn world_from_camera(&self) -> RigidTransform {
         self.scene.camera.world_from_camera(self.time_s())
     }
 
-    /// Replaces the camera mount.
+    /// Replaces the mounting pose of the camera.
     pub fn set_camera(&mut self, mount: CameraMount) {
         Arc::make_mut(&mut self.scene).camera = mount;
     }

@@ -238,7 +238,7 @@ fn arm_stops_before_the_table() {
     carry_out(&mut world, &straight_to(above)).unwrap();
 }
 
-/// Middle of the object, world frame.
+/// Position of the middle of an object, world frame.
 fn position(world: &World, id: u16) -> Point3<f64> {
     let object = world.find(id).unwrap();
     object.world_from_object.translation.vector.into()

@@ -279,7 +279,7 @@ fn model_folder_is_listed_in_order_and_an_empty_one_is_rejected() {
     assert!(message.contains("missing"), "{message}");
 }
 
-/// Folder of scanned models.
+/// Folder of scanned household models.
 fn household_models() -> PathBuf {
     test_data::path("household-models")
 }

@@ -13,7 +13,7 @@ pub enum Error {
     /// Invalid line of `INDEX.txt`.
     #[error("line {line} of the fakenect recording's INDEX.txt is wrong: {problem}")]
     IndexLine {
-        /// Line number, from 1.
+        /// Line number in `INDEX.txt`, from 1.
         line: usize,
         /// Reason, as a clause of a sentence.
         problem: String,
@@ -27,9 +27,9 @@ pub enum Error {
         .path.display()
     )]
     FrameHeader {
-        /// Frame file.
+        /// Path of the frame file.
         path: PathBuf,
-        /// Required header.
+        /// Header that the frame file must begin with.
         needed: &'static str,
     },
     /// Frame file with a wrong size.
@@ -38,19 +38,19 @@ pub enum Error {
         .path.display()
     )]
     FrameSize {
-        /// Frame file.
+        /// Path of the frame file.
         path: PathBuf,
-        /// Size, bytes.
+        /// Actual size of the frame file, bytes.
         found: u64,
-        /// Required size, bytes.
+        /// Required size of the frame file, bytes.
         needed: u64,
     },
     /// Frame to be written with a wrong number of values.
     #[error("a frame of {found} values cannot be recorded; it must have {needed}")]
     FrameLength {
-        /// Number of values.
+        /// Number of values in the frame given by the caller.
         found: usize,
-        /// Required number of values.
+        /// Number of values that a frame must have.
         needed: usize,
     },
     /// Depth value to be written that exceeds 11 bits.

@@ -7,7 +7,7 @@ use std::time::Duration;
 /// Maximum pause between two frames, for which the player sleeps.
 pub(super) const MAX_PAUSE: Duration = Duration::from_secs(60);
 
-/// Kind of a frame.
+/// Kind of a frame in a fakenect recording: depth, colour or accelerometer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
     /// Raw 11-bit depth, 640 x 480.
@@ -21,9 +21,9 @@ pub enum FrameKind {
 /// Line of the index: one frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct IndexEntry {
-    /// Kind of the frame.
+    /// Kind of the recorded frame.
     pub kind: FrameKind,
-    /// Arrival time since 1970.
+    /// Arrival time of the frame since 1970.
     pub unix_time: Duration,
     /// Time stamp of the Kinect's own clock, about 60 MHz; it wraps around.
     pub stamp: u32,

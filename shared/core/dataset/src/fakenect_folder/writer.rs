@@ -28,7 +28,7 @@ pub struct Tilt {
     pub acceleration: [i16; 3],
     /// Tilt of the sensor, half degrees.
     pub half_degrees: i8,
-    /// State of the motor.
+    /// State of the tilt motor.
     pub motor: TiltMotor,
 }
 
@@ -36,11 +36,11 @@ pub struct Tilt {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i32)]
 pub enum TiltMotor {
-    /// Holding its position.
+    /// Tilt motor stands still and holds its position.
     Stopped = 0,
-    /// At its limit.
+    /// Tilt motor has reached its mechanical limit.
     AtLimit = 1,
-    /// Moving.
+    /// Tilt motor is moving.
     Moving = 4,
 }
 

@@ -11,10 +11,10 @@ pub enum Error {
     /// Failed access to a file.
     #[error("{0}")]
     File(#[from] FileError),
-    /// File without vertex lines.
+    /// OBJ file without vertex lines.
     #[error("this is not an OBJ file with a mesh: no line \"v x y z\"; name another file")]
     NoVertices,
-    /// Invalid line.
+    /// Invalid line of an OBJ file or material library.
     #[error("line {line} of the OBJ file is wrong: {problem}")]
     Line {
         /// Line number, from 1; the first one of a continued line.
@@ -36,9 +36,9 @@ pub enum Error {
     /// Invalid material library.
     #[error("the materials {} cannot be used: {source}", .path.display())]
     Library {
-        /// Library file.
+        /// Path of the material library.
         path: PathBuf,
-        /// Invalid content.
+        /// Error in the content of the material library.
         source: Box<Error>,
     },
 }

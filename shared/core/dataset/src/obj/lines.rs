@@ -6,11 +6,11 @@ use crate::number_type::excerpt;
 /// Line that is neither blank nor a comment, joined with its continuation lines.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
-    /// Line number, from 1.
+    /// Line number in the OBJ file, from 1.
     pub(super) number: usize,
-    /// First word.
+    /// First word of the line: its keyword.
     pub(super) keyword: &'a [u8],
-    /// Text after the keyword.
+    /// Text of the line after the keyword.
     rest: &'a [u8],
 }
 

@@ -26,17 +26,17 @@ pub enum Error {
     /// View index out of range.
     #[error("the data set has no view {index}; its {n_views} views count from 0")]
     NoSuchView {
-        /// Requested view, from 0.
+        /// Requested view index, from 0.
         index: usize,
-        /// Number of views.
+        /// Number of views in the dataset.
         n_views: usize,
     },
     /// Invalid PCD file.
     #[error("the view {} cannot be used: {source}", .path.display())]
     Pcd {
-        /// PCD file.
+        /// Path of the PCD file.
         path: PathBuf,
-        /// Invalid content.
+        /// Error in the content of the PCD file.
         source: pcd::Error,
     },
     /// View without a point with depth.

@@ -6,10 +6,10 @@ use geometry::RigidTransform;
 use nalgebra::{Point3, UnitVector3, Vector3};
 use point_cloud::Point;
 
-/// View of one object.
+/// View of one object: its points and camera geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectView {
-    /// Finite points, metres.
+    /// Points of the view that are finite, metres.
     pub points: Vec<Point>,
     /// Camera position in the frame of the points, metres, if known.
     pub viewpoint_m: Option<Point3<f64>>,

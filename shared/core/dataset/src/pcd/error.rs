@@ -7,7 +7,7 @@ use crate::{FileError, lzf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Failed access to the file.
+    /// Failed access to the PCD file.
     #[error("{0}")]
     File(#[from] FileError),
     /// Header without a `DATA` line.
@@ -18,10 +18,10 @@ pub enum Error {
     /// Header without a required line.
     #[error("the PCD header has no line \"{0} …\"; write the file as version 0.7")]
     MissingLine(&'static str),
-    /// Invalid line of the header.
+    /// Invalid line of the PCD header.
     #[error("line {line} of the PCD header is wrong: {problem}")]
     HeaderLine {
-        /// Line number, from 1.
+        /// Line number in the PCD file, from 1.
         line: usize,
         /// Reason, as a clause of a sentence.
         problem: String,
@@ -48,7 +48,7 @@ pub enum Error {
         /// Size of the data, bytes.
         present: usize,
     },
-    /// Size before compressed data that contradicts the header.
+    /// Decompressed size stated before the compressed data that contradicts the header.
     #[error(
         "the compressed PCD data announces {announced} bytes where the header needs \
          {needed}; the file is damaged"
@@ -56,10 +56,10 @@ pub enum Error {
     CompressedSize {
         /// Announced size of the decompressed data, bytes.
         announced: usize,
-        /// Size that follows from the header, bytes.
+        /// Size of the decompressed data that follows from the header, bytes.
         needed: usize,
     },
-    /// Damaged compressed data.
+    /// Damaged compressed data of a PCD file.
     #[error("the PCD file cannot be expanded: {0}")]
     Compression(#[source] lzf::Error),
     /// Invalid line of ASCII points.
@@ -78,17 +78,17 @@ pub enum Error {
     Label {
         /// Index of the point, from 0.
         point_idx: usize,
-        /// Invalid label.
+        /// Invalid label value.
         value: f64,
     },
     /// Slice of the caller whose length is not the number of points.
     #[error("the PCD file's size needs {needed} {what}, and {given} were given; pass as many")]
     SizeMismatch {
-        /// Name of the slice.
+        /// Name of the slice of the caller.
         what: &'static str,
-        /// Length of the slice.
+        /// Length of the slice given by the caller.
         given: usize,
-        /// Number of points.
+        /// Number of points, which the slice length must equal.
         needed: usize,
     },
     /// Request for labels of a file without labels.

@@ -17,7 +17,7 @@ const QUATERNION_TOLERANCE: f64 = 0.01;
 pub struct Header {
     pub(super) layout: Layout,
     pub(super) encoding: Encoding,
-    /// Offset of the data in the file, bytes.
+    /// Offset of the point data in the PCD file, bytes.
     pub(super) data_offset: usize,
     width: usize,
     height: usize,
@@ -83,7 +83,7 @@ impl Header {
         self.layout.color.is_some()
     }
 
-    /// Encoding of the points.
+    /// Encoding of the point data.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }

@@ -59,7 +59,7 @@ impl Line<'_> {
     }
 }
 
-/// Lines of the header before the `DATA` line.
+/// Lines of the PCD header before its `DATA` line.
 pub(super) struct Lines<'a>(Vec<Line<'a>>);
 
 impl<'a> Lines<'a> {

@@ -7,7 +7,7 @@ use crate::FileError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Failed access to the file.
+    /// Failed access to the PLY file.
     #[error("{0}")]
     File(#[from] FileError),
     /// File without a complete header.
@@ -16,10 +16,10 @@ pub enum Error {
          64 KiB; name another file"
     )]
     NoHeader,
-    /// Invalid line of the header.
+    /// Invalid line of the PLY header.
     #[error("line {line} of the PLY header is wrong: {problem}")]
     HeaderLine {
-        /// Line number, from 1.
+        /// Line number in the PLY header, from 1.
         line: usize,
         /// Reason, as a clause of a sentence.
         problem: String,
@@ -38,20 +38,20 @@ pub enum Error {
     /// Element that needs more bytes than the rest of the file.
     #[error("the PLY file ends before its element \"{element}\" is complete; copy it again")]
     Truncated {
-        /// Name of the element.
+        /// Name of the truncated PLY element.
         element: String,
     },
     /// Invalid row of an element.
     #[error("row {row} of element \"{element}\" in the PLY file is wrong: {problem}")]
     Row {
-        /// Name of the element.
+        /// Name of the PLY element with the invalid row.
         element: String,
-        /// Row number, from 0.
+        /// Row number within the PLY element, from 0.
         row: usize,
         /// Reason, as a clause of a sentence.
         problem: String,
     },
-    /// Data after the last element.
+    /// Unexpected data after the last PLY element.
     #[error("the PLY file goes on behind its last element; its header announces too little")]
     TrailingData,
 }

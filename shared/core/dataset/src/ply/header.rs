@@ -12,7 +12,7 @@ const MAX_HEADER_BYTES: usize = 1 << 16;
 pub(super) struct Header<'a> {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element<'a>>,
-    /// Offset of the first element in the file, bytes.
+    /// Offset of the first element's data in the PLY file, bytes.
     pub(super) data_offset: usize,
 }
 

@@ -6,9 +6,9 @@ use crate::number_type::{ByteOrder, NumberType, excerpt};
 /// Error of reading the next number.
 #[derive(Debug)]
 pub(super) enum ValueError {
-    /// End of the file.
+    /// File that ends before the expected number.
     EndOfFile,
-    /// Invalid content; the reason.
+    /// Invalid number or value; the reason as a clause.
     Wrong(String),
 }
 
@@ -17,7 +17,7 @@ pub(super) trait ValueReader {
     /// True if the rest of the file can hold all rows of the element. Each row takes at least one
     /// byte, so rows without properties must not be counted.
     fn can_hold_rows(&self, element: &Element<'_>) -> bool;
-    /// Starts a row.
+    /// Starts reading a row.
     fn begin_row(&mut self) -> Result<(), ValueError>;
     /// Reads the next number of a row.
     fn next(&mut self, number: NumberType) -> Result<f64, ValueError>;

@@ -1,4 +1,4 @@
-//! Encoder of PLY files.
+//! Encoder (writer) of PLY files.
 
 use super::error::Error;
 use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES, MeshView};

@@ -24,7 +24,7 @@ pub enum Error {
         .path.display()
     )]
     Unpaired {
-        /// Image without companion.
+        /// Path of the image that has no companion.
         path: PathBuf,
         /// File name suffix of the missing companion.
         missing: &'static str,
@@ -32,17 +32,17 @@ pub enum Error {
     /// Frame index out of range.
     #[error("the RGB-D sequence has no frame {index}; its {n_frames} frames count from 0")]
     NoSuchFrame {
-        /// Requested frame, from 0.
+        /// Requested frame index, from 0.
         index: usize,
-        /// Number of frames.
+        /// Number of frames in the sequence.
         n_frames: usize,
     },
     /// Output slice whose length is not the number of pixels.
     #[error("a slice of {found} points was given for frames of {needed}; pass as many")]
     OutputLength {
-        /// Length of the slice.
+        /// Length of the output slice.
         found: usize,
-        /// Number of pixels.
+        /// Number of pixels, which the slice length must equal.
         needed: usize,
     },
     /// Target folder that already holds files of a sequence.
@@ -54,9 +54,9 @@ pub enum Error {
     /// Slice of a frame to be written whose length does not match the image size.
     #[error("a frame with {found} {what} cannot be written; its image needs {needed}")]
     FrameLength {
-        /// Name of the slice.
+        /// Name of the slice, such as `depth`.
         what: &'static str,
-        /// Length of the slice.
+        /// Length of the slice given by the caller.
         found: usize,
         /// Length required by the image size.
         needed: usize,
@@ -64,9 +64,9 @@ pub enum Error {
     /// Invalid content of a file.
     #[error("the file {} cannot be used: {source}", .path.display())]
     Content {
-        /// File.
+        /// Path of the invalid file.
         path: PathBuf,
-        /// Invalid content.
+        /// Error in the content of the file.
         source: ContentError,
     },
 }
@@ -78,7 +78,7 @@ pub enum ContentError {
     /// Text that is not the required count of finite numbers.
     #[error("it must hold {needed} finite numbers as text and nothing else")]
     Numbers {
-        /// Required count of numbers.
+        /// Required count of numbers in the text.
         needed: usize,
     },
     /// Numbers that break a rule of the file, such as a matrix that is no rotation.
@@ -93,7 +93,7 @@ pub enum ContentError {
     /// Slice of the caller whose length does not match the image size.
     #[error("a slice of {found} values was given for an image that needs {needed}")]
     SliceLength {
-        /// Length of the slice.
+        /// Length of the slice given by the caller.
         found: usize,
         /// Length required by the image size.
         needed: usize,

@@ -88,7 +88,7 @@ impl SequenceWriter {
         })
     }
 
-    /// Number of frames written.
+    /// Number of frames written so far.
     pub fn n_frames(&self) -> usize {
         self.n_frames
     }

@@ -32,15 +32,15 @@ pub enum Error {
     /// View index out of range.
     #[error("the data set has no view {index}; its {n_views} views count from 0")]
     NoSuchView {
-        /// Requested view, from 0.
+        /// Requested view index, from 0.
         index: usize,
-        /// Number of views.
+        /// Number of views in the dataset.
         n_views: usize,
     },
     /// View without the requested images or points.
     #[error("the view {name} of the data set has no {what}; ask for what it has")]
     MissingPart {
-        /// Name of the view.
+        /// Name of the Washington view.
         name: String,
         /// Missing part: `images` or `points`.
         what: &'static str,
@@ -54,9 +54,9 @@ pub enum Error {
     /// Vector of a view whose length does not match the crop size.
     #[error("a view with {found} {what} cannot be used; its size needs {needed}")]
     ViewLength {
-        /// Name of the vector.
+        /// Name of the view's array, such as `depth`.
         what: &'static str,
-        /// Length of the vector.
+        /// Length of the array.
         found: usize,
         /// Length required by the crop size.
         needed: usize,
@@ -76,9 +76,9 @@ pub enum Error {
     /// Invalid content of a file.
     #[error("the file {} cannot be used: {source}", .path.display())]
     Content {
-        /// File.
+        /// Path of the invalid file.
         path: PathBuf,
-        /// Invalid content.
+        /// Error in the content of the file.
         source: ContentError,
     },
 }

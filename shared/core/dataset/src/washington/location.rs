@@ -1,4 +1,4 @@
-//! Position of a crop in the whole image.
+//! Position of a crop in the whole image, in pixels.
 
 use super::error::ContentError;
 use crate::png_image::MAX_SIDE;

@@ -18,7 +18,7 @@ pub struct CroppedView {
     pub color: Vec<u8>,
     /// Depth, millimetres; 0 is no depth.
     pub depth_mm: Vec<u16>,
-    /// Mask: 0 is background, any other value the object.
+    /// Segmentation mask: 0 is background, any other value the object.
     pub mask: Vec<u8>,
 }
 

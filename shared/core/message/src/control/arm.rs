@@ -8,18 +8,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ArmCommand {
-    /// Report the state.
+    /// Report the state of the arm.
     State,
     /// Move the gripper to a pose, on a straight line or by the fastest joint motion.
     MoveTo {
-        /// Position, world frame, metres.
+        /// Target position of the gripper, world frame, metres.
         position_m: [f64; 3],
         /// Orientation quaternion: x, y, z, w.
         orientation_xyzw: [f64; 4],
         /// True for a straight line of the gripper; false for the fastest joint motion.
         straight: bool,
     },
-    /// Move the joints.
+    /// Move the joints of the arm.
     MoveJoints {
         /// Joint angles from the base outwards, radians.
         angles_rad: [f64; ARM_JOINTS],

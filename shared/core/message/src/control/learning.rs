@@ -37,7 +37,7 @@ impl fmt::Display for MutationId {
 /// Identity of a stored view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ViewId {
-    /// Track id.
+    /// Track-id of the object that the view shows.
     pub track_id: u64,
     /// Number of the view within its track.
     pub view_id: u32,
@@ -46,11 +46,11 @@ pub struct ViewId {
 /// Key view to be stored in the perceptual memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StoredView {
-    /// View id.
+    /// Identity of the view.
     pub id: ViewId,
     /// Kind of the descriptor: its method and version. Only equal kinds can be compared.
     pub descriptor_kind: String,
-    /// Descriptor.
+    /// Descriptor of the view.
     pub descriptor: DescriptorBytes,
     /// Centre of the box in the world, metres.
     pub position_m: [f64; 3],
@@ -98,13 +98,13 @@ impl StoredView {
 /// Labelled view: a view with its category.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LearnedView {
-    /// View id.
+    /// Identity of the labelled view.
     pub id: ViewId,
-    /// Category name.
+    /// Category name of the view.
     pub category: String,
     /// Kind of the descriptor: its method and version.
     pub descriptor_kind: String,
-    /// Descriptor.
+    /// Descriptor of the view.
     pub descriptor: DescriptorBytes,
 }
 
@@ -114,7 +114,7 @@ pub struct LearnedView {
 pub enum LearnedChange {
     /// View assigned to a category.
     Assigned(LearnedView),
-    /// View without a category.
+    /// View that has no category any more.
     Unassigned(ViewId),
 }
 
@@ -122,12 +122,12 @@ pub enum LearnedChange {
 /// applies the changes since that sequence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SnapshotPage {
-    /// Identity of the store.
+    /// Identity of the store that the page was read from.
     #[serde(with = "hex_id")]
     pub store_id: u128,
     /// Newest history sequence at the time of the page.
     pub sequence: u64,
-    /// Views.
+    /// Labelled views of the page.
     pub views: Vec<LearnedView>,
     /// Cursor of the next page; `None` after the last page.
     pub next: Option<SnapshotCursor>,
@@ -145,7 +145,7 @@ pub enum ChangesPage {
     Changes {
         /// Sequence that the reader holds after applying the changes.
         up_to: u64,
-        /// Changes.
+        /// Label changes in the order of the history.
         changes: Vec<LearnedChange>,
         /// True if more changes follow.
         more: bool,

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 pub struct Revision {
     /// Idempotency key: a repeated id gets the answer of the first request.
     pub id: MutationId,
-    /// Author of the request.
+    /// Author of the revision.
     pub author: String,
-    /// Change to be made.
+    /// Change to be made to the memory.
     pub change: RevisionChange,
 }
 
@@ -22,26 +22,26 @@ pub struct Revision {
 pub enum RevisionChange {
     /// Exclude a track's views from recognition and teaching.
     ForgetTrack {
-        /// Track id.
+        /// Track-id whose views are excluded.
         track_id: u64,
     },
     /// Exclude a view from recognition and teaching.
     ForgetView {
-        /// View id.
+        /// Identity of the view to exclude.
         view: ViewId,
     },
     /// Change the category of one view.
     CorrectView {
-        /// View id.
+        /// Identity of the view to relabel.
         view: ViewId,
-        /// New category name.
+        /// New category name of the view.
         category: String,
     },
     /// Rename a category.
     Rename {
-        /// Current name.
+        /// Current category name.
         from: String,
-        /// New name.
+        /// New category name.
         to: String,
     },
     /// Merge a category into another.
@@ -53,22 +53,22 @@ pub enum RevisionChange {
     },
     /// Undo an entry of the history; without a sequence, the author's last teaching.
     Undo {
-        /// Sequence of the entry.
+        /// Sequence number of the history entry to undo.
         sequence: Option<u64>,
     },
     /// Store a document.
     PutDocument {
-        /// Name of the document.
+        /// Name of the document to store.
         document: DocumentName,
         /// Media type (MIME) of the content.
         media_type: String,
-        /// Content.
+        /// Content of the document.
         #[serde(with = "serde_bytes")]
         content: Vec<u8>,
     },
     /// Remove a document.
     RemoveDocument {
-        /// Name of the document.
+        /// Name of the document to remove.
         document: DocumentName,
     },
 }
@@ -80,7 +80,7 @@ pub enum RevisionChange {
 pub enum DocumentKind {
     /// Fused surface model of an object.
     ObjectModel,
-    /// Knowledge for a task.
+    /// Knowledge document for a task.
     TaskKnowledge,
 }
 
@@ -89,7 +89,7 @@ pub enum DocumentKind {
 pub struct DocumentName {
     /// Kind of the document.
     pub kind: DocumentKind,
-    /// Name within the kind.
+    /// Name of the document within its kind.
     pub name: String,
 }
 
@@ -98,13 +98,13 @@ pub struct DocumentName {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum MemoryQuery {
-    /// Sizes and counts.
+    /// Report sizes and counts of the memory.
     Stats,
     /// One page of stored views, ordered by id.
     Views {
-        /// Category filter.
+        /// Category filter of the query.
         category: Option<String>,
-        /// Track filter.
+        /// Track filter of the query.
         track_id: Option<u64>,
         /// Last view of the previous page.
         after: Option<ViewId>,
@@ -113,12 +113,12 @@ pub enum MemoryQuery {
     History {
         /// First sequence; `None` for the page that ends with the last entry.
         from: Option<u64>,
-        /// Maximum number of entries.
+        /// Maximum number of history entries.
         max: u32,
     },
-    /// List all documents.
+    /// List all stored documents.
     Documents,
-    /// Read one document.
+    /// Read one stored document.
     Document(DocumentName),
 }
 
@@ -131,14 +131,14 @@ pub enum MemoryAnswer {
     Stats(MemoryStats),
     /// Reply to [`MemoryQuery::Views`].
     Views {
-        /// Views.
+        /// Views of the page.
         views: Vec<ViewReport>,
         /// Last view of this page, for the next request; `None` after the last page.
         next: Option<ViewId>,
     },
     /// Reply to [`MemoryQuery::History`].
     History {
-        /// Entries, oldest first.
+        /// History entries of the page, oldest first.
         entries: Vec<HistoryReport>,
         /// Sequence of the last entry of the history.
         last_sequence: u64,
@@ -149,7 +149,7 @@ pub enum MemoryAnswer {
     Document {
         /// Media type (MIME) of the content.
         media_type: String,
-        /// Content.
+        /// Content of the document.
         #[serde(with = "serde_bytes")]
         content: Vec<u8>,
     },
@@ -178,7 +178,7 @@ pub struct MemoryStats {
     pub n_forgotten: u64,
     /// Number of categories.
     pub n_categories: u64,
-    /// Number of documents.
+    /// Number of stored documents.
     pub n_documents: u64,
     /// Number of tombstones: forgotten views whose content is purged.
     pub n_tombstones: u64,
@@ -193,7 +193,7 @@ pub struct MemoryStats {
 /// Metadata of a stored view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ViewReport {
-    /// View id.
+    /// Identity of the view.
     pub id: ViewId,
     /// Category name; null for an unlabelled view.
     pub category: Option<String>,
@@ -236,15 +236,15 @@ pub struct ViewReport {
 /// Entry of the history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HistoryReport {
-    /// Sequence of the entry.
+    /// Sequence number of the history entry.
     pub sequence: u64,
-    /// Time of the entry, nanoseconds since 1970.
+    /// Time of the history entry, nanoseconds since 1970.
     pub wall_ns: u64,
-    /// Author.
+    /// Author of the history entry.
     pub author: String,
-    /// Requested change, in words.
+    /// Requested change of the memory, in words.
     pub what: String,
-    /// Kind of the operation.
+    /// Kind of the operation that the entry records.
     pub operation: HistoryOperation,
     /// Track that was taught, corrected or forgotten; null for other targets.
     pub track_id: Option<u64>,
@@ -283,7 +283,7 @@ pub struct HistoryReport {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum HistoryOperation {
-    /// Storing of views.
+    /// Storing of key views.
     StoreViews,
     /// Labelling of a track.
     Teach,
@@ -297,7 +297,7 @@ pub enum HistoryOperation {
     Merge,
     /// Undo of an earlier entry.
     Undo,
-    /// Import of another memory.
+    /// Import of the export of another memory.
     Import,
     /// Storing of a document.
     PutDocument,
@@ -325,7 +325,7 @@ pub struct DocumentReport {
     pub media_type: String,
     /// Size of the content, bytes.
     pub bytes: u64,
-    /// Author of the document.
+    /// Author of the document's present version.
     pub author: String,
     /// Time of storage, nanoseconds since 1970.
     pub decided_ns: u64,
@@ -339,41 +339,41 @@ pub struct DocumentReport {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum JobCommand {
-    /// Start a job.
+    /// Start a job on the memory.
     Begin(JobKind),
-    /// Report the progress.
+    /// Report the progress of a job.
     Ask {
-        /// Job id.
+        /// Id of the job to report.
         job: u64,
     },
     /// Read the next bytes of an export.
     Read {
-        /// Job id.
+        /// Id of the export job.
         job: u64,
-        /// Offset of the first byte.
+        /// Offset in the exported file of the first byte to read.
         offset: u64,
     },
     /// Write the next bytes of an import.
     Write {
-        /// Job id.
+        /// Id of the import job.
         job: u64,
-        /// Offset of the first byte.
+        /// Offset in the imported file of the first byte sent.
         offset: u64,
-        /// Bytes.
+        /// Bytes of the imported file.
         #[serde(with = "serde_bytes")]
         bytes: Vec<u8>,
     },
     /// Complete an import whose bytes are all written.
     Import {
-        /// Job id.
+        /// Id of the import job.
         job: u64,
         /// Idempotency key of the mutation.
         id: MutationId,
-        /// Author of the request.
+        /// Author of the import.
         author: String,
         /// Source of the import, for the history.
         source: String,
-        /// Category renames: from, to.
+        /// Categories to rename on import, as pairs: from, to.
         renames: Vec<(String, String)>,
         /// Prefix for all other category names, to keep equal names apart.
         prefix: String,
@@ -403,9 +403,9 @@ pub enum JobKind {
 /// Progress and outcome of a job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct JobReport {
-    /// Job id.
+    /// Id of the reported job.
     pub job: u64,
-    /// Completed units of work.
+    /// Completed units of work of the job.
     pub done: u64,
     /// Total units of work; 0 while unknown.
     pub total: u64,
@@ -413,7 +413,7 @@ pub struct JobReport {
     pub outcome: Option<JobOutcome>,
 }
 
-/// Outcome of a job.
+/// Outcome of a finished job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -422,7 +422,7 @@ pub enum JobOutcome {
     Verified(VerificationReport),
     /// Result of [`JobKind::Repair`].
     Repaired {
-        /// Verification before the repair.
+        /// Verification result before the repair.
         verification: VerificationReport,
         /// Description of the repair, in words.
         what: String,
@@ -431,7 +431,7 @@ pub enum JobOutcome {
     },
     /// Result of [`JobKind::Compact`].
     Compacted {
-        /// Number of purged views.
+        /// Number of permanently purged views.
         n_purged: u64,
         /// Size of the files before, bytes.
         disk_bytes_before: u64,
@@ -449,7 +449,7 @@ pub enum JobOutcome {
 /// Result of a verification of the whole store.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VerificationReport {
-    /// Sequence of the last verified history entry.
+    /// Sequence number of the last verified history entry.
     pub sequence: u64,
     /// Number of history entries in an unbroken hash chain.
     pub n_history: u64,
@@ -459,22 +459,22 @@ pub struct VerificationReport {
     pub n_documents: u64,
     /// Size of the content, bytes.
     pub content_bytes: u64,
-    /// Number of findings.
+    /// Number of integrity errors found.
     pub n_findings: u64,
-    /// First findings, in words.
+    /// Descriptions of the first integrity errors found.
     pub findings: Vec<String>,
 }
 
 /// Contents of an export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ExportReport {
-    /// Size of the file, bytes.
+    /// Size of the exported file, bytes.
     pub bytes: u64,
     /// Number of views with content.
     pub n_views: u64,
-    /// Number of tombstones.
+    /// Number of exported tombstones.
     pub n_forgotten: u64,
-    /// Number of documents.
+    /// Number of exported documents.
     pub n_documents: u64,
     /// Sequence of the last exported history entry.
     pub sequence: u64,
@@ -483,11 +483,11 @@ pub struct ExportReport {
 /// Result of an import.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImportReport {
-    /// Number of views in the file.
+    /// Number of views in the imported file.
     pub n_views: u64,
     /// Number of views that are new or changed their category.
     pub n_views_changed: u64,
-    /// Number of documents in the file.
+    /// Number of documents in the imported file.
     pub n_documents: u64,
     /// Sequence of the last history entry of the import.
     pub sequence: u64,

@@ -135,7 +135,7 @@ impl<'a> PackedCloud<'a> {
         Ok(Self { origin_m, points })
     }
 
-    /// Number of points.
+    /// Number of points of the cloud.
     pub fn n_points(&self) -> usize {
         self.points.len()
     }
@@ -168,20 +168,20 @@ pub enum InvalidCloud {
         header_bytes = HEADER_BYTES
     )]
     NoHeader {
-        /// Number of bytes.
+        /// Length of the packed cloud, bytes.
         n_bytes: usize,
     },
-    /// Unknown format number.
+    /// Unknown format number of a packed cloud.
     #[error(
         "the packed cloud has format {format}, known is {known}: use the tabula of its \
          version",
         known = FORMAT
     )]
     Format {
-        /// Format number.
+        /// Format number found in the packed cloud.
         format: u32,
     },
-    /// Number of bytes that contradicts the number of points.
+    /// Length in bytes that contradicts the number of points.
     #[error(
         "a packed cloud of {n_points} points does not have {n_bytes} bytes but \
          {header_bytes} and {point_bytes} for each point: pack it again",
@@ -189,19 +189,19 @@ pub enum InvalidCloud {
         point_bytes = POINT_BYTES
     )]
     Length {
-        /// Number of points in the header.
+        /// Number of points in the packed cloud's header.
         n_points: u32,
-        /// Number of bytes.
+        /// Length of the packed cloud, bytes.
         n_bytes: usize,
     },
-    /// More than [`MAX_CLOUD_POINTS`] points.
+    /// Packed cloud with more than [`MAX_CLOUD_POINTS`] points.
     #[error(
         "the packed cloud has {n_points} points, but {max_points} are the most: pack \
          fewer of them",
         max_points = MAX_CLOUD_POINTS
     )]
     TooMany {
-        /// Number of points.
+        /// Number of points of the packed cloud.
         n_points: u32,
     },
     /// Origin that is not finite.

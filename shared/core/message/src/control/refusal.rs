@@ -1,4 +1,4 @@
-//! Refusals of commands.
+//! Refusals of control commands.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,14 +25,14 @@ pub enum RefusalKind {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 #[error("{sentence}")]
 pub struct Refusal {
-    /// Kind, for scripts.
+    /// Kind of the refusal, for scripts.
     pub kind: RefusalKind,
     /// Sentence for people: cause, subject and next step.
     pub sentence: String,
 }
 
 impl Refusal {
-    /// Creates a refusal.
+    /// Creates a refusal with its sentence.
     pub fn new(kind: RefusalKind, sentence: impl Into<String>) -> Self {
         Self {
             kind,

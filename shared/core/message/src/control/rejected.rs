@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Assumption made in place of an absent input.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AssumptionReport {
-    /// Short name, for scripts.
+    /// Short name of the assumption, for scripts.
     pub name: String,
-    /// Sentence for people.
+    /// Description of the assumption as a sentence.
     pub sentence: String,
 }
 
@@ -32,13 +32,13 @@ pub struct RejectedCandidateReport {
     pub orientation_xyzw: [f64; 4],
     /// Side lengths of the box, metres.
     pub size_m: [f64; 3],
-    /// Number of measured points.
+    /// Number of measured points of the candidate.
     pub n_points: u32,
     /// Verdict of the rule: `false` or `unknown`; `true` while no track id is available.
     pub verdict: String,
     /// Reasons that decided the verdict, as sentences.
     pub why: Vec<String>,
-    /// Finding of each constraint.
+    /// Findings of all constraints about the candidate.
     pub findings: Vec<FindingReport>,
 }
 
@@ -51,7 +51,7 @@ pub struct FindingReport {
     pub truth: String,
     /// Stable code of the reason.
     pub reason: u16,
-    /// Reason as a sentence.
+    /// Reason for the finding, as a sentence.
     pub sentence: String,
 }
 

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Report of all tracked objects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObjectsReport {
-    /// Objects, by track id.
+    /// Tracked objects, ordered by track-id.
     pub objects: Vec<ObjectReport>,
     /// Number of objects that did not fit into the summary.
     pub n_more: u32,
@@ -30,7 +30,7 @@ pub struct ObjectsReport {
     /// Assumptions made for absent inputs.
     #[serde(default)]
     pub assumptions: Vec<AssumptionReport>,
-    /// Rejected candidates, nearest first.
+    /// Rejected candidates, nearest to the camera first.
     #[serde(default)]
     pub ignored: Vec<RejectedCandidateReport>,
     /// Number of rejected candidates that did not fit into the summary.
@@ -41,7 +41,7 @@ pub struct ObjectsReport {
 /// Report of one tracked object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObjectReport {
-    /// Track id.
+    /// Track-id of the object.
     pub track_id: u64,
     /// State of the track: `tentative`, `tracked`, `missing`, `occluded` or `out-of-view`.
     pub state: String,
@@ -59,9 +59,9 @@ pub struct ObjectReport {
     pub size_m: [f64; 3],
     /// Age of the track in capture time, seconds.
     pub age_s: f64,
-    /// Capture time since the last measurement, seconds.
+    /// Capture time since the object was last measured, seconds.
     pub unseen_s: f64,
-    /// Number of measured points.
+    /// Number of measured points of the object.
     pub n_points: u32,
     /// Number of described views so far.
     pub n_views: u32,
@@ -89,7 +89,7 @@ pub struct ObjectReport {
     /// Number of key views so far.
     #[serde(default)]
     pub n_key_views: u32,
-    /// Nearest categories, nearest first.
+    /// Categories nearest in descriptor space, nearest first.
     #[serde(default)]
     pub categories: Vec<NearCategoryReport>,
     /// Track id of the lost track that this object continues; null for none.
@@ -112,7 +112,7 @@ pub struct CovarianceReport {
 /// Candidate category of an object with its distance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NearCategoryReport {
-    /// Category name.
+    /// Name of the nearby category.
     pub label: String,
     /// Distance in descriptor space to the category's nearest view.
     pub distance: f64,
@@ -124,13 +124,13 @@ pub struct NearCategoryReport {
 pub struct ActorStampsReport {
     /// Time at which the view was sent to the actor.
     pub asked_ns: Option<u64>,
-    /// Time at which the actor started the view.
+    /// Time at which the actor began to process the view.
     pub begun_ns: Option<u64>,
     /// Time at which the descriptor was complete.
     pub described_ns: Option<u64>,
     /// Time at which recognition was complete.
     pub recognised_ns: Option<u64>,
-    /// Time at which the frame loop received the answer.
+    /// Time at which the frame loop received the actor's answer.
     pub answered_ns: Option<u64>,
 }
 
@@ -166,7 +166,7 @@ impl CovarianceReport {
 pub struct LearningReport {
     /// History sequence of the change.
     pub sequence: u64,
-    /// Category name.
+    /// Name of the affected category.
     pub category: String,
     /// Number of views that changed their category.
     pub n_views_changed: u64,
@@ -175,11 +175,11 @@ pub struct LearningReport {
 /// Report of one learned category.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CategoryReport {
-    /// Category name.
+    /// Name of the learned category.
     pub category: String,
-    /// Number of stored views.
+    /// Number of stored views of the category.
     pub n_views: u64,
-    /// Size of the view records, bytes.
+    /// Size of the category's view records, bytes.
     pub bytes: u64,
     /// Time of the last teaching, nanoseconds since 1970.
     pub last_taught_ns: i64,
@@ -204,13 +204,13 @@ pub struct ProcessReport {
     pub frames_late: u64,
     /// Heap bytes allocated since the start.
     pub allocated_bytes: u64,
-    /// Resident memory, bytes.
+    /// Resident memory of the process, bytes.
     pub resident_bytes: u64,
     /// Shared memory reserved by the publishers of the process, bytes.
     pub shared_memory_bytes: u64,
     /// Number of actor restarts within the process.
     pub restarts: u64,
-    /// Number of live actors.
+    /// Number of live actors in the process.
     #[serde(default)]
     pub actors: u64,
     /// Number of abandoned worker threads.

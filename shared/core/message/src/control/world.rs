@@ -55,9 +55,9 @@ pub enum WorldCommand {
     EndTask {
         /// Idempotency key: a repeated id gets the answer of the first request.
         id: MutationId,
-        /// Task id.
+        /// Number of the task to end.
         task_id: u64,
-        /// Outcome.
+        /// Outcome of the ended task.
         outcome: TaskOutcome,
         /// Reason, for people; may be empty after success.
         reason: String,
@@ -68,7 +68,7 @@ pub enum WorldCommand {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FactFilter {
-    /// Object of the fact.
+    /// Track-id of the object that the fact describes.
     pub track_id: Option<u64>,
     /// Label of the object at that instant.
     pub label: Option<String>,
@@ -105,16 +105,16 @@ impl Default for FactFilter {
 pub enum WorldRegion {
     /// Ball around a point.
     Ball {
-        /// Centre.
+        /// Centre of the ball.
         centre_m: [f64; 3],
-        /// Radius, at least 0.
+        /// Radius of the ball, at least 0.
         radius_m: f64,
     },
     /// Axis-aligned box.
     Box {
-        /// Minimum corner.
+        /// Minimum corner of the box.
         min_m: [f64; 3],
-        /// Maximum corner.
+        /// Maximum corner of the box.
         max_m: [f64; 3],
     },
 }
@@ -123,9 +123,9 @@ pub enum WorldRegion {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TaskOutcome {
-    /// Success.
+    /// Task completed successfully.
     Succeeded,
-    /// Failure.
+    /// Task failed.
     Failed,
     /// Cancellation by a person or program.
     Cancelled,
@@ -151,9 +151,9 @@ pub enum WorldReply {
 /// Current state of the world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorldReport {
-    /// Time of the report.
+    /// Time of the world report, nanoseconds since 1970.
     pub now_ns: u64,
-    /// Objects, by track id.
+    /// Objects of the world model, ordered by track-id.
     pub objects: Vec<WorldObjectReport>,
     /// Robot; null when it never reported.
     pub robot: Option<WorldRobotReport>,
@@ -164,34 +164,34 @@ pub struct WorldReport {
 /// Object of the working memory, with the start times of its facts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct WorldObjectReport {
-    /// Track id.
+    /// Track-id of the object.
     pub track_id: u64,
     /// State of the track: `tracked`, `missing`, `occluded` or `out-of-view`.
     pub state: String,
-    /// Start of the state.
+    /// Time since which the object has been in its state, nanoseconds since 1970.
     pub state_since_ns: u64,
     /// Category name; null when unknown.
     pub label: Option<String>,
     /// Start of the label; null when unknown.
     pub label_since_ns: Option<u64>,
-    /// Bounding box.
+    /// Oriented bounding box of the object.
     pub place: PlaceReport,
     /// Start of the stay at this place; movements shorter than a motion do not count.
     pub place_since_ns: u64,
-    /// Start of the track.
+    /// Time of the track's first measurement, nanoseconds since 1970.
     pub first_seen_ns: u64,
-    /// Time of the last measurement.
+    /// Time of the object's last measurement, nanoseconds since 1970.
     pub last_seen_ns: u64,
 }
 
 /// Bounding box of an object in the world frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlaceReport {
-    /// Centre, metres.
+    /// Centre of the object's box, world frame, metres.
     pub position_m: [f64; 3],
     /// Orientation quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Side lengths, metres.
+    /// Side lengths of the object's box, metres.
     pub size_m: [f64; 3],
 }
 
@@ -212,7 +212,7 @@ pub struct WorldRobotReport {
     pub position_m: [f64; 3],
     /// Orientation of the gripper, world frame, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Time of the last report.
+    /// Time of the last state report of the robot, nanoseconds since 1970.
     pub last_heard_ns: u64,
     /// True if the robot still reports.
     pub is_heard: bool,
@@ -235,7 +235,7 @@ pub struct FactReport {
     pub value: Option<String>,
     /// Bounding box for `place`; null for another property.
     pub place: Option<PlaceReport>,
-    /// Start of the interval.
+    /// Start of the fact's validity interval, nanoseconds since 1970.
     pub start_ns: u64,
     /// End of the interval; null while the fact holds.
     pub end_ns: Option<u64>,
@@ -244,18 +244,18 @@ pub struct FactReport {
 /// Page of facts, newest first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FactsReport {
-    /// Facts.
+    /// Facts that match the query.
     pub facts: Vec<FactReport>,
     /// Cursor of the next page; null after the last page.
     pub next: Option<u64>,
 }
 
-/// Event in the world.
+/// Event in the world model.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventReport {
     /// Sequence of the event, ascending; a restart of the memory leaves a gap.
     pub sequence: u64,
-    /// Time of the observation.
+    /// Time at which the event was observed, nanoseconds since 1970.
     pub wall_ns: u64,
     /// Kind of the event: `started`, `appeared`, `vanished`, `relabelled`, `moved`, `taught`,
     /// `corrected`, `forgot`, `action_succeeded`, `action_failed`, `action_cancelled`,
@@ -274,7 +274,7 @@ pub struct EventReport {
 /// Events, oldest first.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EventsReport {
-    /// Events.
+    /// Events of the world model, oldest first.
     pub events: Vec<EventReport>,
     /// Sequence of the newest event overall. When it exceeds the last sequence of this answer, ask
     /// again at once; when it is below `since`, the memory was recreated: restart from 0.
@@ -284,17 +284,17 @@ pub struct EventsReport {
 /// Record of a task.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TaskReport {
-    /// Task id.
+    /// Number of the task.
     pub task_id: u64,
     /// Kind of the task.
     pub kind: String,
-    /// Parameters.
+    /// Parameters of the task.
     pub parameters: String,
     /// Author of the task.
     pub author: String,
     /// State: `running`, `succeeded`, `failed` or `cancelled`.
     pub state: String,
-    /// Start time.
+    /// Start time of the task, nanoseconds since 1970.
     pub started_ns: u64,
     /// End time; null while the task runs.
     pub ended_ns: Option<u64>,
@@ -305,7 +305,7 @@ pub struct TaskReport {
 /// Page of tasks, newest first.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TasksReport {
-    /// Tasks.
+    /// Running and ended tasks.
     pub tasks: Vec<TaskReport>,
     /// Cursor of the next page; null after the last page.
     pub next: Option<u64>,

@@ -23,7 +23,7 @@ pub struct ClassificationScores {
 }
 
 impl ConfusionMatrix {
-    /// Empty confusion matrix.
+    /// Empty confusion matrix of `n_categories` categories.
     pub fn new(n_categories: usize) -> Self {
         Self {
             n_categories,
@@ -37,7 +37,7 @@ impl ConfusionMatrix {
         self.counts[truth as usize * (self.n_categories + 1) + column] += 1;
     }
 
-    /// Number of categories.
+    /// Number of categories of the confusion matrix.
     pub fn n_categories(&self) -> usize {
         self.n_categories
     }

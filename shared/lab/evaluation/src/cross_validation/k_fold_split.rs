@@ -24,7 +24,7 @@ pub enum FoldAssignment {
 pub struct Folds {
     /// Index of the fold in which each view is tested.
     pub of_view: Vec<u32>,
-    /// Number of folds.
+    /// Number of cross-validation folds.
     pub n_folds: u32,
     /// Number of categories grouped by object.
     pub n_grouped: usize,
@@ -40,9 +40,9 @@ pub enum Error {
     /// Fewer views than folds: a fold would be empty.
     #[error("a data set of {n_views} views cannot be parted into {n_folds} folds: choose fewer")]
     TooFewViews {
-        /// Number of views.
+        /// Number of views in the data set.
         n_views: usize,
-        /// Number of folds.
+        /// Number of requested folds.
         n_folds: u32,
     },
 }

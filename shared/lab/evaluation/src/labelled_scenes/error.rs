@@ -13,7 +13,7 @@ pub enum Error {
     /// A folder could not be listed.
     #[error("could not list {}: {source}", .path.display())]
     List {
-        /// Path of the folder.
+        /// Path of the folder that could not be listed.
         path: PathBuf,
         /// Cause reported by the operating system.
         source: std::io::Error,
@@ -25,7 +25,7 @@ pub enum Error {
         .0.display()
     )]
     NoTruth(PathBuf),
-    /// Two scenes would have the same name.
+    /// Two scenes with the same name.
     #[error(
         "two scenes are called {0}, and their results would overwrite each other; rename a folder"
     )]

@@ -14,7 +14,7 @@ const INSTANCE_ORDER_STREAM: u64 = 3;
 pub enum Exclusion {
     /// Too few views for the lessons at the start and one question.
     TooFewViews {
-        /// Number of its views.
+        /// Number of views of the excluded category.
         n_views: usize,
     },
     /// Fewer than two known objects, but the split requires different objects for lessons and

@@ -6,7 +6,7 @@ use super::record::Question;
 /// Decision after a question of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum StageDecision {
-    /// Ask the next question.
+    /// Ask the next question of the stage.
     Continue,
     /// Introduce the next category. The accuracy enters the APA; `None` if it equals the
     /// threshold, which ends a stage but does not count.

@@ -2,21 +2,21 @@
 
 use crate::recogniser::Answer;
 
-/// Question with its answer.
+/// Question of an open-ended run with its answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Question {
     /// Number of the question in the run, from 1, including open-set questions.
     pub iteration: u32,
     /// Number of categories introduced so far.
     pub n_categories: u32,
-    /// Index of the view shown.
+    /// Index of the view shown in the question.
     pub view: usize,
-    /// True category of the view.
+    /// True category of the view shown.
     pub truth: u32,
     /// `true` for an open-set question (category not introduced): "unknown" is right, and only
     /// novelty metrics count it.
     pub is_open_set: bool,
-    /// Answer of the recogniser.
+    /// Recogniser's answer to the question.
     pub answer: Answer,
     /// Protocol accuracy after the answer: micro F1 in the window of the stage.
     pub accuracy: Option<f64>,
@@ -33,7 +33,7 @@ impl Question {
 /// Reason for the end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopReason {
-    /// All categories were learned.
+    /// All categories were learned successfully.
     AllLearned,
     /// The accuracy stayed below the threshold for too long.
     Stalled,
@@ -52,7 +52,7 @@ pub struct StageRecord {
     pub accuracy: f64,
 }
 
-/// Metrics of a run.
+/// Metrics of an open-ended run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Metrics {
     /// Question/correction iterations (QCI): number of questions.
@@ -73,11 +73,11 @@ pub struct Metrics {
 /// Complete record of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenEndedRun {
-    /// Seed of the run.
+    /// Random seed of the run.
     pub seed: u64,
     /// Reason for the end of the run.
     pub stop: StopReason,
-    /// All questions in order.
+    /// All questions of the run in order.
     pub questions: Vec<Question>,
     /// All passed and failed stages in order.
     pub stages: Vec<StageRecord>,

@@ -5,7 +5,7 @@ use super::record::Metrics;
 /// Sample mean and standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanAndStd {
-    /// Arithmetic mean.
+    /// Arithmetic mean over the runs.
     pub mean: f64,
     /// Sample standard deviation (n - 1); `None` for a single value.
     pub std: Option<f64>,
@@ -27,13 +27,13 @@ impl MeanAndStd {
 /// Metrics over runs; each is `None` without runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MetricsSummary {
-    /// Question/correction iterations.
+    /// Question/correction iterations (QCI) over the runs.
     pub qci: Option<MeanAndStd>,
-    /// Taught categories.
+    /// Number of taught categories (TLC) over the runs.
     pub tlc: Option<MeanAndStd>,
-    /// Average instances per category.
+    /// Average instances per category (AIC) over the runs.
     pub aic: Option<MeanAndStd>,
-    /// Global classification accuracy.
+    /// Global classification accuracy (GCA) over the runs.
     pub gca: Option<MeanAndStd>,
     /// Average protocol accuracy, over the runs that have one.
     pub apa: Option<MeanAndStd>,

@@ -19,13 +19,13 @@ pub enum DescriptorVariant {
 /// Upward axis of the files of a data set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UpAxis {
-    /// Not known
+    /// Unknown upward axis
     Unknown,
-    /// The x axis
+    /// x axis points up
     X,
-    /// The y axis
+    /// y axis points up
     Y,
-    /// The z axis
+    /// z axis points up
     Z,
     /// Against the y axis, as in the frame of a level camera
     MinusY,
@@ -92,7 +92,7 @@ pub struct OpenEndedArguments {
     /// Folder for the figures and the page
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Number of runs
+    /// Number of runs with different seeds
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     pub(crate) runs: u64,
     /// Seed of the first run; the next run has the next seed
@@ -121,17 +121,17 @@ pub enum AblationVariant {
     Workspace,
     /// Shape, size and colour, in all axis hypotheses of the object
     Ours,
-    /// Ours without colour
+    /// Our descriptor without colour
     OursShapeOnly,
-    /// Ours without size
+    /// Our descriptor without object size
     OursNoSize,
-    /// Ours without the projections: size and colour
+    /// Our descriptor without the projections: size and colour only
     OursNoShape,
-    /// Ours without size and colour: the projections
+    /// Our descriptor without size and colour: the projections only
     OursProjectionsOnly,
-    /// Ours, only the first axis hypothesis compared
+    /// Our descriptor, comparing only the first axis hypothesis
     OursSingleReading,
-    /// Ours, without a known upward axis
+    /// Our descriptor without a known upward axis
     OursPrincipal,
 }
 
@@ -184,10 +184,10 @@ pub struct CrossValidationArguments {
     /// Folder for the figures, the page and the confusion matrix
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Number of folds
+    /// Number of cross-validation folds
     #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub(crate) folds: u32,
-    /// Seed of the folds
+    /// Random seed of the folds
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
     /// Split: any views, or the views of an object in one fold [default: instance-disjoint where

@@ -26,7 +26,7 @@ use std::process::ExitCode;
 /// Folder of the pictures, inside the output folder.
 const PICTURES: &str = "scenes";
 
-/// Error of one scene or of the whole evaluation.
+/// Error of evaluating one scene or the whole data set.
 enum SceneError {
     /// Error of one scene; the evaluation goes on.
     Scene(String),
@@ -40,7 +40,7 @@ impl From<Failure> for SceneError {
     }
 }
 
-/// Error of a scene.
+/// Error of evaluating one scene.
 fn scene_error(error: impl std::fmt::Display) -> SceneError {
     SceneError::Scene(error.to_string())
 }

@@ -7,13 +7,13 @@ use std::path::Path;
 /// Header of a recognition report.
 #[derive(Debug, Serialize)]
 pub(super) struct ReportHeader {
-    /// Version of the program.
+    /// Version of the evaluating program.
     version: &'static str,
-    /// Data set.
+    /// Name of the data set.
     dataset: String,
-    /// Number of categories.
+    /// Number of categories in the data set.
     pub(super) n_categories: usize,
-    /// Number of views.
+    /// Number of views in the data set.
     pub(super) n_views: usize,
 }
 
@@ -22,16 +22,16 @@ pub(super) struct ReportHeader {
 pub(super) struct OmissionSummary {
     /// Number of omitted views.
     n_left_out: usize,
-    /// Reasons, one sentence each.
+    /// Reasons for the omissions, one sentence each.
     pub(super) left_out: Vec<String>,
 }
 
 /// Paths of the written page and of the report itself.
 #[derive(Debug, Serialize)]
 pub(super) struct ReportFiles {
-    /// HTML page.
+    /// Path of the HTML report page.
     pub(super) page: String,
-    /// JSON report.
+    /// Path of the JSON report.
     pub(super) file: String,
 }
 

@@ -107,7 +107,7 @@ impl ViewSelection {
         Ok((table, descriptions))
     }
 
-    /// Omissions of the listing.
+    /// Views left out of the listing, with reasons.
     fn left_out(&self) -> Omissions {
         let mut left_out = Omissions::default();
         for error in self.views.unusable() {

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 /// Capacity of the queue between renderer and writer, frames. Chosen.
 const FRAMES_AHEAD: usize = 3;
 
-/// Rendered frame.
+/// Rendered frame of a recorded scene.
 struct RenderedFrame {
     color: Vec<u8>,
     depth_mm: Vec<u16>,

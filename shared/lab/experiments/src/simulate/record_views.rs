@@ -14,7 +14,7 @@ use simulated_world::{ModelChoice, ModelLibrary, ModelSource};
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
-/// Object to be rendered.
+/// Object view to be rendered.
 struct RenderJob {
     model: ModelChoice,
     category: String,
@@ -35,7 +35,7 @@ struct ViewsReport {
     /// Sum of the overlaps, in parts per million: integers add up to the same in any order.
     #[serde(skip)]
     overlap_ppm: u64,
-    /// Notes, one sentence each.
+    /// Remarks about the views, one sentence each.
     notes: Vec<String>,
     /// Unusable models, one sentence each.
     failures: Vec<String>,

@@ -11,13 +11,13 @@ pub(super) struct Constant {
     pub(super) file: PathBuf,
     /// Name of the constant or field.
     pub(super) name: String,
-    /// Defining expression as written.
+    /// Defining expression of the constant as written.
     pub(super) expression: String,
     /// True for a floating-point type.
     is_float: bool,
     /// Byte range of the expression in the file.
     at: std::ops::Range<usize>,
-    /// Content of the file.
+    /// Source text of the file.
     text: String,
 }
 

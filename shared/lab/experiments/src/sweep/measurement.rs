@@ -18,7 +18,7 @@ pub(super) struct Measurement {
 }
 
 impl Measurement {
-    /// Evaluation of the arguments.
+    /// Evaluation that the command-line arguments select.
     ///
     /// # Errors
     /// When it needs a data set and none is named.
@@ -60,7 +60,7 @@ impl Measurement {
         Ok(Self { words, figures })
     }
 
-    /// Names of the scores.
+    /// Names of the evaluation's scores.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         self.figures.iter().map(|(name, _)| *name)
     }

@@ -12,7 +12,7 @@ use std::path::Path;
 /// Scores with the original constants, and the rows of the scaled ones.
 #[derive(Debug, Serialize)]
 pub(super) struct SweepReport {
-    /// Names of the scores.
+    /// Names of the evaluation's scores.
     scores: Vec<&'static str>,
     /// Scores with the constants as they are.
     original: Scores,
@@ -28,7 +28,7 @@ pub(super) struct SweepRow {
     factor: f64,
     /// Scores with the scaled constant; `None` when it does not build or run.
     scores: Option<Scores>,
-    /// Reason for missing scores.
+    /// Reason why the scores are missing.
     failure: Option<String>,
 }
 
@@ -62,7 +62,7 @@ impl SweepReport {
         self.rows.push(row);
     }
 
-    /// Writes `sweep.json`.
+    /// Writes the sweep report as `sweep.json`.
     pub(super) fn write(&self, out: &Path) -> Result<(), Failure> {
         let json = serde_json::to_vec_pretty(self).map_err(failed)?;
         write(&out.join("sweep.json"), &json)

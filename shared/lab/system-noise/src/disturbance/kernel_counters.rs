@@ -12,7 +12,7 @@ pub(crate) struct CpuTime {
 }
 
 impl CpuTime {
-    /// Sum of all times.
+    /// Total CPU time: busy, idle and stolen.
     pub(crate) fn total(self) -> u64 {
         self.busy
             .saturating_add(self.idle)

@@ -22,7 +22,7 @@ const BUFFER_BYTES_UNTOLD: u64 = 256 << 20;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MemoryOperation {
-    /// Sum of all words.
+    /// Reads all words and sums them.
     Read,
     /// Fill with a constant value.
     Write,
@@ -33,7 +33,7 @@ pub enum MemoryOperation {
 }
 
 impl MemoryOperation {
-    /// Name for text reports.
+    /// Name of the memory operation for text reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
@@ -47,7 +47,7 @@ impl MemoryOperation {
 /// Bandwidth of a memory operation, 10^9 bytes per second.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Bandwidth {
-    /// Memory operation.
+    /// Measured memory operation.
     pub operation: MemoryOperation,
     /// Number of threads, each with its part of the buffer.
     pub n_threads: usize,
@@ -55,7 +55,7 @@ pub struct Bandwidth {
     pub n_bytes: usize,
     /// Bandwidth of the best round.
     pub best_gb_per_s: f64,
-    /// Bandwidth of each round.
+    /// Bandwidth of each measurement round, 10^9 bytes per second.
     pub rounds_gb_per_s: Vec<f64>,
 }
 

@@ -16,7 +16,7 @@ const KEPT_MAX: usize = 50_000;
 pub struct Interruptions {
     /// Length of each gap of more than 5 µs; at most the first 50,000.
     pub gaps: Samples,
-    /// Number of gaps.
+    /// Total number of gaps.
     pub n_gaps: u64,
     /// Observation time, ns.
     pub watched_ns: u64,

@@ -26,13 +26,13 @@ const PAUSE_CLOUD: Duration = Duration::from_micros(50);
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TransportError {
-    /// The channel failed.
+    /// Failure of the shared-memory channel.
     #[error("the hop could not be measured: {0}")]
     Channel(#[from] Error),
     /// A thread could not be started, or shared memory has no folder.
     #[error("the hop could not be measured, {attempt} failed: {source}")]
     System {
-        /// Attempted action.
+        /// Action that failed.
         attempt: &'static str,
         /// Cause reported by the operating system.
         source: io::Error,
@@ -45,7 +45,7 @@ pub enum TransportError {
     OneCore,
 }
 
-/// Payload of a message.
+/// Payload size of the probe's messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Payload {
     /// 24 bytes, as in the memory's announcements.
@@ -57,7 +57,7 @@ pub enum Payload {
 /// Waiting strategy of the receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReceiveMode {
-    /// Polling without a pause.
+    /// Busy polling without a pause.
     Polled,
     /// Blocking in a tokio runtime until woken.
     Blocking,

@@ -15,7 +15,7 @@ const WAIT_MAX: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 100_000_000,
 };
-/// Maximum number of samples.
+/// Maximum number of wake-up samples.
 const SAMPLES_MAX: usize = 20_000;
 
 const PING: u32 = 1;
@@ -29,7 +29,7 @@ struct PingPong {
     is_over: AtomicBool,
 }
 
-/// The other thread has finished.
+/// Signal that the other thread has finished.
 #[derive(Debug)]
 struct Finished;
 

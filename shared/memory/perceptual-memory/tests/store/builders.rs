@@ -132,7 +132,7 @@ pub(crate) fn lease_tracks_of(memory: &mut PerceptualMemory, mutation: &Mutation
     }
 }
 
-/// Refusal in an error.
+/// Extracts the refusal from an error.
 pub(crate) fn refusal<T: std::fmt::Debug>(result: Result<T, Error>) -> StoreRefusal {
     match result {
         Err(Error::Refused(refusal)) => refusal,

@@ -104,7 +104,7 @@ struct ReferenceModel {
     state: ModelState,
     entries: Vec<ModelEntry>,
     answers: HashMap<u128, (u64, u64)>,
-    /// Time of the last decision on each view.
+    /// Time of the last label decision on each view.
     stamps_ns: BTreeMap<ViewId, u64>,
     next_track_id: u64,
 }

@@ -49,10 +49,10 @@ impl Descriptor for WarpedGood {
 }
 
 impl WarpedGood {
-    /// Length of a descriptor.
+    /// Length of a warped GOOD descriptor, values.
     pub const DIMENSION: usize = 3 * N_COEFFICIENTS;
 
-    /// Descriptor without scratch memory.
+    /// Warped GOOD descriptor without allocated scratch memory.
     pub fn new() -> Self {
         Self {
             points: ProjectedPoints::default(),

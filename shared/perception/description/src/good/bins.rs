@@ -22,7 +22,7 @@ pub(super) struct Bins {
     half_support_m: f64,
     width_m: f64,
     rounding: Rounding,
-    /// Bins per metre.
+    /// Number of histogram bins per metre.
     density: f32,
     /// Middle of the support in bins, minus half a bin, which turns rounding to the
     /// nearest bin into rounding down.

@@ -31,7 +31,7 @@ pub enum GoodVariant {
     /// Program of the authors' evaluations: signs by a majority of 10 points farther
     /// than 0.015 m from the middle, projection with most occupied bins first.
     Workspace {
-        /// Support of the histograms.
+        /// Support (extent) of the histograms.
         support: Support,
     },
 }

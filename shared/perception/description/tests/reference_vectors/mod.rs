@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 /// Golden vector: one run of a reference program.
 pub(crate) struct ReferenceVector {
-    /// File name.
+    /// File name of the reference vector.
     pub(crate) name: String,
-    /// Described points.
+    /// Points of the described object.
     pub(crate) cloud: Vec<Point>,
-    /// Bins per side.
+    /// Histogram bins per side.
     pub(crate) n_bins: usize,
-    /// Program variant.
+    /// Variant of GOOD that the program computes.
     pub(crate) variant: GoodVariant,
     /// Object frame found by the program.
     pub(crate) frame: DescriptorFrame,

@@ -43,7 +43,7 @@ pub(crate) struct ConcavitySplit {
     parents: Vec<u32>,
     /// Per label: its number of pixels, then the number of its part.
     number_of: Vec<u32>,
-    /// Growth front, patch indices.
+    /// Growth front of the region, as patch indices.
     front: Vec<u32>,
     /// Per patch index: `true` when it is in the initial front.
     is_queued: Vec<bool>,

@@ -36,12 +36,12 @@ impl LabelGroups {
         }
     }
 
-    /// Number of groups.
+    /// Number of label groups.
     pub(super) fn len(&self) -> usize {
         self.starts.len().saturating_sub(2)
     }
 
-    /// Members of a group.
+    /// Members of a label group.
     pub(super) fn members(&self, group: usize) -> &[u32] {
         &self.members[self.starts[group] as usize..self.starts[group + 1] as usize]
     }

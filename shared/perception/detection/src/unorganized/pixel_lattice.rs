@@ -27,7 +27,7 @@ pub(super) struct PixelLattice {
 }
 
 impl PixelLattice {
-    /// Lattice of positive pitch.
+    /// Lattice of pixel tangents with a positive pitch.
     pub(super) fn new(first: f64, pitch: f64) -> Self {
         Self {
             first,
@@ -36,7 +36,7 @@ impl PixelLattice {
         }
     }
 
-    /// Tangent of a column.
+    /// Tangent of the viewing angle of a column.
     pub(super) fn tangent_of(&self, column: i64) -> f64 {
         self.first + self.pitch * column as f64
     }

@@ -183,7 +183,7 @@ impl SingleView {
         (n_layered as f64 <= LAYERED_SHARE_MAX * f64::from(n_placed)).then_some(trust)
     }
 
-    /// Image made last.
+    /// Virtual depth image that was made last.
     pub(super) fn image(&self) -> Option<OrganizedCloud<'_>> {
         OrganizedCloud::new(&self.image, self.size[0], self.size[1]).ok()
     }

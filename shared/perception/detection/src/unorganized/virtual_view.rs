@@ -84,7 +84,7 @@ const EMPTY_PIXEL: SplatPixel = SplatPixel {
 /// Cluster of an unorganised cloud above a table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CloudCluster<'a> {
-    /// Points of the cloud.
+    /// All points of the cloud.
     pub(super) points: &'a [Point],
     pub(super) members: &'a [u32],
     /// Bounding box of the members, in the frame of the cloud.

@@ -53,7 +53,7 @@ impl VoxelCentroids {
         self.is_unassigned.push(true);
     }
 
-    /// Number of centroids.
+    /// Number of voxel centroids.
     pub(super) fn len(&self) -> usize {
         self.x.len()
     }
@@ -63,7 +63,7 @@ impl VoxelCentroids {
         self.is_unassigned.iter().filter(|&&free| free).count()
     }
 
-    /// Unassign all centroids.
+    /// Clears the cluster assignment of all centroids.
     pub(super) fn reset_assignment(&mut self) {
         self.is_unassigned.fill(true);
     }

@@ -92,7 +92,7 @@ impl VoxelClusters {
         self.groups.refill(&self.of_point, n_clusters as usize);
     }
 
-    /// Number of clusters.
+    /// Number of voxel clusters.
     pub(super) fn len(&self) -> usize {
         self.groups.len()
     }

@@ -22,7 +22,7 @@ fn view() -> SyntheticScene {
     SyntheticScene::seen_from([0.0, -0.85, HIGH + 0.6], [0.0, 0.0, HIGH])
 }
 
-/// Table entirely in view.
+/// Table that is entirely in view.
 fn table() -> PlacedShape {
     PlacedShape::rectangle([0.8, 0.6], HIGH, TABLE)
 }
@@ -32,12 +32,12 @@ fn room() -> SyntheticScene {
     view().with([table(), PlacedShape::floor()])
 }
 
-/// Box on the table.
+/// Box that stands on the table.
 fn on_table(sides: [f64; 3], at: [f64; 2], n: u16) -> PlacedShape {
     PlacedShape::cuboid(sides, [at[0], at[1], HIGH], OBJECT + n)
 }
 
-/// Labels of the first `n` objects.
+/// Labels of the first `n` objects in the scene.
 fn objects(n: u16) -> Vec<u16> {
     (OBJECT..OBJECT + n).collect()
 }

@@ -67,7 +67,7 @@ impl PlacedShape {
         Self::new(Shape::Box(sides), at, label)
     }
 
-    /// Solid cylinder.
+    /// Solid cylinder that stands on the table.
     pub(crate) fn cylinder(radius: f64, height: f64, at: [f64; 3], label: u16) -> Self {
         let (bore, floor) = (0.0, 0.0);
         let shape = Shape::Cylinder {
@@ -132,7 +132,7 @@ impl PlacedShape {
     }
 }
 
-/// Colour of a label.
+/// Colour that encodes a label.
 fn color_of(label: u16) -> [u8; 3] {
     const COLORS: [[u8; 3]; 10] = [
         [200, 30, 30],
@@ -255,7 +255,7 @@ impl SyntheticScene {
         self
     }
 
-    /// The scene without the last columns of the image.
+    /// Scene without the last columns of the image.
     pub(crate) fn narrowed(mut self, n_columns: u32) -> Self {
         self.camera.width -= n_columns;
         self

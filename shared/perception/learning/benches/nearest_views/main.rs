@@ -25,7 +25,7 @@ fn main() {
     divan::main();
 }
 
-/// All views, described once.
+/// All views of the benchmark, described once.
 fn all() -> &'static [View] {
     static VIEWS: OnceLock<Vec<View>> = OnceLock::new();
     VIEWS.get_or_init(|| views(N_VIEWS + N_VIEWS / ONE_ASKED_OF))

@@ -71,12 +71,12 @@ impl IntraCategoryDistances {
     }
 }
 
-/// Distance to the neighbour.
+/// Distance to the nearest neighbour; infinite without one.
 fn distance_of(nearest: Option<NeighbourDistance>) -> Option<f32> {
     nearest.map(|(_, distance)| distance)
 }
 
-/// Nearer of two neighbours.
+/// Nearer of two neighbours of a view.
 pub(super) fn nearer(
     present: Option<NeighbourDistance>,
     other: NeighbourDistance,

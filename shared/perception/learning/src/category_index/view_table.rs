@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub(super) struct IndexedView {
     pub(super) id: ViewId,
     pub(super) name: CategoryName,
-    /// Category number.
+    /// Category number of the view.
     pub(super) category: u64,
 }
 
@@ -71,7 +71,7 @@ impl ViewTable {
         Arc::make_mut(&mut self.blocks[row / BLOCK_LEN]).describe(row % BLOCK_LEN, descriptor);
     }
 
-    /// Appends a view.
+    /// Appends a view to the table.
     pub(super) fn push(&mut self, view: IndexedView, descriptor: &[f32]) {
         if self.n_views == self.blocks.len() * BLOCK_LEN {
             let block = ViewBlock::new(self.dimension, self.has_sketches);
@@ -83,7 +83,7 @@ impl ViewTable {
         }
     }
 
-    /// Removes a view; the last one takes its row.
+    /// Removes a view from the table; the last view takes its row.
     pub(super) fn swap_remove(&mut self, row: usize) -> Option<IndexedView> {
         let block = Arc::make_mut(self.blocks.last_mut()?);
         let (last, descriptor) = block.pop()?;
@@ -98,7 +98,7 @@ impl ViewTable {
         Some(std::mem::replace(self.view_mut(row), last))
     }
 
-    /// Removes all views.
+    /// Removes all views from the table.
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
         self.n_views = 0;

@@ -1,7 +1,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// Views with the number of their category.
+/// Test views with the numbers of their categories.
 type NumberedViews = Vec<(ViewId, Option<u8>)>;
 
 fn name(number: u8) -> CategoryName {

@@ -8,7 +8,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there is no metric \"{name}\": choose one of {}", Metric::ALL.map(Metric::name).join(", "))]
 pub struct UnknownMetric {
-    /// Requested name.
+    /// Requested metric name.
     pub name: String,
 }
 

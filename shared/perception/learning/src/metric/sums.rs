@@ -34,7 +34,7 @@ pub(super) fn bounded_sum(
     Some(total(&lanes))
 }
 
-/// Sum of the terms.
+/// Sum of a term over the elements of two descriptors.
 #[inline]
 pub(super) fn sum(a: &[f32], b: &[f32], term: impl Fn(f32, f32) -> f32) -> f32 {
     let mut lanes = [0.0; LANES];

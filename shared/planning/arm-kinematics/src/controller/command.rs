@@ -26,14 +26,14 @@ pub enum Command {
     MoveTo {
         /// Target pose of the tool, base frame.
         base_from_tool: RigidTransform,
-        /// Interpolation of the motion.
+        /// Interpolation of the tool motion.
         path: PathKind,
         /// Share of the maximum joint velocities, 0.01 to 1.
         speed: f64,
     },
     /// Moves the joints to given angles.
     MoveJoints {
-        /// Target angles, radians.
+        /// Target joint angles, radians.
         joints_rad: JointVector,
         /// Share of the maximum joint velocities, 0.01 to 1.
         speed: f64,
@@ -81,26 +81,26 @@ fn check_speed(speed: f64) -> Result<(), Error> {
     )
 }
 
-/// State of a command.
+/// State of an arm command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CommandState {
-    /// Waiting in the queue.
+    /// Command waits in the queue.
     Accepted,
-    /// Being executed.
+    /// Command is being executed.
     Running {
-        /// Elapsed share of its duration, 0 to 1.
+        /// Elapsed share of the motion's duration, 0 to 1.
         progress: f64,
     },
-    /// Completed.
+    /// Command completed successfully.
     Done,
-    /// Failed with this error.
+    /// Command failed with this error.
     Failed(Error),
     /// Cancelled: stopped, replaced, or queued behind a command that failed.
     Stopped,
 }
 
 impl CommandState {
-    /// True if the state is final.
+    /// True if the command can change its state no more.
     pub fn is_final(&self) -> bool {
         !matches!(self, Self::Accepted | Self::Running { .. })
     }

@@ -36,7 +36,7 @@ pub(crate) fn count(n: usize) -> NonZeroUsize {
     NonZeroUsize::new(n).expect("at least one")
 }
 
-/// Pool of two workers.
+/// Worker pool of two threads.
 pub(crate) fn pool() -> WorkerPool {
     WorkerPool::start(PoolConfig {
         name: "bench".to_owned(),

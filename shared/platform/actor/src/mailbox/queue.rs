@@ -27,7 +27,7 @@ pub(crate) enum QueueState {
     Closed,
 }
 
-/// Position in the line of waiting senders.
+/// Position of a sender in the line of waiting senders.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Ticket(u64);
 
@@ -167,7 +167,7 @@ impl<T> Queue<T> {
         waiting.iter().position(|(other, _)| *other == ticket)
     }
 
-    /// First waiting sender.
+    /// Sender that has waited longest.
     fn first(&self) -> Option<&(Ticket, Waker)> {
         self.waiting.as_ref()?.front()
     }

@@ -9,7 +9,7 @@ pub enum SendError<T> {
     /// The mailbox is full and its policy is to refuse.
     #[error("The message was refused, because the mailbox is full; try again later or slow down.")]
     Full(T),
-    /// The receiver is gone.
+    /// Receiver of the mailbox is gone.
     #[error(
         "The message was not sent, because its receiver has stopped; \
          do not send to it again."
@@ -18,14 +18,14 @@ pub enum SendError<T> {
 }
 
 impl<T> SendError<T> {
-    /// Returns the message that was not accepted.
+    /// Returns the message that the mailbox did not accept.
     pub fn into_message(self) -> T {
         match self {
             Self::Full(message) | Self::Closed(message) => message,
         }
     }
 
-    /// Converts the message, keeping the reason.
+    /// Converts the message of the error, keeping the reason.
     pub(crate) fn map<U>(self, unwrap: impl FnOnce(T) -> U) -> SendError<U> {
         match self {
             Self::Full(message) => SendError::Full(unwrap(message)),

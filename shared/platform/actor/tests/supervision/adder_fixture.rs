@@ -39,15 +39,15 @@ pub(crate) enum Order {
     Add(u64),
     /// Adds, holding a resource meanwhile.
     AddHolding(u64, Arc<()>),
-    /// Adds, then panics.
+    /// Adds the number, then panics.
     Panic(u64),
-    /// Adds, then fails.
+    /// Adds the number, then fails.
     Fail(u64),
-    /// Adds, then wants to stop.
+    /// Adds the number, then stops itself.
     Finish(u64),
     /// Signals its begin, then hangs until the gate is dropped; adds one.
     Hang(mpsc::Sender<()>, mpsc::Receiver<()>),
-    /// Makes `stop` panic.
+    /// Makes the actor's `stop` panic.
     SpoilStop,
 }
 
@@ -166,7 +166,7 @@ pub(crate) async fn soon<T>(future: impl Future<Output = T>) -> T {
     timeout(WATCHDOG, future).await.expect("the test hangs")
 }
 
-/// Next event; `None` after the last.
+/// Next supervisor event; `None` after the last.
 pub(crate) async fn next(events: &mut Events<u64>) -> Option<LifecycleEvent<u64>> {
     soon(events.recv()).await
 }

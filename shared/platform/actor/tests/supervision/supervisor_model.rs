@@ -72,14 +72,14 @@ enum ObservedEvent {
     Escalated(u64),
 }
 
-/// Model of an actor.
+/// Test model of a supervised actor.
 struct Member {
     /// Time of its restart; `None` while it is running.
     due_ms: Option<u64>,
     total: u64,
     /// Messages queued until the start.
     waiting: Vec<Action>,
-    /// Times of its restarts.
+    /// Times of the actor's restarts, milliseconds.
     restarts_ms: Vec<u64>,
 }
 

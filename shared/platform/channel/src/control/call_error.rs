@@ -13,7 +13,7 @@ pub enum CallError {
         domain_option(.domain)
     )]
     NoDaemon {
-        /// Name of the domain.
+        /// Name of the domain without a daemon.
         domain: String,
     },
     /// The process does not run, or ended before it answered.
@@ -21,7 +21,7 @@ pub enum CallError {
         "tabula-{process} is not running just now; it is restarted if the daemon runs, try again"
     )]
     NotThere {
-        /// Name of the process.
+        /// Name of the process that did not answer.
         process: &'static str,
     },
     /// Timeout. A mutation may or may not have been carried out: the same mutation id
@@ -37,12 +37,12 @@ pub enum CallError {
     /// The request is too large, or too many requests are open.
     #[error("{0}")]
     Refused(String),
-    /// Failure of the transport.
+    /// Failure of the shared memory or socket transport.
     #[error("could not {attempt} the daemon: {source}")]
     Carrier {
-        /// Attempted operation.
+        /// Transport operation that failed.
         attempt: &'static str,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

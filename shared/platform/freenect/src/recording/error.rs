@@ -12,7 +12,7 @@ pub enum RecordingError {
         .folder.display()
     )]
     NoFolder {
-        /// Path of the folder.
+        /// Path of the recording's folder.
         folder: PathBuf,
     },
     /// A file cannot be read.
@@ -22,7 +22,7 @@ pub enum RecordingError {
         .file.display()
     )]
     Unreadable {
-        /// Path of the file.
+        /// Path of the unreadable file.
         file: PathBuf,
         /// Cause reported by the operating system.
         source: io::Error,
@@ -33,11 +33,11 @@ pub enum RecordingError {
         .index.display()
     )]
     WrongLine {
-        /// Path of the index.
+        /// Path of the index file.
         index: PathBuf,
-        /// Line number, from one.
+        /// Line number in the index, from one.
         line_number: usize,
-        /// Violated rule.
+        /// Rule that the index line violates.
         rule: &'static str,
     },
     /// The contents of a file do not match its name.
@@ -47,9 +47,9 @@ pub enum RecordingError {
         .file.display()
     )]
     WrongFile {
-        /// Path of the file.
+        /// Path of the damaged file.
         file: PathBuf,
-        /// Violated rule.
+        /// Rule that the damaged file violates.
         rule: &'static str,
     },
 }

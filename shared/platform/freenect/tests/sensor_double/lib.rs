@@ -23,17 +23,17 @@ type LogCallback = extern "C" fn(*mut Context, c_int, *const c_char);
 
 #[derive(Clone, Copy, PartialEq)]
 enum Scenario {
-    /// One pair per call.
+    /// One pair of images per call.
     Steady,
-    /// Unplugged after three pairs.
+    /// Camera unplugged after three pairs.
     Unplugged,
     /// Every second call is interrupted by a signal.
     Interrupted,
-    /// Three pairs per call.
+    /// Three pairs of images per call.
     Burst,
     /// Depth images only.
     Colourless,
-    /// No frames.
+    /// No frames at all.
     Silent,
     /// Frames in the library's own memory instead of the given buffer.
     Misplaced,

@@ -25,7 +25,7 @@ pub struct AxialNoise {
 }
 
 impl AxialNoise {
-    /// Published noise (strength 1).
+    /// Published axial noise of the Kinect v1 (strength 1).
     pub const KINECT_V1: Self = Self {
         strength: 1.0,
         common_share: 0.4,

@@ -18,7 +18,7 @@ pub struct LateralNoise {
 }
 
 impl LateralNoise {
-    /// Published noise (strength 1).
+    /// Published lateral noise of the Kinect v1 (strength 1).
     pub const KINECT_V1: Self = Self { strength: 1.0 };
 
     pub(super) fn check(&self) -> Result<(), Error> {

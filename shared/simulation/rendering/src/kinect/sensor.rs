@@ -98,7 +98,7 @@ impl KinectSensor {
         })
     }
 
-    /// Sensor model.
+    /// Model of the simulated sensor.
     pub fn model(&self) -> &SensorModel {
         &self.model
     }

@@ -67,7 +67,7 @@ impl SensorModel {
         color: ColorResponse::PERFECT,
     };
 
-    /// Validates all parameters.
+    /// Validates all parameters of the sensor model.
     ///
     /// # Errors
     /// [`Error::SensorModel`] for the first parameter out of its range; NaN is out of every

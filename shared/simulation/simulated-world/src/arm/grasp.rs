@@ -124,7 +124,7 @@ impl SimulatedArm {
         })
     }
 
-    /// Releases the held object.
+    /// Releases the object in the gripper.
     pub(super) fn release(&mut self, physics: &mut Physics, objects: &mut [SimulatedObject]) {
         let Some(grasped) = self.grasped.take() else {
             return;

@@ -41,7 +41,7 @@ enum Segment {
     MoveTo(Point3<f64>, f64),
     /// Waits for a time, seconds.
     Wait(f64),
-    /// Emits an event.
+    /// Emits a hand event.
     Emit(HandEvent),
 }
 
@@ -149,7 +149,7 @@ fn put_down_path(held: Point3<f64>) -> Vec<Segment> {
     ]
 }
 
-/// Path of [`Action::Put`].
+/// Hand path of [`Action::Put`].
 fn put_path(
     model: &ModelChoice,
     [x, y]: [f64; 2],
@@ -161,7 +161,7 @@ fn put_path(
     Some(segments)
 }
 
-/// Path of [`Action::Move`].
+/// Hand path of [`Action::Move`].
 fn move_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, underside_m) = query.object(object)?;
     let new_top = query.table_height_m() + (top.z - underside_m) + RELEASE_GAP_M;
@@ -170,7 +170,7 @@ fn move_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<V
     Some(segments)
 }
 
-/// Path of [`Action::Slide`].
+/// Hand path of [`Action::Slide`].
 fn slide_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, _) = query.object(object)?;
     let held = grasping_hand(top + Vector3::z() * RELEASE_GAP_M);
@@ -189,7 +189,7 @@ fn slide_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<
     ])
 }
 
-/// Path of [`Action::Lift`].
+/// Hand path of [`Action::Lift`].
 fn lift_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, _) = query.object(object)?;
     let mut segments = grasp_path(top, object);
@@ -200,7 +200,7 @@ fn lift_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Seg
     Some(segments)
 }
 
-/// Path of [`Action::Hide`].
+/// Hand path of [`Action::Hide`].
 fn hide_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, underside_m) = query.object(object)?;
     let middle = Point3::new(top.x, top.y, f64::midpoint(top.z, underside_m));
@@ -215,7 +215,7 @@ fn hide_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Seg
     ])
 }
 
-/// Path of [`Action::Remove`].
+/// Hand path of [`Action::Remove`].
 fn remove_path(object: u16, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
     let (top, _) = query.object(object)?;
     let mut segments = grasp_path(top, object);

@@ -5,11 +5,11 @@ use mesh::{Solid, TubeSection, ellipsoid, rounded_tube};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rendering::PreparedMesh;
 
-/// Colour of the skin.
+/// Colour of the person's skin.
 const SKIN: [u8; 3] = [206, 160, 132];
-/// Colour of the pullover.
+/// Colour of the person's pullover.
 const PULLOVER: [u8; 3] = [62, 84, 118];
-/// Colour of the trousers.
+/// Colour of the person's trousers.
 const TROUSERS: [u8; 3] = [58, 56, 60];
 /// Number of segments around a limb.
 const N_SIDES: usize = 16;

@@ -38,7 +38,7 @@ pub(super) struct VariantFigures {
     runs: Vec<RunFigures>,
 }
 
-/// Metrics of one run.
+/// Metrics of one run of a variant.
 #[derive(Debug, Serialize)]
 struct RunFigures {
     seed: u64,
@@ -49,7 +49,7 @@ struct RunFigures {
     apa: Option<f64>,
 }
 
-/// Settings of the study.
+/// Settings of the ablation study.
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
     pub(super) reference: &'static str,

@@ -6,7 +6,7 @@ use plot::figure_page::{PageFigure, PageTable, html};
 use plot::forest_plot::ForestPlotRow;
 use statistics::bootstrap::Estimate;
 
-/// Column headings.
+/// Column headings of the ablation table.
 const HEADS: [&str; 8] = [
     "variant",
     "qci",
@@ -19,10 +19,10 @@ const HEADS: [&str; 8] = [
 ];
 /// File name of the figure.
 pub(super) const PICTURE: &str = "gca.svg";
-/// Caption of the figure.
+/// Caption of the ablation figure.
 pub(super) const CAPTION: &str = "Mean GCA of each variant with its 95 % interval";
 
-/// Printed text.
+/// Ablation report as text for the terminal.
 pub(super) fn text(document: &AblationReport) -> String {
     let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(notes(document));

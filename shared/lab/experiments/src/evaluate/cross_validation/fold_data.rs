@@ -12,7 +12,7 @@ use service::{Failure, exit_code};
 
 /// Described views with their folds.
 pub(super) struct FoldData {
-    /// Name of the source.
+    /// Name of the data source.
     pub(super) source: String,
     pub(super) views: ViewTable,
     pub(super) recogniser_factory: Box<dyn RecogniserFactory>,

@@ -13,7 +13,7 @@ pub(super) struct FoldResult {
     pub(super) answers: Vec<(usize, Answer)>,
     /// Test views of withheld categories with the answers.
     pub(super) open: Vec<(usize, Answer)>,
-    /// Answers to false candidates.
+    /// Answers to false candidates (clutter).
     pub(super) clutter: Vec<Answer>,
     pub(super) teach_ms: f64,
     pub(super) ask_ms: f64,

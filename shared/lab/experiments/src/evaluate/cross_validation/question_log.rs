@@ -5,7 +5,7 @@ use super::fold_result::FoldResult;
 use crate::csv;
 use evaluation::recogniser::Answer;
 
-/// Column headings.
+/// Column headings of the question log.
 const HEADS: [&str; 7] = [
     "fold",
     "view",

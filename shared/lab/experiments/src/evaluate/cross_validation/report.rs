@@ -23,7 +23,7 @@ pub(super) struct CrossValidationReport {
     pub(super) f1_micro: f64,
     pub(super) f1_macro: f64,
     pub(super) folds: Vec<FoldFigures>,
-    /// Accuracy by category.
+    /// Accuracy of each category, by name.
     pub(super) categories: BTreeMap<String, CategoryFigures>,
     /// Open-set metrics over the views of withheld categories.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -46,7 +46,7 @@ pub(super) struct FoldFigures {
     pub(super) accuracy: Option<f64>,
 }
 
-/// Counts of one category.
+/// Answer counts of one category.
 #[derive(Debug, Serialize)]
 pub(super) struct CategoryFigures {
     pub(super) n_asked: u32,

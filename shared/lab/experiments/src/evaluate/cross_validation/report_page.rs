@@ -7,7 +7,7 @@ use crate::evaluate::open_set;
 use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 
-/// Column headings; the last two only for scenes.
+/// Column headings of the category table; the last two only for scenes.
 const HEADS: [&str; 6] = [
     "category",
     "views",
@@ -17,7 +17,7 @@ const HEADS: [&str; 6] = [
     "parts",
 ];
 
-/// Printed text.
+/// Cross-validation report as text for the terminal.
 pub(super) fn text(document: &CrossValidationReport) -> String {
     let mut lines = vec![
         format_table(heads(document), &rows(document)),

@@ -32,7 +32,7 @@ pub(super) struct DetectionReport<'a> {
     pub(super) files: ReportFiles,
 }
 
-/// Settings of the evaluation.
+/// Settings of the detection evaluation.
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
     detection: &'static str,

@@ -12,7 +12,7 @@ const N_WORST: usize = 5;
 /// Number of skipped scenes named in the text. Chosen.
 const N_SKIPPED: usize = 10;
 
-/// Printed text.
+/// Detection report as text for the terminal.
 pub(super) fn text(document: &DetectionReport<'_>, arguments: &DetectionArguments) -> String {
     let mut lines = Vec::new();
     for scores in tables(document) {

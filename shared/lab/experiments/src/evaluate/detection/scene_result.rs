@@ -4,7 +4,7 @@ use constraint::Assumptions;
 use evaluation::segmentation_score::SegmentationScore;
 use serde::Serialize;
 
-/// Result of one scene.
+/// Detection result of one scene.
 pub(super) struct SceneResult {
     pub(super) name: String,
     pub(super) group: String,

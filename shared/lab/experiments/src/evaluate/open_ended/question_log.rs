@@ -4,7 +4,7 @@ use crate::csv;
 use crate::evaluate::view_table::ViewTable;
 use evaluation::open_ended::{OpenEndedRun, Question};
 
-/// Column headings.
+/// Column headings of the question log.
 const HEADS: [&str; 9] = [
     "run",
     "iteration",

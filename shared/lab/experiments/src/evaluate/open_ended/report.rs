@@ -41,7 +41,7 @@ pub(super) struct Figures {
     pub(super) apa: Option<f64>,
 }
 
-/// Metrics of one run.
+/// Metrics of one open-ended run.
 #[derive(Debug, Serialize)]
 pub(super) struct RunFigures {
     pub(super) seed: u64,
@@ -55,7 +55,7 @@ pub(super) struct RunFigures {
     pub(super) picture: String,
 }
 
-/// Settings of the protocol.
+/// Settings of the open-ended protocol.
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
     #[serde(flatten)]

@@ -5,10 +5,10 @@ use crate::evaluate::open_set;
 use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 
-/// Column headings.
+/// Column headings of the run table.
 const HEADS: [&str; 7] = ["run", "qci", "tlc", "aic", "gca", "apa", "ended"];
 
-/// Printed text.
+/// Open-ended report as text for the terminal.
 pub(super) fn text(document: &OpenEndedReport) -> String {
     let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(notes(document));

@@ -6,7 +6,7 @@ use learning::{CategoryIndex, CategoryName, Error, ViewId};
 
 /// Descriptors of all views with an empty index.
 pub(super) struct NearestViewClassifier {
-    /// Index without views.
+    /// Nearest-view index without views.
     empty: CategoryIndex,
     /// Distance above which an object is unknown; infinite for none.
     threshold: f32,

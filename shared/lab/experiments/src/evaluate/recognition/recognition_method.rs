@@ -84,7 +84,7 @@ impl RecognitionMethod {
         }
     }
 
-    /// Describer of the method.
+    /// Describer that the recognition method uses.
     pub(in super::super) fn describer(&self) -> Result<ViewDescriber, Failure> {
         ViewDescriber::new(&self.descriptor)
     }

@@ -15,7 +15,7 @@ pub(super) fn visible_pixels(mask: &[u16], points: &[Point], n_objects: usize) -
     counts
 }
 
-/// Label of a candidate.
+/// Ground-truth label of a detected candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CandidateLabel {
     /// Object of this number, from 1: most of the candidate's pixels show it, and at least half of
@@ -23,7 +23,7 @@ pub(super) enum CandidateLabel {
     Object(u16),
     /// Smaller part of the object of this number: most of the candidate's pixels show it.
     Part(u16),
-    /// No object.
+    /// False candidate: it shows no object.
     NoObject,
 }
 

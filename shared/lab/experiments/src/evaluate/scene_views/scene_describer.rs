@@ -22,7 +22,7 @@ use simulated_world::{ObjectTruth, SimulatedKinect, World};
 use std::path::Path;
 use std::time::Instant;
 
-/// Camera of all scenes.
+/// Intrinsics of the camera in all simulated scenes.
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 /// Folder of the pictures, inside the output folder.
 pub(in super::super) const PICTURES: &str = "scenes";

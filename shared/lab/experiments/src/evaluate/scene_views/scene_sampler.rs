@@ -85,7 +85,7 @@ pub(super) struct SceneSampler {
     seed: u64,
     /// Names of the categories of all sets, sorted.
     categories: Vec<&'static str>,
-    /// Models of all sets.
+    /// Library with the object models of all sets.
     library: ModelLibrary,
 }
 

@@ -149,7 +149,7 @@ fn document(
     }
 }
 
-/// Tracks grouped by label.
+/// Track drifts grouped by object label.
 fn objects(tracks: &[TrackDrift]) -> BTreeMap<String, ObjectDrift> {
     let mut objects: BTreeMap<String, ObjectDrift> = BTreeMap::new();
     for track in tracks {

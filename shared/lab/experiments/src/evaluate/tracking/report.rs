@@ -21,7 +21,7 @@ pub(super) struct TrackingReport {
     pub(super) files: ReportFiles,
 }
 
-/// Settings of the evaluation.
+/// Settings of the tracking evaluation.
 #[derive(Debug, Serialize)]
 struct Settings {
     seeds: u64,
@@ -67,7 +67,7 @@ pub(super) struct Removed {
     pub(super) ended_after_s: Option<Spread>,
 }
 
-/// Metrics of one scene.
+/// Tracking metrics of one scene.
 #[derive(Debug, Serialize)]
 pub(super) struct SceneFigures {
     #[serde(flatten)]
@@ -75,7 +75,7 @@ pub(super) struct SceneFigures {
     pub(super) per_seed: Vec<SeedFigures>,
 }
 
-/// Metrics of one run.
+/// Tracking metrics of one run (seed).
 #[derive(Debug, Serialize)]
 pub(super) struct SeedFigures {
     pub(super) seed: Option<u64>,

@@ -5,13 +5,13 @@ use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 use statistics::spread::Spread;
 
-/// Column headings.
+/// Column headings of the tracking table.
 const HEADS: [&str; 16] = [
     "scene", "runs", "mota", "idf1", "switches", "misses", "false", "centre", "p95", "p99",
     "at 1 m", "turn", "p95", "flips", "lost", "ids",
 ];
 
-/// Printed text.
+/// Tracking report as text for the terminal.
 pub(super) fn text(document: &TrackingReport) -> String {
     let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
     lines.extend(legend());
@@ -70,7 +70,7 @@ fn rows(document: &TrackingReport) -> Vec<Vec<String>> {
     rows
 }
 
-/// Legend of the columns.
+/// Legend of the tracking table's columns.
 fn legend() -> [String; 2] {
     [
         "centre: median, 95th and 99th percentile of the distance from the centre of the box of \

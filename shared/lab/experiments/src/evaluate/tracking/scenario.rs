@@ -5,7 +5,7 @@ use service::{Failure, exit_code};
 use simulated_world::{ModelLibrary, Scene};
 use std::path::{Path, PathBuf};
 
-/// Built-in scenarios.
+/// Built-in tracking scenarios: name and scene file.
 const BUILT_IN: [(&str, &str); 7] = [
     (
         "static",
@@ -75,7 +75,7 @@ fn unreadable(path: &Path, cause: impl std::fmt::Display) -> Failure {
     Failure::new(exit_code::USAGE, sentence)
 }
 
-/// Built-in scenarios.
+/// Built-in tracking scenarios.
 pub(super) fn built_in() -> Vec<Scenario> {
     let scenarios = BUILT_IN.iter().map(|(name, text)| Scenario {
         name: (*name).to_owned(),

@@ -16,13 +16,13 @@ const KNOWN_PROBABILITY_MIN: f32 = 0.5;
 pub(super) struct TrackerInput<'a> {
     /// Frame number, from 0; the seed of detection.
     pub(super) number: u64,
-    /// Capture stamp, nanoseconds.
+    /// Capture stamp of the frame, nanoseconds.
     pub(super) capture_ns: u64,
-    /// Point cloud, camera frame.
+    /// Point cloud of the frame, camera frame.
     pub(super) cloud: OrganizedCloud<'a>,
-    /// Camera intrinsics.
+    /// Intrinsics of the camera.
     pub(super) camera: PinholeCamera,
-    /// Camera pose.
+    /// Pose of the camera, `world_from_camera`.
     pub(super) world_from_camera: RigidTransform,
     /// Up direction, camera frame; `None` when unknown.
     pub(super) up_in_camera: Option<Unit<Vector3<f64>>>,
@@ -49,7 +49,7 @@ impl TrackingPipeline {
         })
     }
 
-    /// Processes one frame.
+    /// Processes one frame: detection, association and track update.
     ///
     /// # Errors
     /// When the frame cannot be searched or an object cannot be described.

@@ -13,7 +13,7 @@ pub(super) struct TrackedSequence {
     pub(super) notes: Vec<String>,
 }
 
-/// Scored tracking run.
+/// Tracking run with its scores.
 pub(super) struct TrackingRun {
     pub(super) scene: String,
     /// Seed; `None` for a recording.

@@ -10,12 +10,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Maximum number of messages.
+/// Maximum number of messages in one probe.
 const MESSAGES_MAX: usize = 10_000;
 
 /// Topic whose messages can carry a send time stamp.
 pub(super) trait Stamped: Topic {
-    /// Writes all items of the message.
+    /// Writes all items of a message to be sent.
     fn fill(loan: &mut Loan<Self>, number: u64)
     where
         Self: Sized;
