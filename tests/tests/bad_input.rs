@@ -478,7 +478,7 @@ fn framed(body: &[u8]) -> Vec<u8> {
     message
 }
 
-/// Protocol version of the daemon.
+/// Protocol version that the daemon speaks.
 const OURS: u8 = message::control::PROTOCOL_VERSION as u8;
 
 /// CBOR of `{"protocol": version, "command": …}`, version below 24.

@@ -530,7 +530,7 @@ fn as_root_other_accounts_need_the_group() {
     assert!(run.wait().unwrap().success());
 }
 
-/// Names of the doctor's checks.
+/// Names of the checks of `tabula doctor`.
 const CHECKS: [&str; 11] = [
     "shared memory",
     "largest services",

@@ -188,7 +188,7 @@ impl Sandbox {
         self.home.path().join("log.txt")
     }
 
-    /// Starts `tabula run` without waiting.
+    /// Starts `tabula run` without waiting for readiness.
     pub(crate) fn launch(&self, arguments: &[&str]) -> Child {
         let log = std::fs::File::options()
             .create(true)

@@ -79,7 +79,7 @@ fn signal_pid(pid: u32, signal: Signal) {
     let _ = kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), signal);
 }
 
-/// Number of views of each category.
+/// Number of stored views of each category.
 fn categories(daemon: &Daemon<'_>) -> BTreeMap<String, u64> {
     let document = daemon.ask(&["categories"]);
     let all = document["categories"].as_array().unwrap().iter();

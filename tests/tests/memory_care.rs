@@ -139,7 +139,7 @@ fn import_of_a_damaged_export_is_refused_and_changes_nothing() {
     daemon.stop();
 }
 
-/// Largest file of the database.
+/// Path of the database's largest file.
 fn largest(folder: &Path) -> PathBuf {
     let files = std::fs::read_dir(folder).unwrap().flatten();
     let files = files.map(|entry| entry.path()).filter(|path| {

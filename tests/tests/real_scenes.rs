@@ -22,7 +22,7 @@ const WANDER_MAX_M: f64 = 0.12;
 /// Largest median position drift, metres.
 const WANDER_USUAL_M: f64 = 0.04;
 
-/// Daemon that plays one scene endlessly.
+/// Starts a daemon that plays one scene endlessly.
 fn show(sandbox: &Sandbox, scene: usize) -> Daemon<'_> {
     let folder = test_data::path("tabletop-scenes");
     let (from, to) = (scene.to_string(), (scene + 1).to_string());

@@ -11,7 +11,7 @@ use std::time::Duration;
 /// Polling period, short enough that no message is overwritten.
 const PERIOD: Duration = Duration::from_micros(500);
 
-/// Copy of a published message.
+/// Recorded copy of a published message.
 pub(crate) struct RecordedMessage<T: Topic> {
     /// Header of the recorded message.
     pub(crate) header: T::Header,
@@ -37,7 +37,7 @@ impl<T: Topic> std::fmt::Debug for RecordedMessage<T> {
     }
 }
 
-/// Copy of a published scene.
+/// Recorded copy of a published scene.
 pub(crate) type RecordedScene = RecordedMessage<Scene>;
 
 /// Recorder of scenes.

@@ -263,7 +263,7 @@ fn check_mask(
     }
 }
 
-/// Arm command that must succeed.
+/// Runs an arm command that must succeed.
 fn arm(daemon: &Daemon<'_>, arguments: &[&str]) -> Value {
     let report = daemon.ask(&[&["arm"], arguments].concat());
     assert_eq!(report["note"], "", "{arguments:?}: {report:#}");

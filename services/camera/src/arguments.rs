@@ -28,7 +28,7 @@ pub(crate) struct SourceArguments {
     #[arg(long, value_name = "HZ")]
     pub(crate) rate: Option<f64>,
 
-    /// Begin again when the recording ends
+    /// Start the recording again when it ends
     #[arg(long = "loop")]
     pub(crate) looped: bool,
 
@@ -36,7 +36,7 @@ pub(crate) struct SourceArguments {
     #[arg(long, value_name = "N")]
     pub(crate) from: Option<usize>,
 
-    /// Frame before which the recording ends
+    /// Frame number before which the recording ends
     #[arg(long, value_name = "M")]
     pub(crate) to: Option<usize>,
 

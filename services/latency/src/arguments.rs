@@ -39,7 +39,7 @@ pub(crate) struct LatencyArguments {
 pub(crate) enum LatencyCommand {
     /// Measure the system noise of this computer and the effect of mitigations
     Machine {
-        /// A tenth of the duration
+        /// Run for a tenth of the duration
         #[arg(long)]
         short: bool,
         /// Folder for the report and the plot
@@ -49,7 +49,7 @@ pub(crate) enum LatencyCommand {
     /// Compare the transport with common alternatives, or the detection with PCL's, in one run;
     /// builds the peers
     Peers {
-        /// A tenth of the repetitions
+        /// Run a tenth of the repetitions
         #[arg(long)]
         short: bool,
         /// A script that times PCL's pipelines on scenes and prints CSV
@@ -75,7 +75,7 @@ pub(crate) enum LatencyCommand {
         /// Histogram files to merge (.hlog)
         #[arg(required = true)]
         files: Vec<PathBuf>,
-        /// Write the merged histograms here
+        /// Write the merged histograms to this file
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
     },
@@ -123,7 +123,7 @@ pub(crate) struct SweepArguments {
     #[arg(long, value_name = "N,N", value_delimiter = ',')]
     pub(crate) values: Vec<u32>,
 
-    /// Frames to measure at each value
+    /// Number of frames to measure at each value
     #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u64).range(10..=1_000_000))]
     pub(crate) frames: u64,
 
@@ -210,7 +210,7 @@ impl MeasureArguments {
 }
 
 impl SourceArguments {
-    /// Source by name, without other options.
+    /// Frame source by name, without other options.
     pub(crate) fn of(source: &str) -> Self {
         Self {
             source: Some(source.to_owned()),

@@ -8,7 +8,7 @@ use service::{Failure, exit_code};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Prints faster, slower and undecided figures.
+/// Prints which latencies are faster, slower or undecided.
 pub(crate) fn run(before: &Path, now: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let comparisons = compare(&read_report(before)?, &read_report(now)?);
     output.answer(&comparisons, || report_text::comparison(&comparisons));

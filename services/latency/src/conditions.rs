@@ -42,7 +42,7 @@ impl ConditionsMonitor {
         }
     }
 
-    /// Conditions from the start until now.
+    /// Measurement conditions from the start until now.
     pub(crate) fn end(
         self,
         source: String,

@@ -12,7 +12,7 @@ use service::{CommonArguments, Failure};
 pub(crate) struct DaemonUnderTest {
     /// Domain membership; left before a spawned daemon is stopped.
     pub(crate) domain: Domain,
-    /// Spawned daemon, stopped on drop.
+    /// Daemon spawned for the measurement, stopped on drop.
     own: Option<SpawnedDaemon>,
 }
 

@@ -36,7 +36,7 @@ struct PclTiming {
     pipeline: String,
     threads: u32,
     ms: f64,
-    /// Time over that of the detection.
+    /// Ratio of PCL's time to that of the detection.
     ratio: f64,
 }
 
@@ -96,7 +96,7 @@ fn median(values: &[f64]) -> f64 {
     Spread::of(values).map_or(f64::NAN, |spread| spread.median)
 }
 
-/// Number of scenes in words.
+/// Number of scenes as a phrase.
 fn scenes_counted(n: usize) -> String {
     format!("{n} scene{}", if n == 1 { "" } else { "s" })
 }

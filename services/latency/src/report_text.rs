@@ -7,13 +7,13 @@ use latency_report::{
 };
 use message::{Stage, StageScope};
 
-/// Header of the table of stages.
+/// Column headings of the table of stages.
 const HEADING: [&str; 11] = [
     "stage", "p50 ms", "p90", "p99", "p99.9", "max", "cpu ms", "given up", "taken", "allocs",
     "faults",
 ];
 
-/// Whole report, without budget and comparison.
+/// Whole latency report as text, without budget and comparison.
 pub(crate) fn text(report: &LatencyReport) -> String {
     let mut parts: Vec<String> = report
         .conditions

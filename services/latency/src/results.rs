@@ -16,14 +16,14 @@ pub(crate) struct AcceptanceCriteria {
     baseline: Option<LatencyReport>,
 }
 
-/// Result of the acceptance check.
+/// Result of checking budget and baseline.
 #[derive(Debug, Default)]
 pub(crate) struct AcceptanceResult {
     pub(crate) violations: Option<Vec<BudgetViolation>>,
     pub(crate) comparisons: Option<Vec<Comparison>>,
 }
 
-/// JSON document of a measurement.
+/// JSON document of a latency measurement.
 #[derive(Serialize)]
 pub(crate) struct ReportDocument<'a> {
     #[serde(flatten)]
@@ -45,7 +45,7 @@ impl<'a> ReportDocument<'a> {
 }
 
 impl AcceptanceCriteria {
-    /// Reads the budget and the baseline.
+    /// Reads the budget and the baseline report.
     ///
     /// # Errors
     /// If a file cannot be read or parsed.
@@ -137,7 +137,7 @@ pub(crate) fn write(
     put("over-time.svg", time_figure(recorder).map_err(not_written)?)
 }
 
-/// Failure: results could not be written.
+/// Failure: measurement results could not be written.
 pub(crate) fn not_written(error: impl Display) -> Failure {
     let sentence = format!("the results could not be written: {error}");
     Failure::new(exit_code::FAILURE, sentence)

@@ -18,7 +18,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Number of windows of a run.
+/// Number of time windows of a soak run.
 const N_WINDOWS: u64 = 40;
 /// Configuration of the daemon with small limits, so that intended retention does not count as
 /// growth: the default limits are reached after hours, these within the first quarter of the run.
@@ -144,7 +144,7 @@ fn measure_window(
     }
 }
 
-/// Window statistics of the recorded frames.
+/// Window statistics of a soak test from the recorded frames.
 fn window(recorder: &LatencyRecorder) -> SoakWindow {
     let missed = recorder.missed();
     let n_missed = missed.n_dropped + missed.n_not_captured;

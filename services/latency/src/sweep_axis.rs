@@ -41,7 +41,7 @@ impl SweepAxis {
         }
     }
 
-    /// Default values of the sweep, ascending.
+    /// Default values of the swept parameter, ascending.
     pub(crate) fn default_values(self) -> &'static [u32] {
         match self {
             Self::Objects => &[1, 2, 4, 8, 16, 32, 64],

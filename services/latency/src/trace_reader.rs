@@ -15,7 +15,7 @@ const READ_PERIOD: Duration = Duration::from_millis(20);
 /// Time without a frame after which the source counts as silent.
 const SILENCE_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Reason for the end of reading.
+/// Reason why reading trace messages ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ReadEnd {
     /// Enough frames were read, or a stop was requested.
@@ -96,7 +96,7 @@ impl TraceReader {
         self.traces.n_lost()
     }
 
-    /// Frames assembled from the messages.
+    /// Frame assembler fed by the trace messages.
     pub(crate) fn assembler(&self) -> &FrameAssembler {
         &self.assembler
     }

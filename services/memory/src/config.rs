@@ -56,7 +56,7 @@ pub(crate) struct Config {
     pub(crate) forgotten_kept: Duration,
     /// Period of updates of the world model, and of its writes to disk.
     pub(crate) world_period: Duration,
-    /// Retention of the working memory.
+    /// Retention limits of the working memory.
     pub(crate) world: WorldConfig,
 }
 

@@ -4,7 +4,7 @@ use crate::world_report::word;
 use message::control::{Command, EventReport, LearningReport};
 use working_memory::{ActionOutcome, Event, EventKind, TeachingEvent, TeachingKind};
 
-/// Wire report of an event.
+/// World-model event as a wire report.
 pub(crate) fn event(event: &Event) -> EventReport {
     let EventText {
         event: word,

@@ -23,7 +23,7 @@ use std::time::Duration;
 
 /// A client may think as long as a person does; its end closes the connection.
 const IDLE_LIMIT: Duration = Duration::from_secs(7 * 24 * 3600);
-/// Requests that wait for the store.
+/// Capacity of the queue of requests that wait for the store.
 const QUEUE_REQUESTS: usize = 64;
 /// Number of the verification job; jobs of the opened store count from 1 too, but a
 /// client that verifies asks for nothing else.

@@ -56,7 +56,7 @@ fn robot(robot: &Robot) -> WorldRobotReport {
     }
 }
 
-/// Fact query of a wire filter.
+/// Fact query from a wire filter.
 pub(crate) fn query(filter: FactFilter) -> Result<FactQuery, Refusal> {
     let invalid = |rule: &str| Refusal::new(RefusalKind::Invalid, rule);
     let window = Window {
@@ -97,7 +97,7 @@ fn region(region: WorldRegion) -> Result<Region, &'static str> {
     }
 }
 
-/// Report of a page of facts.
+/// Page of facts as a wire report.
 pub(crate) fn facts(page: &FactPage) -> FactsReport {
     FactsReport {
         facts: page.facts.iter().map(fact).collect(),
@@ -176,7 +176,7 @@ pub(crate) fn outcome(outcome: TaskOutcome) -> ActionOutcome {
     }
 }
 
-/// Refusal of a task request.
+/// Refusal of a task request as a wire refusal.
 pub(crate) fn task_refusal(refusal: &TaskRefusal) -> Refusal {
     let kind = match refusal {
         TaskRefusal::Unknown { .. } => RefusalKind::NotFound,

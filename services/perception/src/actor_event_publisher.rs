@@ -143,7 +143,7 @@ fn parts(event: &LifecycleEvent<u64>) -> Option<(ActorEventKind, u64, Option<Fai
     })
 }
 
-/// Human-readable sentence for an event.
+/// Human-readable sentence about an actor event.
 fn sentence(event: &LifecycleEvent<u64>) -> String {
     let Some((kind, track_id, failure)) = parts(event) else {
         return event.to_string();

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 /// Fault injection settings: the panic period and the actor.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FaultConfig {
-    /// Panic period; zero for no panics.
+    /// Period of injected panics; zero for no panics.
     pub(crate) panic_every: Duration,
     /// Track-id of the object whose actor panics.
     pub(crate) track_id: u64,

@@ -10,11 +10,11 @@ use std::sync::Arc;
 /// Validated frame, still in shared memory.
 #[derive(Debug, Clone)]
 pub(crate) struct ReceivedFrame {
-    /// Header and points in shared memory.
+    /// Frame header and points in shared memory.
     pub(crate) frame: Arc<SharedMessage<CameraCloud>>,
     /// Frame header with validated values.
     pub(crate) checked: CheckedFrame,
-    /// Time of reception, monotonic clock, nanoseconds.
+    /// Time at which the frame was received, monotonic clock, nanoseconds.
     pub(crate) received_ns: u64,
 }
 

@@ -97,7 +97,7 @@ impl FrameTrace {
         self.spans.push(span);
     }
 
-    /// Publishes the spans of the frame.
+    /// Publishes the frame's latency spans.
     pub(crate) fn send(&mut self, received: &ReceivedFrame) {
         let mut watch = Stopwatch::start();
         self.publisher.send(received.frame.header(), &self.spans);

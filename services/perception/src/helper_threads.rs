@@ -23,7 +23,7 @@ pub(crate) struct HelperThreads {
 struct ThreadPlacement {
     /// Thread and core of the leader, off which all other threads are kept.
     leader: Option<(u32, usize)>,
-    /// Threads that have led or helped.
+    /// Kernel ids of threads that have led or helped a stage.
     threads: Vec<u32>,
 }
 

@@ -43,7 +43,7 @@ pub(crate) struct LiveExecutor<'a> {
 pub(crate) enum FrameError {
     /// Failure of the shared-memory channel.
     Channel(channel::Error),
-    /// The frame has no detection.
+    /// Failure of detection in the frame.
     Detection(DetectionError),
 }
 

@@ -23,7 +23,7 @@ const POLL_PERIOD: Duration = Duration::from_secs(1);
 /// Immutable snapshot of all labelled views, with its position in the history.
 #[derive(Debug, Clone)]
 pub(crate) struct CategorySnapshot {
-    /// Index of the labelled views.
+    /// Category index of the labelled views.
     pub(crate) index: CategoryIndex,
     /// Position in the history of the memory that the views belong to.
     pub(crate) position: HistoryPosition,
@@ -122,7 +122,7 @@ impl SyncBarrier {
     }
 }
 
-/// Failure to synchronise with the memory.
+/// Error of synchronising categories with the memory.
 #[derive(Debug, thiserror::Error)]
 enum SyncError {
     #[error("what is taught is not followed for now: {0}")]

@@ -30,7 +30,7 @@ pub(crate) struct ObjectContext {
 /// Message: one frame's view of the object.
 #[derive(Debug)]
 pub(crate) struct ObserveView {
-    /// The frame, in shared memory.
+    /// Received frame, in shared memory.
     pub(crate) received: ReceivedFrame,
     /// Detection result of the frame.
     pub(crate) detected: Arc<DetectedFrame>,
@@ -44,7 +44,7 @@ pub(crate) struct ObserveView {
     pub(crate) descriptor: Vec<f32>,
     /// Buffer for the object's points, reused.
     pub(crate) points: Vec<Point>,
-    /// Time of sending, monotonic clock, nanoseconds.
+    /// Time at which the message was sent, monotonic clock, nanoseconds.
     pub(crate) asked_ns: u64,
     /// True if the actor must panic at this message.
     #[cfg(feature = "fault-injection")]
@@ -63,7 +63,7 @@ pub(crate) struct ObservedView {
     pub(crate) points: Vec<Point>,
     /// Position in the history of the memory that the label was made with.
     pub(crate) position: HistoryPosition,
-    /// Shared-memory location of the points.
+    /// Shared-memory location of the object's points.
     pub(crate) location: SegmentLocation,
     /// Index of the object's first point in the frame.
     pub(crate) first_point_index: u32,

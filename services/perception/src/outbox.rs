@@ -29,7 +29,7 @@ struct QueuedView {
 #[derive(Clone)]
 pub(crate) struct Outbox {
     queue: mpsc::UnboundedSender<QueuedView>,
-    /// Semaphore with one permit per byte.
+    /// Semaphore that bounds the queued bytes: one permit per byte.
     room: Arc<Semaphore>,
 }
 

@@ -10,7 +10,7 @@ use channel::{Domain, Error, Publisher};
 use message::ObjectCloudHeader;
 use pipeline::Track;
 
-/// The publishers of the frame loop.
+/// Publishers of the frame loop's topics.
 pub(crate) struct Publishers {
     pub(crate) scene: Publisher<Scene>,
     views: Publisher<ObjectView>,

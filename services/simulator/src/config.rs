@@ -91,7 +91,7 @@ impl Config {
         }
     }
 
-    /// The scene and its object models.
+    /// Scene to simulate and its object models.
     ///
     /// # Errors
     /// When a file cannot be used, or the objects find no place.

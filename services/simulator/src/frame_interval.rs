@@ -14,7 +14,7 @@ pub(crate) struct ArmSample {
     pub(crate) capsules: Vec<Capsule>,
 }
 
-/// Simulation steps between two frames.
+/// Frame interval: the simulation steps between two frames.
 #[derive(Debug)]
 pub(crate) struct FrameInterval {
     /// Snapshot of the world at the beginning, for rollback; kept only for scenes with an
@@ -49,7 +49,7 @@ impl FrameInterval {
         &mut self.world
     }
 
-    /// Number of frames so far.
+    /// Number of frames completed so far.
     pub(crate) fn frame(&self) -> u64 {
         self.frame
     }

@@ -63,7 +63,7 @@ fn activity(status: &ArmStatus) -> ArmActivity {
     }
 }
 
-/// Control report of the arm state.
+/// Arm state as a control report.
 pub(crate) fn report(status: &ArmStatus) -> ArmReport {
     let pose = &status.world_from_gripper;
     ArmReport {
@@ -78,7 +78,7 @@ pub(crate) fn report(status: &ArmStatus) -> ArmReport {
     }
 }
 
-/// Topic message of the arm state.
+/// Arm state as a topic message.
 pub(crate) fn arm_state(status: &ArmStatus, stamp_ns: u64) -> ArmState {
     ArmState {
         activity: activity(status).code(),

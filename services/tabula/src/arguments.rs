@@ -67,7 +67,7 @@ pub(crate) enum Verb {
     },
     /// Give all views of a category the name of another
     Merge {
-        /// The category that ceases to exist
+        /// Category whose views move; it ceases to exist
         from: String,
         /// The category that receives the views
         into: String,
@@ -144,7 +144,7 @@ pub(crate) enum ArmVerb {
     Move(ArmMove),
     /// Fold away, out of the camera's view
     Home(ArmWait),
-    /// Open the fingers and let go
+    /// Open the fingers and release the object
     Open(ArmWait),
     /// Close the fingers until they hold something
     Close(ArmWait),
@@ -187,7 +187,7 @@ pub(crate) struct ArmMove {
     pub(crate) wait: ArmWait,
 }
 
-/// Waiting option of an arm command.
+/// Waiting option `--no-wait` of an arm command.
 #[derive(Debug, Args)]
 pub(crate) struct ArmWait {
     /// Do not wait until it is done
@@ -219,19 +219,19 @@ pub(crate) struct RunArguments {
     /// Frames per second of a recording or a simulation [default: 30]
     #[arg(long, value_name = "HZ", allow_hyphen_values = true)]
     rate: Option<String>,
-    /// Objects of a simulated scene
+    /// Number of objects in a simulated scene
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     objects: Option<String>,
     /// Seed of a simulated scene [default: 1]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seed: Option<String>,
-    /// Begin again when the recording ends
+    /// Start the recording again when it ends
     #[arg(long = "loop")]
     looped: bool,
     /// First frame of the recording, in natural name order, counted from 0
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     from: Option<String>,
-    /// Frame before which the recording ends
+    /// Frame number before which the recording ends
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     to: Option<String>,
     /// Send a frame only when perception and memory have finished the one before
@@ -251,7 +251,7 @@ impl RunArguments {
         self.source.as_deref()
     }
 
-    /// Arguments for tabula-camera or tabula-simulator.
+    /// Command-line arguments for tabula-camera or tabula-simulator.
     ///
     /// # Errors
     /// When one is given that the process has no use for.

@@ -115,7 +115,7 @@ impl Child {
         }
     }
 
-    /// True if the process has ended.
+    /// True if the child process has ended.
     pub(crate) fn has_ended(&mut self) -> bool {
         match &mut self.state {
             ChildState::Running(child) => !matches!(child.try_wait(), Ok(None)),

@@ -20,7 +20,7 @@ const READINESS_PERIOD: Duration = Duration::from_millis(200);
 /// Time that the children get to stop; the rest of the promised 5 s is for killing them.
 const STOP_TIMEOUT: Duration = Duration::from_secs(4);
 
-/// Announcement of the started processes (JSON).
+/// JSON announcement of the started daemon processes.
 #[derive(Serialize)]
 struct StartedDocument {
     domain: String,

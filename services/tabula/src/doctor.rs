@@ -13,7 +13,7 @@ use std::process::ExitCode;
 pub(crate) enum Severity {
     /// No problem found.
     Ok,
-    /// The daemon runs with reduced function.
+    /// Warning: the daemon runs with reduced function.
     Warning,
     /// Failure: the daemon cannot run.
     Failure,

@@ -70,7 +70,7 @@ impl Sensor {
         all.filter(|process| *process != self.other()).collect()
     }
 
-    /// Sensor process that is not started.
+    /// The other sensor process, which is not started.
     fn other(&self) -> ProcessKind {
         match self {
             Self::Camera => ProcessKind::Simulator,

@@ -117,7 +117,7 @@ fn events_page(
     }
 }
 
-/// Events, read page by page.
+/// Prints events, read page by page.
 fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsReport, Failure> {
     let mut since = wanted.since.unwrap_or(0);
     let mut events = Vec::new();

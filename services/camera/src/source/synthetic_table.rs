@@ -9,7 +9,7 @@ const FRAMES_PER_TABLE: usize = 90;
 
 /// Endless player of one table, or of several in turn; the frame number seeds the noise.
 pub(super) struct SyntheticSource {
-    /// Tables in turn; at least one.
+    /// Synthetic tables shown in turn; at least one.
     tables: Vec<SyntheticTable>,
     name: String,
     rate_hz: f64,
@@ -24,7 +24,7 @@ impl SyntheticSource {
         Self::new(vec![table], format!("synthetic:{number}"), playback)
     }
 
-    /// Source of a crowd of blocks.
+    /// Frame source that shows a crowd of blocks.
     pub(super) fn crowd(n: u32, playback: &Playback) -> Self {
         let tables = vec![SyntheticTable::crowd(n)];
         Self::new(tables, format!("crowd:{n}"), playback)

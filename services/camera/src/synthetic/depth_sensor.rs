@@ -23,7 +23,7 @@ const LOSS_BEHIND_EDGE: f64 = 110.0;
 /// Static sensor model of one pixel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelModel {
-    /// Disparity reading without noise, steps; real-valued.
+    /// Disparity reading of the pixel without noise, steps; real-valued.
     pub(super) raw: f32,
     /// Standard deviation of the disparity reading, steps.
     deviation: f32,
@@ -36,7 +36,7 @@ pub(super) struct PixelModel {
 /// Geometric causes of missing depth at a pixel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PixelVisibility {
-    /// Cosine of the angle of incidence.
+    /// Cosine of the angle of incidence at the surface.
     pub(super) incidence: f64,
     /// True if a neighbour is clearly nearer. The correlation window then mixes both, and
     /// the nearer surface, which is brighter, prevails.

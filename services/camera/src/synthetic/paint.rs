@@ -19,7 +19,7 @@ pub(super) enum Pattern {
     Bands(f64),
     /// Every other cube of this side, metres.
     Checks(f64),
-    /// Veins of wood along x.
+    /// Wood grain: veins along x.
     Wood,
 }
 

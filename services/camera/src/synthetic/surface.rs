@@ -18,13 +18,13 @@ impl Ray {
 /// Intersection of a ray with a surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hit {
-    /// Parameter on the ray, > 0.
+    /// Ray parameter of the intersection, > 0.
     pub(super) t: f64,
     /// Unit normal on the side of the ray's origin.
     pub(super) normal: Vector3<f64>,
 }
 
-/// Two-sided surface; metres, z up.
+/// Two-sided geometric surface; metres, z up.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Surface {
     /// Surface of revolution around z: `x² + y² = a z² + b z + c` for z in a range.

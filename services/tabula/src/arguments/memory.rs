@@ -37,7 +37,7 @@ pub(crate) enum MemoryVerb {
     History(EntriesArguments),
     /// Remove forgotten views permanently and free disk space
     Compact(CompactArguments),
-    /// Write everything into one file
+    /// Export the whole memory to one file
     Export {
         /// The file; one that is there is replaced when all is written
         file: PathBuf,
@@ -46,18 +46,18 @@ pub(crate) enum MemoryVerb {
     Import(ImportArguments),
 }
 
-/// Filter of `tabula memory inspect`.
+/// Filter options of `tabula memory inspect`.
 #[derive(Debug, Args)]
 pub(crate) struct InspectArguments {
-    /// Only those of a category
+    /// Only views of this category
     #[arg(long, value_name = "NAME", conflicts_with = "track")]
     pub(crate) category: Option<String>,
-    /// Only those of a track
+    /// Only views of this track
     #[arg(long, value_name = "TRACK")]
     pub(crate) track: Option<u64>,
 }
 
-/// Range of `tabula memory history`.
+/// Entry range of `tabula memory history`.
 #[derive(Debug, Args)]
 pub(crate) struct EntriesArguments {
     /// First entry [default: so that the last ones are shown]
@@ -97,7 +97,7 @@ pub(crate) struct ImportArguments {
 pub(crate) enum KnowledgeVerb {
     /// List the stored documents
     List,
-    /// Write it to standard output
+    /// Write the content of a document to standard output
     Get {
         /// Name of the document
         name: String,
@@ -119,7 +119,7 @@ pub(crate) enum KnowledgeVerb {
 pub(crate) struct PutArguments {
     /// Name of the document
     pub(crate) name: String,
-    /// A file [default: standard input]
+    /// File with the content [default: standard input]
     pub(crate) file: Option<PathBuf>,
     /// Media type of the document
     #[arg(long = "type", value_name = "MEDIA/TYPE", default_value = "text/plain")]

@@ -15,9 +15,9 @@ pub(crate) struct WorldArguments {
 pub(crate) enum WorldVerb {
     /// Show past facts with their beginning and end, newest first
     History(HistoryArguments),
-    /// Show the events, oldest first
+    /// Show the events of the world model, oldest first
     Events(EventsArguments),
-    /// Show the tasks, newest first
+    /// Show the robot's tasks, newest first
     Tasks {
         /// Maximum number of tasks
         #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..))]
@@ -32,16 +32,16 @@ pub(crate) struct HistoryArguments {
     /// Only facts of this track
     #[arg(long, value_name = "TRACK")]
     pub(crate) track: Option<u64>,
-    /// Only while it was called so
+    /// Only while it had this label
     #[arg(long, value_name = "NAME")]
     pub(crate) label: Option<String>,
     /// Only while its centre was near a point of the world, metres
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "radius")]
     pub(crate) near: Option<WorldPoint>,
-    /// Radius around the point, metres
+    /// Radius around the point of --near, metres
     #[arg(long, value_name = "R", value_parser = radius, requires = "near")]
     pub(crate) radius: Option<f64>,
-    /// Only what held at this time
+    /// Only facts that held at this time
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true, conflicts_with_all = ["since", "until"])]
     pub(crate) at: Option<TimeArgument>,
     /// Only what held at this time or later

@@ -15,7 +15,7 @@ impl ConstraintSet {
         self.0
     }
 
-    /// Set of a bit mask.
+    /// Set of constraints from a bit mask.
     pub fn from_bits(bits: u8) -> Self {
         Self(bits)
     }

@@ -13,11 +13,11 @@ pub(crate) const N_NAMES_MAX: usize = 32;
 pub(crate) enum PostfixOp {
     /// Push the value of a constraint.
     Is(Constraint),
-    /// Negate the top of the stack.
+    /// Negate the topmost value of the stack.
     Not,
-    /// Conjunction of the two topmost values.
+    /// Conjunction of the two topmost stack values.
     And,
-    /// Disjunction of the two topmost values.
+    /// Disjunction of the two topmost stack values.
     Or,
 }
 
@@ -106,7 +106,7 @@ impl Expression {
         self.value(findings).decisive
     }
 
-    /// Constraints named by the rule.
+    /// Constraints that the rule mentions.
     pub fn constraints(&self) -> ConstraintSet {
         let names = self.ops.iter().filter_map(|op| match op {
             PostfixOp::Is(constraint) => Some(ConstraintSet::from(*constraint)),

@@ -30,7 +30,7 @@ impl Findings {
         self.0[constraint as usize]
     }
 
-    /// Set the finding of a constraint.
+    /// Sets the finding about a constraint.
     pub fn set(&mut self, constraint: Constraint, finding: Finding) {
         self.0[constraint as usize] = finding;
     }

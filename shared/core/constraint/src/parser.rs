@@ -170,7 +170,7 @@ fn doubled(text: &str, twice: &str) -> usize {
     if text.starts_with(twice) { 2 } else { 1 }
 }
 
-/// Leading identifier: letters, digits and underscores.
+/// Leading identifier of a text: letters, digits and underscores.
 fn word(text: &str) -> &str {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     &text[..text.find(|c| !is_part(c)).unwrap_or(text.len())]

@@ -86,7 +86,7 @@ impl fmt::Display for Litres {
 }
 
 reasons! {
-    /// The constraint was not evaluated.
+    /// Constraint was not evaluated.
     0 NotEvaluated
         => "it was not judged";
     /// The candidate stands on the table: its lowest points are near the plane.
@@ -98,7 +98,7 @@ reasons! {
     /// The base of the candidate is occluded by a nearer surface.
     3 BaseOccluded
         => "something nearer hides what it stands on";
-    /// The candidate has no support.
+    /// Candidate has no support.
     4 Unsupported {
         /// Height of the lowest point over the table, metres.
         gap_m
@@ -149,9 +149,9 @@ reasons! {
     } => "it is too broad (second side {}, at most {})", Cm(side_m), Cm(max_m);
     /// The candidate is too bulky to be grasped.
     24 TooBulky {
-        /// Volume of the box, cubic metres.
+        /// Volume of the candidate's box, cubic metres.
         volume_m3,
-        /// Greatest accepted volume, cubic metres.
+        /// Greatest accepted volume of the box, cubic metres.
         max_m3
     } => "it is too bulky ({}, at most {})", Litres(volume_m3), Litres(max_m3);
     /// The image border truncates the candidate; its true size is unknown.

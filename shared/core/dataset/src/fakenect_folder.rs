@@ -24,16 +24,16 @@ pub use folder::FakenectFolder;
 pub use index::{FrameKind, IndexEntry, parse_index};
 pub use writer::{FakenectWriter, Tilt, TiltMotor};
 
-/// Columns of depth and colour frames.
+/// Image width of depth and colour frames, pixels.
 pub const WIDTH: usize = 640;
 
-/// Rows of depth and colour frames.
+/// Image height of depth and colour frames, pixels.
 pub const HEIGHT: usize = 480;
 
 /// Raw depth value of a pixel without depth.
 pub const NO_DEPTH: u16 = 2047;
 
-/// File name of the index.
+/// File name of the recording's index.
 pub(crate) const INDEX_NAME: &str = "INDEX.txt";
 
 const DEPTH_HEADER: &[u8] = b"P5 640 480 65535\n";

@@ -9,7 +9,7 @@ pub enum ImageError {
     /// Damaged PNG data.
     #[error("the PNG image is damaged: {0}")]
     Png(#[from] png::DecodingError),
-    /// Failure of the PNG encoder.
+    /// Error of the PNG encoder.
     #[error("the PNG image cannot be made: {0}")]
     Encoding(#[from] png::EncodingError),
     /// Damaged JPEG data.
@@ -24,7 +24,7 @@ pub enum ImageError {
         .found.0, .found.1, .needed.0, .needed.1
     )]
     Size {
-        /// Columns and rows of the image.
+        /// Width and height found in the image, pixels.
         found: (u32, u32),
         /// Columns and rows of the reference image.
         needed: (u32, u32),

@@ -24,7 +24,7 @@ const SLACK: usize = 2 * BLOCK;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Input that ends inside a run.
+    /// Compressed input that ends inside a run.
     #[error("the compressed data ends inside a run; copy the file again")]
     Truncated,
     /// Back reference to before the start of the output.

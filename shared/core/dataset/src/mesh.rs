@@ -8,7 +8,7 @@ pub const MAX_VERTICES: usize = 1 << 24;
 /// Maximum number of triangles of one file.
 pub const MAX_TRIANGLES: usize = 1 << 25;
 
-/// Maximum size of one file, bytes.
+/// Maximum size of one mesh file, bytes.
 pub const MAX_BYTES: u64 = 1 << 29;
 
 /// Triangle mesh of a file. The readers of this crate guarantee finite coordinates and valid

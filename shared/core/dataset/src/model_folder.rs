@@ -5,7 +5,7 @@ use crate::mesh::Mesh;
 use crate::{obj, ply};
 use std::path::{Path, PathBuf};
 
-/// Model file of a folder.
+/// Model file found in a folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModelFile {
     /// Path of the model file.
@@ -21,7 +21,7 @@ pub struct ModelFile {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Failed access to the folder.
+    /// Failed access to the model folder.
     #[error("{0}")]
     File(#[from] FileError),
     /// Folder without models.

@@ -1,6 +1,6 @@
 //! Number types of PCD and PLY files, in binary and in text.
 
-/// Storage type of a number.
+/// Storage type of a number in a binary file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NumberType {
     I8,
@@ -23,7 +23,7 @@ pub(crate) enum ByteOrder {
 }
 
 impl NumberType {
-    /// Size in a binary file, bytes.
+    /// Size of the number in a binary file, bytes.
     pub(crate) const fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,

@@ -7,7 +7,7 @@ use std::io::Cursor;
 /// Memory limit of the PNG decoder itself, bytes.
 const MAX_DECODER_BYTES: usize = 1 << 24;
 
-/// Maximum expansion factor of deflated data.
+/// Maximum expansion factor of deflated PNG data.
 const MAX_DEFLATE_EXPANSION: u64 = 1032;
 
 /// Maximum number of columns or rows of an image.
@@ -19,7 +19,7 @@ pub(crate) const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Pixel format of an image by its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PixelKind {
-    /// Depth image: grey, 16 bits, millimetres.
+    /// Depth image: one grey channel, 16 bits, millimetres.
     Depth,
     /// Instance mask: grey, 16 bits, number of the object.
     Instance,

@@ -30,7 +30,7 @@ impl fmt::Display for RecordingKind {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Failed access to the folder.
+    /// Failed access to the recording's folder.
     #[error("{0}")]
     File(#[from] FileError),
     /// Path that is not a folder.

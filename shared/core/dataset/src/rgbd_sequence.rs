@@ -59,7 +59,7 @@ pub struct RgbdSequence {
     projection: BackProjection,
 }
 
-/// Buffers reused from frame to frame.
+/// Image buffers reused from frame to frame.
 #[derive(Debug, Default)]
 pub struct Scratch {
     file: Vec<u8>,

@@ -7,9 +7,9 @@ use nalgebra::{Point3, Vector3};
 /// chains of capsules.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Capsule {
-    /// First end of the segment, metres.
+    /// First end of the capsule's axis, metres.
     pub from: Point3<f64>,
-    /// Second end of the segment, metres.
+    /// Second end of the capsule's axis, metres.
     pub to: Point3<f64>,
     /// Radius of the capsule, metres, >= 0.
     pub radius_m: f64,

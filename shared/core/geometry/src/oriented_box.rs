@@ -12,7 +12,7 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// Centre in the reference frame, metres.
+    /// Centre of the box in the reference frame, metres.
     pub fn centre(&self) -> Point3<f64> {
         self.frame_from_box.translation.vector.into()
     }

@@ -25,7 +25,7 @@ pub struct MeshDiagnostics {
     pub n_non_finite_vertices: usize,
     /// Number of connected components.
     pub n_components: usize,
-    /// Bounding box of the finite vertices.
+    /// Bounding box of the mesh's finite vertices.
     pub extent: Option<Bounds>,
 }
 

@@ -45,7 +45,7 @@ impl TriangleMesh {
         idx as u8
     }
 
-    /// Assigns one surface to all faces.
+    /// Assigns one surface finish to all faces.
     pub fn set_surface(&mut self, surface: Surface) {
         self.surfaces = vec![surface];
         for triangle in &mut self.triangles {

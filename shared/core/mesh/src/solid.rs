@@ -35,7 +35,7 @@ impl Solid {
         self
     }
 
-    /// Solid translated by a displacement, metres.
+    /// Solid translated by a displacement (x, y, z), metres.
     pub fn moved(self, x: f32, y: f32, z: f32) -> Self {
         self.transformed(&Isometry3::translation(x, y, z))
     }

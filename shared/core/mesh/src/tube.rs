@@ -18,7 +18,7 @@ pub struct TubeSection {
     pub centre: Point3<f32>,
     /// Semi-axis perpendicular to the curve and to the up direction, metres.
     pub half_width: f32,
-    /// Semi-axis along the up direction, metres.
+    /// Semi-axis of the cross-section along the up direction, metres.
     pub half_height: f32,
 }
 

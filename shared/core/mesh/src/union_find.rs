@@ -7,7 +7,7 @@ pub(crate) struct UnionFind {
 }
 
 impl UnionFind {
-    /// `n` sets of one element each.
+    /// Union-find structure of `n` sets with one element each.
     pub(crate) fn new(n: usize) -> Self {
         Self {
             parent: (0..n as u32).collect(),

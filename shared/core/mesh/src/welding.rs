@@ -31,7 +31,7 @@ pub(crate) fn welded_corners(welded_index: &[u32], vertices: [u32; 3]) -> Option
     Some([at(a)?, at(b)?, at(c)?])
 }
 
-/// True if two corners coincide.
+/// True if two corners of the triangle coincide.
 pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a
 }

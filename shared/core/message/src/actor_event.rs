@@ -38,7 +38,7 @@ impl ActorEventKind {
         Self::ALL.into_iter().find(|kind| kind.code() == code)
     }
 
-    /// Name for people and scripts.
+    /// Name of the event kind, for people and scripts.
     pub fn word(self) -> &'static str {
         match self {
             Self::Started => "started",
@@ -59,7 +59,7 @@ pub struct ActorEvent {
     pub schema_version: u32,
     /// Event kind: code of an [`ActorEventKind`].
     pub kind: u32,
-    /// Track id of the actor's object.
+    /// Track-id of the actor's object.
     pub track_id: u64,
     /// Sequence number of the frame in progress, which the track loses; valid when `has_frame` is
     /// 1.

@@ -143,7 +143,7 @@ pub enum Command {
     /// Read-your-writes consistency: the command, answered with knowledge at least as new
     /// as a position of the memory's history.
     ReadAfter {
-        /// The store whose sequence `sequence` is.
+        /// Store to which the sequence number `sequence` belongs.
         #[serde(with = "learning::hex_id")]
         store_id: u128,
         /// The oldest history sequence that may answer.

@@ -82,7 +82,7 @@ impl From<&[f32]> for DescriptorBytes {
 }
 
 impl From<Vec<u8>> for DescriptorBytes {
-    /// Wraps bytes unchecked; [`decode`](DescriptorBytes::decode) checks them.
+    /// Wraps descriptor bytes unchecked; [`decode`](DescriptorBytes::decode) checks them.
     fn from(bytes: Vec<u8>) -> Self {
         Self(bytes)
     }

@@ -13,7 +13,7 @@ use std::mem::offset_of;
 #[type_name("tabula.CloudPoint.v1")]
 #[repr(C)]
 pub struct CloudPoint {
-    /// Right, metres; NaN without depth.
+    /// Right coordinate in the camera frame, metres; NaN without depth.
     pub x: f32,
     /// Down coordinate in the camera frame, metres.
     pub y: f32,
@@ -53,7 +53,7 @@ pub mod frame_flag {
 #[type_name("tabula.SegmentLocation.v1")]
 #[repr(C)]
 pub struct SegmentLocation {
-    /// Inode of the segment's file.
+    /// Inode of the shared-memory segment's file.
     pub inode: u64,
     /// Offset of the payload's first byte in the shared-memory segment.
     pub offset_bytes: u64,
@@ -84,13 +84,13 @@ pub struct FrameHeader {
     pub capture_stamp_ns: u64,
     /// Scheduled publication time at the source's rate, monotonic clock, nanoseconds.
     pub scheduled_stamp_ns: u64,
-    /// Publication time, monotonic clock, nanoseconds.
+    /// Publication time of the frame, monotonic clock, nanoseconds.
     pub published_stamp_ns: u64,
     /// Offset from the monotonic clock to the wall clock (wall minus monotonic), nanoseconds.
     pub wall_clock_offset_ns: i64,
     /// Focal lengths and principal point: fx, fy, cx, cy.
     pub intrinsics_px: [f64; 4],
-    /// Columns and rows of the cloud.
+    /// Width and height of the cloud, points.
     pub size_px: [u32; 2],
     /// Pose of the camera; valid with `HAS_WORLD_POSE`.
     pub world_from_camera: WireTransform,
@@ -116,7 +116,7 @@ pub struct FrameDone {
     pub session: u64,
     /// Sequence number of the frame.
     pub sequence: u64,
-    /// Follower: code of a [`ProcessKind`](crate::ProcessKind).
+    /// Process that finished the frame: code of a [`ProcessKind`](crate::ProcessKind).
     pub process: u64,
 }
 
@@ -125,7 +125,7 @@ const _: () = assert!(size_of::<FrameDone>() == 24);
 /// Validated content of a frame header.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckedFrame {
-    /// Camera intrinsics and image size.
+    /// Camera intrinsics with the image size.
     pub camera: PinholeCamera,
     /// Pose of the camera; `None` when unknown.
     pub world_from_camera: Option<RigidTransform>,
@@ -158,10 +158,10 @@ pub enum InvalidFrame {
         /// Width and height according to the frame header, pixels.
         size_px: [u32; 2],
     },
-    /// `world_from_camera` that is no rigid transform.
+    /// Camera pose `world_from_camera` that is no rigid transform.
     #[error("the frame's camera pose is not a rigid transform")]
     WorldPose,
-    /// `up_in_camera` that is no unit vector.
+    /// Up direction `up_in_camera` that is no unit vector.
     #[error("the frame's direction against gravity is not a direction")]
     Up,
 }
@@ -196,7 +196,7 @@ impl FrameHeader {
         self.flags & flag != 0
     }
 
-    /// Sets intrinsics and image size.
+    /// Sets the camera intrinsics and the image size.
     pub fn set_camera(&mut self, camera: &PinholeCamera) {
         self.intrinsics_px = [camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px];
         self.size_px = [camera.width, camera.height];

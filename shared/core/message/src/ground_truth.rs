@@ -13,7 +13,7 @@ pub const MAX_TRUE_OBJECTS: usize = 64;
 pub enum TrueState {
     /// Object at rest.
     Settled = 1,
-    /// In motion without being held.
+    /// Object in motion without being held.
     Moving = 2,
     /// Held by a person.
     HeldByPerson = 3,
@@ -84,7 +84,7 @@ pub struct TruthHeader {
     pub session: u64,
     /// Sequence number of the frame.
     pub sequence: u64,
-    /// Capture stamp of the frame.
+    /// Capture stamp of the frame, nanoseconds.
     pub capture_ns: u64,
     /// Message number of the port, from 1.
     pub sent: u64,

@@ -36,7 +36,7 @@ impl ProcessKind {
         Self::ALL.into_iter().find(|process| process.code() == code)
     }
 
-    /// Short name, such as `camera`.
+    /// Short name of the process, such as `camera`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Camera => "camera",
@@ -86,7 +86,7 @@ impl ProcessState {
         Self::ALL.into_iter().find(|state| state.code() == code)
     }
 
-    /// Name for people and scripts.
+    /// Name of the process state, for people and scripts.
     pub fn word(self) -> &'static str {
         match self {
             Self::Starting => "starting",
@@ -129,7 +129,7 @@ pub struct Health {
     pub resident_bytes: u64,
     /// Number of actor restarts within the process.
     pub shared_memory_bytes: u64,
-    /// Restarts inside the process (object actors).
+    /// Number of actor restarts inside the process.
     pub restarts: u64,
     /// Number of worker threads abandoned because they made no progress.
     pub actors: u64,

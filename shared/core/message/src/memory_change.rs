@@ -11,7 +11,7 @@ use iceoryx2::prelude::ZeroCopySend;
 pub struct MemoryChange {
     /// Identity of the store, 128 bits: high half, low half.
     pub store_id: [u64; 2],
-    /// Newest sequence of the history.
+    /// Sequence number of the newest history entry.
     pub sequence: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Nearest categories of an object.
+//! Category near an object in descriptor space.
 
 use crate::Text;
 use bytemuck::{Pod, Zeroable};

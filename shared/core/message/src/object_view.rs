@@ -27,9 +27,9 @@ pub struct ObjectViewHeader {
     pub capture_ns: u64,
     /// Processing times of the view in its actor.
     pub stamps: ActorStamps,
-    /// Pose of the box's centre: `world_from_object`.
+    /// Pose of the object's box: `world_from_object`.
     pub pose: WirePose,
-    /// Side lengths of the box, metres.
+    /// Side lengths of the object's box, metres.
     pub size_m: [f32; 3],
     /// Number of points of the object's view.
     pub n_points: u32,

@@ -21,7 +21,7 @@ pub struct WireTransform {
 pub struct WirePose {
     /// Position of the pose, metres.
     pub position_m: [f64; 3],
-    /// Orientation quaternion: x, y, z, w.
+    /// Orientation of the pose, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
 }
 

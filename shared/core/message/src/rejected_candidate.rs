@@ -25,7 +25,7 @@ const REPORT_ORDER: [Constraint; Constraint::N] = [
 #[type_name("tabula.Finding.v1")]
 #[repr(C)]
 pub struct WireFinding {
-    /// Code of a [`Ternary`] value.
+    /// Truth value of the finding: code of a [`Ternary`] value.
     pub truth: u16,
     /// Reason of the finding: code of a [`Reason`].
     pub reason: u16,
@@ -58,9 +58,9 @@ impl WireFinding {
 #[type_name("tabula.IgnoredBlob.v1")]
 #[repr(C)]
 pub struct RejectedCandidate {
-    /// Pose of the box's centre: `world_from_box`.
+    /// Pose of the candidate's box: `world_from_box`.
     pub pose: WirePose,
-    /// Side lengths of the box, metres.
+    /// Side lengths of the candidate's box, metres.
     pub size_m: [f32; 3],
     /// Number of measured points of the candidate.
     pub n_points: u32,

@@ -18,9 +18,9 @@ pub const MAX_CAPSULES: usize = 32;
 #[type_name("tabula.Capsule.v1")]
 #[repr(C)]
 pub struct WireCapsule {
-    /// First end of the segment, metres.
+    /// First end of the capsule's axis, metres.
     pub from_m: [f64; 3],
-    /// Second end of the segment, metres.
+    /// Second end of the capsule's axis, metres.
     pub to_m: [f64; 3],
     /// Radius of the capsule, metres.
     pub radius_m: f64,
@@ -88,7 +88,7 @@ impl ArmActivity {
         Self::ALL.into_iter().find(|one| one.code() == code)
     }
 
-    /// Name for people and scripts.
+    /// Name of the arm activity, for people and scripts.
     pub fn word(self) -> &'static str {
         match self {
             Self::Idle => "idle",

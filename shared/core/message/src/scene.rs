@@ -18,7 +18,7 @@ pub enum TrackState {
     Tracked,
     /// Not measured in this frame and expected to return; neither occluded nor outside the image.
     Missing,
-    /// Not measured in this frame: occluded.
+    /// Object not measured in this frame because it is occluded.
     Occluded,
     /// Not measured in this frame: outside the image.
     OutOfView,
@@ -43,7 +43,7 @@ impl TrackState {
         Self::ALL.into_iter().find(|state| state.code() == code)
     }
 
-    /// Name for people and scripts.
+    /// Name of the track state, for people and scripts.
     pub fn word(self) -> &'static str {
         match self {
             Self::Tentative => "tentative",
@@ -62,17 +62,17 @@ impl TrackState {
 pub struct StageStamps {
     /// Capture time of the light (see `FrameHeader::capture_stamp_ns`).
     pub capture_ns: u64,
-    /// Scheduled publication time of the camera.
+    /// Scheduled publication time of the camera frame.
     pub scheduled_ns: u64,
-    /// Publication time of the camera.
+    /// Publication time of the camera frame.
     pub camera_published_ns: u64,
     /// Time at which perception received the frame.
     pub received_ns: u64,
-    /// Time at which detection finished.
+    /// Time at which detection of the frame finished.
     pub detected_ns: u64,
     /// Time at which the last actor answered or its deadline passed.
     pub recognised_ns: u64,
-    /// Publication time of this summary.
+    /// Publication time of this scene summary.
     pub published_ns: u64,
 }
 
@@ -88,7 +88,7 @@ pub struct ActorStamps {
     pub begun_ns: u64,
     /// Time at which the descriptor was complete.
     pub described_ns: u64,
-    /// Time at which recognition was complete.
+    /// Time at which the recognition of the view was complete.
     pub recognised_ns: u64,
     /// Time at which the frame loop received the actor's answer.
     pub answered_ns: u64,
@@ -109,15 +109,15 @@ pub struct SceneObject {
     pub first_seen_ns: u64,
     /// Capture time of the last frame with a measurement, nanoseconds.
     pub last_seen_ns: u64,
-    /// Pose of the box's centre: `world_from_object`.
+    /// Pose of the object's box: `world_from_object`.
     pub pose: WirePose,
-    /// Side lengths of the box, metres.
+    /// Side lengths of the object's box, metres.
     pub size_m: [f32; 3],
     /// Number of measured points of the object.
     pub n_points: u32,
-    /// Number of described views so far.
+    /// Number of described views of the object so far.
     pub n_views: u32,
-    /// Mean colour, packed as in `CloudPoint::argb`.
+    /// Mean colour of the object, packed as in `CloudPoint::argb`.
     pub mean_argb: u32,
     /// Distance in descriptor space to the nearest stored view; NaN when nothing is stored.
     pub distance: f32,
@@ -135,7 +135,7 @@ pub struct SceneObject {
     pub view_id: u32,
     /// 1 when this frame's view of the object is a key view.
     pub is_key_view: u32,
-    /// Number of key views so far.
+    /// Number of key views of the object so far.
     pub n_key_views: u32,
     /// Probability that the object belongs to the nearest category, 0 to 1; NaN when nothing is
     /// stored.
@@ -172,9 +172,9 @@ pub struct SceneSummary {
     pub sequence: u64,
     /// Number of frames of the session that perception dropped.
     pub frames_dropped: u64,
-    /// Processing times of this frame.
+    /// Processing times of this frame's stages.
     pub stamps: StageStamps,
-    /// 1 when a table was found.
+    /// 1 when detection found a table.
     pub has_table: u32,
     /// Number of objects; larger than the payload when they do not all fit.
     pub n_objects_total: u32,

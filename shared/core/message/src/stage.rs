@@ -23,10 +23,10 @@ macro_rules! stages {
         }
 
         impl Stage {
-            /// All stages in pipeline order.
+            /// All processing stages in pipeline order.
             pub const ALL: &[Self] = &[$(Self::$stage),*];
 
-            /// Name for people and scripts.
+            /// Name of the stage, for people and scripts.
             pub fn word(self) -> &'static str {
                 match self {
                     $(Self::$stage => $word,)*
@@ -61,7 +61,7 @@ stages! {
     Transport = 11, "transport", StageScope::Frame;
     /// Gathering of priors: prediction of tracks, and poses of people and robot at capture time.
     GatherPriors = 12, "surroundings", StageScope::Frame;
-    /// Wait of detection for a worker.
+    /// Time in which detection waits for a worker.
     DetectionQueue = 13, "detection_queue", StageScope::Frame;
     /// Object detection.
     Detection = 14, "detection", StageScope::Frame;
@@ -89,7 +89,7 @@ stages! {
     Regrouping = 36, "regrouping", StageScope::Within(Stage::Detection);
     /// Growth of clusters down to the table.
     SupportGrowth = 37, "feet", StageScope::Within(Stage::Detection);
-    /// Oriented bounding boxes of the clusters.
+    /// Fitting of oriented bounding boxes to the clusters.
     Boxes = 38, "boxes", StageScope::Within(Stage::Detection);
     /// Evaluation of constraints and rule; output of the candidates.
     ConstraintEvaluation = 39, "judging", StageScope::Within(Stage::Detection);

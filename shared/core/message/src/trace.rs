@@ -23,7 +23,7 @@ pub struct TraceHeader {
     pub sequence: u64,
     /// Scheduled publication time of the frame, monotonic clock, nanoseconds.
     pub scheduled_ns: u64,
-    /// Bits of [`frame_flag`](crate::frame_flag) of the frame.
+    /// Flags of the frame: bits of [`frame_flag`](crate::frame_flag).
     pub frame_flags: u32,
     /// Number of spans that did not fit into this message.
     pub n_left_out: u32,
@@ -46,13 +46,13 @@ pub struct Span {
     pub end_ns: u64,
     /// Track id of the object; 0 for a stage of the whole frame.
     pub track_id: u64,
-    /// Processor time of the thread, nanoseconds.
+    /// Processor time of the executing thread, nanoseconds.
     pub cpu_ns: u64,
-    /// Heap bytes allocated by the thread.
+    /// Heap bytes allocated by the executing thread.
     pub allocated_bytes: u64,
     /// Traced stage: code of a [`Stage`].
     pub stage: u32,
-    /// Kernel thread id; 0 for waiting.
+    /// Kernel thread id of the executing thread; 0 for waiting.
     pub thread_id: u32,
     /// Number of heap allocations of the thread.
     pub n_allocations: u32,

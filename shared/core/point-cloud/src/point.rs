@@ -16,7 +16,7 @@ impl Rgba {
         Self(0xff00_0000 | (red as u32) << 16 | (green as u32) << 8 | blue as u32)
     }
 
-    /// Red, green and blue channels.
+    /// Red, green and blue channels of the colour.
     #[inline]
     pub const fn rgb(self) -> [u8; 3] {
         [(self.0 >> 16) as u8, (self.0 >> 8) as u8, self.0 as u8]
@@ -58,7 +58,7 @@ impl Point {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
     }
 
-    /// Position in double precision, metres.
+    /// Position of the point in double precision, metres.
     #[inline]
     pub fn position(&self) -> Point3<f64> {
         Point3::new(f64::from(self.x), f64::from(self.y), f64::from(self.z))

@@ -47,7 +47,7 @@ impl Random {
         finalize(self.state)
     }
 
-    /// Uniform number in [0, 1).
+    /// Uniform random number in [0, 1).
     #[inline]
     pub fn unit(&mut self) -> f64 {
         unit(self.next_u64())
@@ -59,7 +59,7 @@ impl Random {
         unit_f32(self.next_u64())
     }
 
-    /// Uniform number in [`low`, `high`).
+    /// Uniform random number in [`low`, `high`).
     #[inline]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()

@@ -22,12 +22,12 @@ const DIGITS: [[u8; 5]; 10] = [
     [7, 5, 7, 1, 7],
 ];
 
-/// Bounding box with its number.
+/// Bounding box with its drawn number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumberedBox {
     /// Number drawn at the centre, such as the track id.
     pub number: u64,
-    /// Box in the camera frame.
+    /// Bounding box in the camera frame.
     pub box_in_camera: OrientedBox,
 }
 

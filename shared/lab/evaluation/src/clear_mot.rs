@@ -14,7 +14,7 @@ const UNMATCHED_COST: f64 = 1e6;
 pub struct ScoredPosition {
     /// Object number or track-id.
     pub id: u64,
-    /// Position in the world frame, metres.
+    /// Position of the object or track in the world frame, metres.
     pub position: Point3<f64>,
     /// `true` if it is scored: an object that is not scored is no miss, and a track matched with
     /// it is no false positive.
@@ -68,7 +68,7 @@ impl ClearMot {
 pub struct Correspondence {
     gate_m: f64,
     sums: ClearMot,
-    /// Track last matched with each object.
+    /// Track that was last matched with each object.
     last: BTreeMap<u64, u64>,
     /// Track last matched with each object while it was scored.
     last_counted: BTreeMap<u64, u64>,
@@ -91,7 +91,7 @@ impl Correspondence {
         }
     }
 
-    /// Counts of the frames so far.
+    /// CLEAR MOT counts of the frames so far.
     pub fn sums(&self) -> ClearMot {
         self.sums
     }

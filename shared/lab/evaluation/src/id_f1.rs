@@ -17,9 +17,9 @@ pub struct IdentityScore {
     /// Identity true positives (IDTP): frames in which an object's assigned track was at its
     /// position.
     pub n_true_positives: u64,
-    /// Total frames of all objects.
+    /// Number of object-frames: total frames of all objects.
     pub n_objects: u64,
-    /// Total frames of all tracks.
+    /// Number of track-frames: total frames of all tracks.
     pub n_tracks: u64,
 }
 
@@ -40,12 +40,12 @@ impl IdentityScore {
 }
 
 impl IdentityCounts {
-    /// Counts a frame of an object.
+    /// Counts one frame in which an object was present.
     pub fn add_object(&mut self, object: u64) {
         *self.objects.entry(object).or_default() += 1;
     }
 
-    /// Counts a frame of a track.
+    /// Counts one frame in which a track was present.
     pub fn add_track(&mut self, track: u64) {
         *self.tracks.entry(track).or_default() += 1;
     }

@@ -21,7 +21,7 @@ pub trait Recogniser {
 /// Answer of a recogniser to a view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Answer {
-    /// Recognised category; `None` is "unknown".
+    /// Recognised category; `None` for the answer "unknown".
     pub category: Option<u32>,
     /// Distance to the nearest taught view, in the recogniser's unit.
     pub distance: f32,

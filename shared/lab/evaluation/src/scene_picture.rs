@@ -28,7 +28,7 @@ enum Paint {
     Table,
     /// Object or hypothesis, in its own colour.
     Object([u8; 3]),
-    /// Hypothesis that ψ ignores, striped.
+    /// Hypothesis that the metric ψ ignores, drawn striped.
     Ignored([u8; 3]),
 }
 

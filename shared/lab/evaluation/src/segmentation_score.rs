@@ -10,7 +10,7 @@ pub use overlaps::Overlaps;
 
 use serde::Serialize;
 
-/// First label of an object.
+/// Smallest label of an object; smaller labels are background.
 pub const FIRST_OBJECT_LABEL: u16 = 10;
 
 /// Minimum number of valid pixels of a scored hypothesis. Chosen; part of the metric definition.
@@ -63,7 +63,7 @@ pub const MEASURE_NAMES: [&str; 11] = [
 ];
 
 impl SegmentationScore {
-    /// Measures in the order of [`MEASURE_NAMES`].
+    /// Metric values in the order of [`MEASURE_NAMES`].
     pub fn values(&self) -> [f64; MEASURE_NAMES.len()] {
         [
             self.wov, self.uov, self.fos, self.fus, self.p50, self.r50, self.f50, self.o_p,

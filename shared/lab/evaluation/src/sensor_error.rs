@@ -24,7 +24,7 @@ const TILTED_AT_M: f64 = 1.2;
 /// Depth noise at one placement of the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthNoise {
-    /// Distance along the optical axis, metres.
+    /// Distance of the plane along the optical axis, metres.
     pub z_m: f64,
     /// Angle between the plane's normal and the optical axis, degrees.
     pub angle_deg: f64,
@@ -37,9 +37,9 @@ pub struct DepthNoise {
 /// Depth noise over distance and over angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorError {
-    /// Sweep over distance, facing the plane.
+    /// Noise by distance, facing the plane.
     pub by_distance: Vec<DepthNoise>,
-    /// Sweep over angle at 1.2 m.
+    /// Noise by angle of incidence at 1.2 m.
     pub by_angle: Vec<DepthNoise>,
 }
 
@@ -172,7 +172,7 @@ fn measured_sigma_m(z_m: f64, angle_rad: f64) -> Result<f64, Error> {
     Ok(standard_deviation(&errors))
 }
 
-/// Indices of the central pixels.
+/// Indices of the central pixels of an image.
 fn block() -> impl Iterator<Item = usize> {
     let width = CAMERA.width as usize;
     let (column, row) = (width / 2, CAMERA.height as usize / 2);

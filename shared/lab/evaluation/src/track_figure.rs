@@ -20,7 +20,7 @@ const TIMELINE_PX: u32 = 660;
 const FRAME_PX: (u32, u32) = (76, 90);
 /// Share of the timeline's length reserved for names.
 const NAMES_SHARE: f64 = 0.24;
-/// Maximum number of rows drawn.
+/// Maximum number of timeline rows drawn.
 const DRAWN_ROWS_MAX: usize = 120;
 /// Height of a row of the timeline, pixels.
 const ROW_PX: u32 = 19;
@@ -28,7 +28,7 @@ const ROW_PX: u32 = 19;
 /// Source of a trajectory or timeline span: ground truth or a track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackSource {
-    /// Ground-truth object that is scored.
+    /// Ground-truth object that counts in the score.
     Truth,
     /// Ground-truth object in frames that are not scored.
     UnscoredTruth,
@@ -41,7 +41,7 @@ pub enum TrackSource {
 pub struct Trajectory {
     /// Source of the trajectory: ground truth or track.
     pub source: TrackSource,
-    /// World x and y, metres.
+    /// Trajectory points: world x and y, metres.
     pub points: Vec<(f64, f64)>,
 }
 

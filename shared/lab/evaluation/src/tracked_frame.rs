@@ -16,9 +16,9 @@ pub struct GroundTruthObject {
     /// Upright bounding box of the surface seen so far, world frame; `None` before anything was
     /// seen.
     pub seen_box: Option<OrientedBox>,
-    /// Rotations that leave the box unchanged.
+    /// Rotations that leave the object's box unchanged.
     pub symmetry: Symmetry,
-    /// Distance from the camera, metres.
+    /// Distance of the object from the camera, metres.
     pub range_m: f64,
     /// `true` if at least one pixel shows the object.
     pub is_visible: bool,
@@ -49,7 +49,7 @@ pub struct TrackState {
     pub id: u64,
     /// `true` if the track is confirmed and was seen in this frame; only such tracks are scored.
     pub is_output: bool,
-    /// Bounding box in the world frame.
+    /// Bounding box of the track in the world frame.
     pub box_in_world: OrientedBox,
 }
 

@@ -73,7 +73,7 @@ impl TrackingScore {
         (scorer.score, matches)
     }
 
-    /// Adds the metrics of another run.
+    /// Adds the tracking metrics of another run.
     pub fn add(&mut self, other: &Self) {
         self.mot.add(&other.mot);
         self.identity.add(&other.identity);
@@ -148,9 +148,9 @@ struct TrackingScorer {
     score: TrackingScore,
     correspondence: Correspondence,
     identities: IdentityCounts,
-    /// Object that each track showed last.
+    /// Object that each track was last matched with.
     object_of: BTreeMap<u64, u64>,
-    /// Matched pairs of the previous frame.
+    /// Matched object-track pairs of the previous frame.
     last_pairs: Vec<(GroundTruthObject, TrackState)>,
     ids_of_object: BTreeMap<u64, BTreeSet<u64>>,
     believed: BTreeSet<u64>,

@@ -65,7 +65,7 @@ pub struct ViewsArguments {
     /// Views of each object, spread over three heights
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) views: u32,
-    /// Objects of each generated category
+    /// Number of objects of each generated category
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub(crate) instances: u64,
     /// Only this category; may be given more than once [default: all]
@@ -123,7 +123,7 @@ pub struct TrackingArguments {
     /// Folder for the figures, the page and the pictures
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Number of seeds of each scene
+    /// Number of seeds to run for each scene
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     pub(crate) seeds: u64,
     /// Seed of the first run
@@ -181,7 +181,7 @@ pub struct SweepArguments {
     /// Evaluation whose scores are compared
     #[arg(long, value_enum, default_value_t = SweepScore::Detection)]
     pub score: SweepScore,
-    /// Data set of the evaluation
+    /// Data set that the evaluation uses
     #[arg(long, value_name = "DIR")]
     pub dataset: Option<PathBuf>,
     /// Factors to multiply the constants by, one after the other

@@ -46,12 +46,12 @@ pub struct Budget(RawBudget);
 #[error("{0}")]
 pub struct InvalidBudget(String);
 
-/// Figure that exceeds its limit.
+/// Figure of the report that exceeds its limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BudgetViolation {
     /// Name of the figure, such as `end_to_end p99`.
     pub what: String,
-    /// Measured value; milliseconds for durations.
+    /// Measured value of the figure; milliseconds for durations.
     pub measured: f64,
     /// Budget limit that is exceeded.
     pub limit: f64,

@@ -29,7 +29,7 @@ pub enum ComparisonVerdict {
 }
 
 impl ComparisonVerdict {
-    /// Word for the text report.
+    /// Word for the verdict in the text report.
     pub fn word(self) -> &'static str {
         match self {
             Self::Faster => "faster",
@@ -50,7 +50,7 @@ pub struct Comparison {
     pub before_ms: f64,
     /// Mean over the batches of the new report, milliseconds.
     pub now_ms: f64,
-    /// New mean over old mean.
+    /// Ratio of the new mean to the old mean.
     pub ratio: f64,
     /// 95 % confidence interval of the ratio.
     pub ratio_interval: [f64; 2],

@@ -56,7 +56,7 @@ impl FrameAssembler {
         }
     }
 
-    /// Oldest complete frame, if any.
+    /// Timeline of the oldest complete frame, if any.
     pub fn next_frame(&mut self) -> Option<FrameTimeline> {
         (self.pending.len() > N_NEWER_FRAMES)
             .then(|| self.pending.pop_first())

@@ -23,16 +23,16 @@ impl StageInterval {
     }
 }
 
-/// All recorded intervals of one frame.
+/// Timeline of one frame: all recorded stage intervals.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct FrameTimeline {
     /// Session of the frame source.
     pub session: u64,
-    /// Sequence number within the session.
+    /// Sequence number of the frame within the session.
     pub sequence: u64,
     /// Scheduled publication by the source, monotonic clock, nanoseconds.
     pub scheduled_ns: u64,
-    /// Recorded intervals in order of arrival.
+    /// Recorded stage intervals in order of arrival.
     pub intervals: Vec<StageInterval>,
 }
 
@@ -79,7 +79,7 @@ impl FrameTimeline {
 pub(crate) mod test_frames {
     use super::*;
 
-    /// Interval of a stage in perception.
+    /// Test interval of a stage in the perception process.
     pub(crate) fn interval(
         stage: Stage,
         track_id: u64,

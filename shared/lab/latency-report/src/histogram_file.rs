@@ -14,7 +14,7 @@ use std::time::Duration;
 /// Significant digits of the recorded values.
 const DIGITS: u8 = 3;
 
-/// Tag of the end-to-end histogram.
+/// Tag of the end-to-end histogram in a histogram file.
 const END_TO_END: &str = "end_to_end";
 
 /// Duration histograms by stage name.

@@ -42,7 +42,7 @@ pub struct ProcessReport {
     pub resident_mb: f64,
     /// Number of open files at the end.
     pub open_files: u64,
-    /// Number of threads at the end.
+    /// Number of threads of the process at the end.
     pub threads: u64,
     /// Major page faults (read from disk).
     pub major_faults: u64,
@@ -78,7 +78,7 @@ pub struct MeasurementOverhead {
     pub share_of_frame: f64,
     /// Spans that did not fit into their messages.
     pub left_out: u64,
-    /// Spans unknown to this version.
+    /// Number of spans whose stage this version does not know.
     pub unknown: u64,
 }
 
@@ -94,7 +94,7 @@ pub struct ObjectCounts {
 /// Latency statistics of one processing stage.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct StageReport {
-    /// Durations of the stage, milliseconds.
+    /// Percentiles of the stage's durations, milliseconds.
     #[serde(flatten)]
     pub ms: DurationPercentiles,
     /// Number of recorded executions of the stage.
@@ -108,13 +108,13 @@ pub struct StageReport {
 /// Report of one latency measurement.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LatencyReport {
-    /// Scheduled captures (frames that were due).
+    /// Number of scheduled captures (frames that were due).
     pub frames: u64,
     /// Captured frames that got no labels.
     pub dropped: u64,
     /// Scheduled captures without a frame from the source.
     pub not_captured: u64,
-    /// Period of the schedule, milliseconds.
+    /// Period of the frame schedule, milliseconds.
     pub period_ms: f64,
     /// Length of the measurement, seconds.
     pub seconds: f64,

@@ -25,7 +25,7 @@ pub struct ResourceUsage {
 }
 
 impl ResourceUsage {
-    /// Adds the usage of one interval.
+    /// Adds the resource usage of one stage interval.
     pub fn add(&mut self, span: &Span) {
         let add = |sum: &mut u64, more: u64| *sum = sum.saturating_add(more);
         add(&mut self.worked, u64::from(span.thread_id != 0));

@@ -137,7 +137,7 @@ fn of_track(interval: &StageInterval) -> String {
     }
 }
 
-/// Cause of a late frame source.
+/// Cause of a delay by a late frame source.
 fn late_source(timeline: &FrameTimeline) -> Option<String> {
     let making = timeline.interval(Stage::Generation)?;
     let waited = timeline.interval(Stage::ReleaseWait);

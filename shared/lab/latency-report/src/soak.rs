@@ -26,7 +26,7 @@ const DRIFT_PPM_MAX: f64 = 500.0;
 pub struct SoakWindow {
     /// End of the window since the start of the run, seconds.
     pub at_s: f64,
-    /// Scheduled captures (frames that were due).
+    /// Number of scheduled captures (frames that were due).
     pub frames: u64,
     /// Captured frames without labels.
     pub dropped: u64,

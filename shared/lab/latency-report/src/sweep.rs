@@ -19,7 +19,7 @@ const DRAWN_SHARE_MIN: f64 = 0.03;
 pub struct SweepRow {
     /// Value of the swept parameter in this row.
     pub value: f64,
-    /// Scheduled captures (frames that were due).
+    /// Number of scheduled captures (frames that were due).
     pub frames: u64,
     /// Captured frames without labels.
     pub dropped: u64,
@@ -36,7 +36,7 @@ pub struct SweepRow {
 }
 
 impl SweepRow {
-    /// Sweep row from a latency report.
+    /// Sweep row of the latency report at one value.
     pub fn new(value: f64, report: &LatencyReport) -> Self {
         let medians = report.stages.iter();
         Self {

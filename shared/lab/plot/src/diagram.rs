@@ -30,7 +30,7 @@ impl Color {
     pub const BLUE: Self = Self(0, 0, 255);
     /// Colour red.
     pub const RED: Self = Self(255, 0, 0);
-    /// Light grey, for reference curves.
+    /// Colour light grey, for reference curves.
     pub const GREY: Self = Self(190, 190, 190);
 
     /// Qualitative palette of 99 distinguishable colours; `index` wraps around.
@@ -85,7 +85,7 @@ pub struct Axis<'a> {
     pub label: &'a str,
     /// Range of the axis; positive when the axis is logarithmic.
     pub range: Range<f64>,
-    /// `true` for a logarithmic scale.
+    /// `true` if the axis has a logarithmic scale.
     pub is_logarithmic: bool,
 }
 

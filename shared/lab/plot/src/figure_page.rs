@@ -21,7 +21,7 @@ pub struct PageTable {
 }
 
 impl PageTable {
-    /// Table from column headings and rows.
+    /// Page table from column headings and rows.
     pub fn new(title: &str, heads: &[&str], rows: Vec<Vec<String>>) -> Self {
         let heads = heads.iter().map(|head| (*head).to_owned()).collect();
         Self {

@@ -20,7 +20,7 @@ const TAIL_SHARE: f64 = 0.025;
 /// the true value in 90 % of the cases with 10 runs, in 94 % with 40.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Statistic of the original runs.
+    /// Value of the statistic for the original runs.
     pub value: f64,
     /// Lower bound of the 95 % interval.
     pub low: f64,
@@ -29,7 +29,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Percentile bootstrap of any statistic.
+    /// Percentile bootstrap estimate of any statistic.
     ///
     /// `figure` computes the statistic from indices of runs, `0..n_runs`; a resample repeats
     /// indices (drawing with replacement). The same seed and `n_runs` draw the same resamples, so

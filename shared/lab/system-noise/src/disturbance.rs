@@ -12,7 +12,7 @@ use std::time::Instant;
 /// Disturbances during a measurement; `None` if this computer does not report a value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Disturbance {
-    /// Duration of the observation, seconds.
+    /// Duration of the disturbance observation, seconds.
     pub duration_s: f64,
     /// Steal time: share of the time of all cores that the hypervisor took, 0 to 1.
     pub steal_share: Option<f64>,
@@ -25,7 +25,7 @@ pub struct Disturbance {
     pub major_faults: Option<u64>,
     /// Involuntary context switches of own processes.
     pub involuntary_switches: Option<u64>,
-    /// Frequency changes, summed over all cores.
+    /// Number of CPU frequency changes, summed over all cores.
     pub frequency_changes: Option<u64>,
     /// Largest relative change of a core's frequency between beginning and end.
     pub frequency_drift_share: Option<f64>,

@@ -59,17 +59,17 @@ pub struct Fingerprint {
     pub frequency: Option<FrequencyRange>,
     /// `true` if the CPU flags show a hypervisor.
     pub has_hypervisor: Option<bool>,
-    /// Kind of virtual machine, or `none`.
+    /// Kind of virtual machine this system runs in, or `none`.
     pub virtual_machine: Option<String>,
-    /// Kind of container, or `none`.
+    /// Kind of container around this process, or `none`.
     pub container: Option<String>,
     /// Total main memory, bytes.
     pub memory_total_bytes: Option<u64>,
     /// Policy of transparent huge pages: `always`, `madvise` or `never`.
     pub transparent_huge_pages: Option<String>,
-    /// Cores isolated from the scheduler (`isolcpus`).
+    /// CPU cores isolated from the scheduler (`isolcpus`).
     pub isolated_cores: Option<Vec<u32>>,
-    /// Cores without a periodic tick (`nohz_full`).
+    /// CPU cores without a periodic tick (`nohz_full`).
     pub tickless_cores: Option<Vec<u32>>,
     /// Scheduler settings `/proc/sys/kernel/sched_*`; empty if there are none.
     pub scheduler_settings: BTreeMap<String, String>,

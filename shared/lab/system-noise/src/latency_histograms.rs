@@ -133,7 +133,7 @@ fn bin(value_ns: u64) -> i32 {
     (f64::from(BINS_PER_DECADE) * (value_ns.max(1) as f64).log10()).floor() as i32
 }
 
-/// Lower edge of a bin, µs.
+/// Lower edge of a histogram bin, µs.
 fn edge_us(bin: i32) -> f64 {
     10_f64.powf(f64::from(bin) / f64::from(BINS_PER_DECADE)) / 1000.0
 }

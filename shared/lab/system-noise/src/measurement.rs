@@ -78,7 +78,7 @@ pub struct MachineReport {
     pub fingerprint: Fingerprint,
     /// Disturbances during the measurement.
     pub disturbance: Disturbance,
-    /// Findings that invalidate the figures.
+    /// Warnings that call the figures into question.
     pub warnings: Vec<Warning>,
     /// Latencies of timer, wake-up and transport.
     pub latencies: Vec<Samples>,

@@ -33,11 +33,11 @@ pub enum Mitigation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EffectVerdict {
-    /// Clearly better than the baseline.
+    /// Clearly better than the baseline measurement.
     Better,
     /// No clear difference: within the spread of the baseline, or by less than a quarter.
     NoDifference,
-    /// Clearly worse than the baseline.
+    /// Clearly worse than the baseline measurement.
     Worse,
     /// One percentile is clearly better and another clearly worse.
     Mixed,
@@ -91,7 +91,7 @@ pub enum MitigationEffect {
 }
 
 impl MitigationEffect {
-    /// Mitigation whose effect this is.
+    /// Mitigation to which the effect belongs.
     pub fn mitigation(&self) -> Mitigation {
         match self {
             Self::Latency { mitigation, .. }
@@ -208,7 +208,7 @@ fn latency_effect(
     })
 }
 
-/// Combines the verdicts on several percentiles.
+/// Combines the verdicts on several percentiles into one.
 fn together(verdicts: &[EffectVerdict]) -> EffectVerdict {
     let has = |verdict| verdicts.contains(&verdict);
     match (has(EffectVerdict::Better), has(EffectVerdict::Worse)) {

@@ -10,7 +10,7 @@ pub struct Samples {
     pub name: String,
     /// Meaning of a value: the measured time.
     pub meaning: String,
-    /// Values in order of measurement, ns.
+    /// Sampled latencies in order of measurement, ns.
     pub values_ns: Vec<u64>,
     /// Percentiles of the samples; `None` without samples.
     pub summary: Option<LatencySummary>,

@@ -119,7 +119,7 @@ impl Drop for MemoryLockGuard {
     }
 }
 
-/// Locked memory of this process, bytes.
+/// Memory that this process has locked in RAM, bytes.
 pub(crate) fn locked_bytes() -> Option<u64> {
     let status = SystemFiles::real().text("proc/self/status")?;
     crate::fingerprint::kernel_text::meminfo_bytes(&status, "VmLck")

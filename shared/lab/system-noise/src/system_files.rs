@@ -33,7 +33,7 @@ impl SystemFiles {
         self.text(path)?.parse().ok()
     }
 
-    /// `true` if the path exists.
+    /// `true` if the system file exists.
     pub(crate) fn has(&self, path: &str) -> bool {
         self.root.join(path).exists()
     }

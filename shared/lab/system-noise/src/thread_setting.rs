@@ -83,7 +83,7 @@ pub fn run_trial(
     })
 }
 
-/// Applied setting, reverted on drop.
+/// Thread setting that is applied, and reverted on drop.
 enum AppliedSetting {
     Nothing,
     RealTime { _guard: RealTimeGuard },

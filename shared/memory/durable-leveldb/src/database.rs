@@ -36,7 +36,7 @@ pub const WRITE_BUFFER_BYTES: usize = 16 << 20;
 
 /// Open LevelDB database with checksummed records.
 pub struct Database {
-    /// Database handle; `None` if reopening failed.
+    /// LevelDB handle; `None` if reopening failed.
     db: Option<DB>,
     folder: PathBuf,
     write_buffer_bytes: usize,

@@ -41,7 +41,7 @@ pub type Observer = Box<dyn FnMut(&FileOperation<'_>) -> io::Result<()> + Send>;
 pub enum FileOperation<'a> {
     /// Creation of a database file.
     Create(&'a Path),
-    /// Bytes appended to a file.
+    /// Bytes appended to a database file.
     Write(&'a Path, &'a [u8]),
     /// `fdatasync` of a database file.
     Sync(&'a Path),

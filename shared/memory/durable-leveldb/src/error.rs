@@ -50,7 +50,7 @@ pub enum Error {
 pub struct StorageFailure {
     /// Operation that failed, as a participle such as "writing".
     pub doing: &'static str,
-    /// File or folder of the operation.
+    /// Path of the file or folder of the failed operation.
     pub path: PathBuf,
     /// Error of the operating system.
     pub source: Arc<io::Error>,

@@ -18,7 +18,7 @@ const MAX_KEPT_BYTES: usize = 1 << 10;
 pub struct RawDatabase {
     files: Vec<PathBuf>,
     newest: HashMap<Vec<u8>, Newest>,
-    /// Files that could not be read.
+    /// Database files that could not be read.
     pub unreadable: Vec<String>,
 }
 
@@ -89,7 +89,7 @@ impl RawDatabase {
         }
     }
 
-    /// Newest intact value of a key.
+    /// Newest intact value of a database key.
     pub fn get(&self, key: &[u8]) -> Option<Vec<u8>> {
         self.value(self.newest.get(key)?)
     }
@@ -109,7 +109,7 @@ impl RawDatabase {
         of_table.filter_map(|(key, newest)| Some((&key[..], self.value(newest)?)))
     }
 
-    /// Greatest schema version of any record.
+    /// Greatest schema version found in any record.
     pub fn version(&self) -> Option<u8> {
         let versions = self
             .newest

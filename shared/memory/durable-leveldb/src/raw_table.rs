@@ -19,7 +19,7 @@ pub(crate) struct RawRecord<'a> {
     pub(crate) key: &'a [u8],
     /// Database sequence number of the write; the greater one is newer.
     pub(crate) sequence: u64,
-    /// Value; `None` for a deletion.
+    /// Value of the record; `None` for a deletion.
     pub(crate) value: Option<&'a [u8]>,
 }
 

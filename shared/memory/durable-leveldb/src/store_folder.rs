@@ -76,7 +76,7 @@ impl StoreFolder {
         Self::hold(path)
     }
 
-    /// Sets the write-buffer size, bytes.
+    /// Sets the size of the database's write buffer, bytes.
     pub fn with_write_buffer(mut self, write_buffer_bytes: usize) -> Self {
         self.write_buffer_bytes = write_buffer_bytes;
         self
@@ -100,7 +100,7 @@ impl StoreFolder {
         Database::open(&self.rebuilding(), self.write_buffer_bytes)
     }
 
-    /// Absolute path of the folder.
+    /// Absolute path of the store folder.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -42,7 +42,7 @@ fn build(name: &str, folder: &Path) -> PathBuf {
     program
 }
 
-/// Output lines of a program.
+/// Output lines of a program that was run.
 fn lines_of(command: &mut Command) -> Vec<String> {
     let output = command.output().unwrap();
     let errors = String::from_utf8_lossy(&output.stderr);

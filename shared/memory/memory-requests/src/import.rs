@@ -43,7 +43,7 @@ impl ImportRequest {
         })
     }
 
-    /// Local name of an imported category.
+    /// Local category name of an imported category.
     fn name(&self, name: &CategoryName) -> Result<CategoryName, String> {
         if let Some(name) = self.renames.get(name) {
             return Ok(name.clone());

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use tokio::sync::watch;
 
-/// Shared resources of all jobs.
+/// Resources shared by all jobs.
 #[derive(Clone)]
 pub(crate) struct JobContext {
     pub(crate) store: StoreHandle,

@@ -66,7 +66,7 @@ pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Re
     })
 }
 
-/// Store key of a document.
+/// Store key of a document with a wire name.
 pub(crate) fn key(document: DocumentName) -> Result<DocumentKey, Refusal> {
     let kind = match document.kind {
         WireKind::ObjectModel => DocumentKind::ObjectModel,
@@ -82,7 +82,7 @@ pub(crate) fn key(document: DocumentName) -> Result<DocumentKey, Refusal> {
     })
 }
 
-/// Wire name of a document.
+/// Wire name of a document with a store key.
 pub(crate) fn name(key: &DocumentKey) -> Option<DocumentName> {
     let kind = match key.kind {
         DocumentKind::ObjectModel => WireKind::ObjectModel,

@@ -92,7 +92,7 @@ pub struct CheckpointReader {
 /// Result of a full verification.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verification {
-    /// History position of the verified state.
+    /// History position of the verified checkpoint.
     pub position: Position,
     /// Number of views read completely.
     pub n_views: u64,
@@ -205,12 +205,12 @@ impl Verification {
 }
 
 impl CheckpointReader {
-    /// History position of the checkpoint.
+    /// History position at which the checkpoint was made.
     pub fn position(&self) -> Position {
         self.checkpoint.position
     }
 
-    /// Number of views with content.
+    /// Number of views with content in the checkpoint.
     pub fn n_views(&self) -> usize {
         self.index.n_all()
     }

@@ -34,7 +34,7 @@ pub(crate) struct ConsistencyReport {
 }
 
 impl ConsistencyReport {
-    /// `true` if nothing was ever committed.
+    /// `true` if nothing was ever committed to the database.
     pub(crate) fn is_empty(&self) -> bool {
         self.meta.is_none()
             && self.n_history == 0
@@ -53,7 +53,7 @@ pub(crate) fn schema(engine: &mut Database) -> Result<Option<u32>, Error> {
     record.map_or(Ok(None), |record| schema_of(&record))
 }
 
-/// Schema version in a metadata record.
+/// Schema version stated in a metadata record.
 pub(crate) fn schema_of(meta: &[u8]) -> Result<Option<u32>, Error> {
     /// Field that every version of the metadata record has.
     #[derive(serde::Deserialize)]

@@ -52,7 +52,7 @@ impl Hasher {
         self
     }
 
-    /// Appends a part in place.
+    /// Appends a part to the hashed content in place.
     pub(crate) fn add(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }

@@ -74,7 +74,7 @@ impl DocumentKey {
     }
 }
 
-/// Content reference of a version.
+/// Content reference of a document version.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DocumentContent {
     /// Digest of the document's content.
@@ -98,7 +98,7 @@ pub(crate) struct DocumentVersion {
 pub struct DocumentSummary {
     /// Key of the document.
     pub key: DocumentKey,
-    /// Content reference of the present version.
+    /// Content reference of the document's present version.
     pub content: DocumentContent,
     /// Author and time of the document's last change.
     pub decided: DecisionStamp,

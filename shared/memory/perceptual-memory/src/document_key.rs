@@ -19,7 +19,7 @@ impl DocumentKind {
     /// All kinds of documents.
     pub const ALL: [Self; 2] = [Self::ObjectModel, Self::TaskKnowledge];
 
-    /// Byte code in database keys.
+    /// Byte code of the document kind in database keys.
     pub(crate) fn code(self) -> u8 {
         match self {
             Self::ObjectModel => 1,
@@ -31,7 +31,7 @@ impl DocumentKind {
         Self::ALL.into_iter().find(|kind| kind.code() == code)
     }
 
-    /// Word in messages to users.
+    /// Name of the document kind in messages to users.
     pub fn word(self) -> &'static str {
         match self {
             Self::ObjectModel => "object model",

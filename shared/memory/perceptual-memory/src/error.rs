@@ -25,7 +25,7 @@ pub enum Error {
          after the store was opened again"
     )]
     Failed {
-        /// Error of the earlier write.
+        /// Error of the earlier failed write.
         source: Arc<Error>,
     },
     /// Full request queue of the store thread.
@@ -39,7 +39,7 @@ pub enum Error {
     Stopped,
 }
 
-/// Reason for refusing a request.
+/// Reason why the store refuses a request.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreRefusal {
@@ -71,7 +71,7 @@ pub enum StoreRefusal {
         /// Maximum number of views in a batch.
         most: usize,
     },
-    /// Batch with too many bytes.
+    /// Batch of views with too many bytes.
     #[error("views of {n_bytes} bytes were sent to be stored at once; send at most {most}")]
     BatchBytes {
         /// Bytes of descriptors, point clouds and documents in the batch.
@@ -133,7 +133,7 @@ pub enum StoreRefusal {
         sequence: u64,
         /// Id of the view that was changed later.
         view: ViewId,
-        /// Sequence number of the later entry.
+        /// Sequence number of the later entry that changed it.
         by: u64,
     },
     /// Undo of an entry whose document was changed later.

@@ -33,7 +33,7 @@ pub enum ForeignView {
     Forgotten {
         /// Content digest of the view.
         identity: Digest,
-        /// Author and time of the forgetting.
+        /// Author and time of the forgetting of the view.
         decided: DecisionStamp,
     },
 }
@@ -98,7 +98,7 @@ impl ForeignView {
 pub struct ForeignDocument {
     /// Key of the document.
     pub key: DocumentKey,
-    /// Document; `None` if it was removed.
+    /// Content of the document; `None` if it was removed.
     pub document: Option<MemoryDocument>,
     /// Author and time of the document's last change.
     pub decided: DecisionStamp,

@@ -3,7 +3,7 @@
 /// Maximum number of findings kept as sentences.
 const MAX_SENTENCES: usize = 32;
 
-/// Findings of a consistency check.
+/// Inconsistencies found by a consistency check.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Findings {
     sentences: Vec<String>,

@@ -13,7 +13,7 @@ use crate::model::{Effect, Operation, is_among};
 use crate::store_index::StoreIndex;
 use crate::view_phrase::view_phrase;
 
-/// View as implied by the history.
+/// State of a view as implied by the history.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ProjectedView {
     pub(crate) identity: Digest,
@@ -79,7 +79,7 @@ impl HistoryProjection {
         }
     }
 
-    /// Document versions that were not purged.
+    /// Document versions that have not been purged.
     pub(crate) fn into_versions(self) -> BTreeSet<(DocumentKey, u64)> {
         self.versions
     }

@@ -10,7 +10,7 @@ use crate::view_phrase::view_phrase;
 
 /// Table of point clouds and documents: `b`, content digest.
 pub(crate) const BLOB: u8 = b'b';
-/// Table of descriptors: `d`, content digest.
+/// Database table of descriptors: `d`, content digest.
 pub(crate) const DESCRIPTOR: u8 = b'd';
 /// Table of history entries: `h`, sequence number.
 pub(crate) const HISTORY: u8 = b'h';
@@ -33,7 +33,7 @@ pub(crate) fn view_key(table: u8, view: ViewId) -> [u8; 13] {
     key
 }
 
-/// View id in a key.
+/// View id contained in a database key.
 pub(crate) fn view_of(key: &[u8]) -> Option<ViewId> {
     let key: &[u8; 13] = key.try_into().ok()?;
     Some(ViewId {
@@ -42,14 +42,14 @@ pub(crate) fn view_of(key: &[u8]) -> Option<ViewId> {
     })
 }
 
-/// Key of a history entry.
+/// Database key of a history entry.
 pub(crate) fn history_key(sequence: u64) -> [u8; 9] {
     let mut key = [HISTORY; 9];
     key[1..].copy_from_slice(&sequence.to_be_bytes());
     key
 }
 
-/// Sequence number in a history key.
+/// Sequence number contained in a history key.
 pub(crate) fn sequence_of(key: &[u8]) -> Option<u64> {
     let key: &[u8; 9] = key.try_into().ok()?;
     Some(u64::from_be_bytes(*key[1..].first_chunk()?))
@@ -62,7 +62,7 @@ pub(crate) fn digest_key(table: u8, digest: Digest) -> [u8; 17] {
     key
 }
 
-/// Content digest in a key.
+/// Content digest contained in a database key.
 pub(crate) fn digest_of(key: &[u8]) -> Option<Digest> {
     let key: &[u8; 17] = key.try_into().ok()?;
     Some(Digest(u128::from_be_bytes(*key[1..].first_chunk()?)))

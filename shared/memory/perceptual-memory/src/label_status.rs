@@ -21,7 +21,7 @@ pub enum LabelStatus {
 }
 
 impl LabelStatus {
-    /// Category label, if there is one.
+    /// Category label of the view, if it has one.
     pub fn category(&self) -> Option<&CategoryName> {
         match self {
             Self::Named(name) => Some(name),

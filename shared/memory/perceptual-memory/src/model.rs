@@ -17,7 +17,7 @@ use crate::label_status::{DecisionStamp, LabelStatus};
 pub enum Target {
     /// One view, by its id.
     CapturedView(ViewId),
-    /// All views of a track.
+    /// All views of a track, by its track-id.
     Track(u64),
     /// All views of a category.
     Category(CategoryName),
@@ -70,10 +70,10 @@ pub enum Operation {
     MergeCategories {
         /// Category that was merged away.
         from: CategoryName,
-        /// Category that received the views.
+        /// Category that received the merged views.
         into: CategoryName,
     },
-    /// Undo of an earlier entry.
+    /// Undo of an earlier history entry.
     Undo {
         /// Sequence number of the undone entry.
         sequence: u64,
@@ -99,7 +99,7 @@ pub enum Operation {
     /// were deleted.
     #[serde(rename = "economise")]
     EnforceLimit {
-        /// Category; `None` for unlabelled views.
+        /// Category above its limit; `None` for unlabelled views.
         category: Option<CategoryName>,
     },
     /// Rebuild of a damaged store from its intact records.
@@ -109,7 +109,7 @@ pub enum Operation {
         /// First and last sequence numbers of each range of lost entries.
         lost: Vec<(u64, u64)>,
     },
-    /// Migration from an older schema.
+    /// Migration of the store from an older schema.
     Migrate {
         /// Schema version before the migration.
         schema: u32,
@@ -211,7 +211,7 @@ pub(crate) fn is_among(ranges: &[(u64, u64)], sequence: u64) -> bool {
 /// Conflict of a teaching request with the present label of the track.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Contradiction {
-    /// Present label of the track.
+    /// Present label of the contradicted track.
     pub present: CategoryName,
     /// Author and time of the present label.
     pub decided: DecisionStamp,

@@ -66,7 +66,7 @@ pub enum StoreChange {
     MergeCategories {
         /// Category that is merged away.
         from: CategoryName,
-        /// Category that receives the views.
+        /// Category that receives the merged views.
         into: CategoryName,
     },
     /// Undo a history entry, unless its effects were changed later. Without a sequence number: the

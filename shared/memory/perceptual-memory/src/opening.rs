@@ -36,7 +36,7 @@ pub struct OpenReport {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Condition {
-    /// Missing; a new store was created.
+    /// Store was missing; a new one was created.
     New,
     /// Intact store.
     Sound,
@@ -49,7 +49,7 @@ pub enum Condition {
         /// Path of the damaged database.
         set_aside: Option<PathBuf>,
     },
-    /// Older schema, migrated without loss.
+    /// Store with an older schema, migrated without loss.
     Migrated {
         /// Schema version before the migration.
         schema: u32,
@@ -58,9 +58,9 @@ pub enum Condition {
     },
     /// Damaged without any intact record; an empty store was created.
     Replaced {
-        /// Detected corruption, as a sentence.
+        /// Detected corruption of the store, as a sentence.
         reason: String,
-        /// Content of the lost store.
+        /// Content lost with the old store.
         loss: DataLoss,
         /// Path of the damaged database, if anything of it was left.
         set_aside: Option<PathBuf>,

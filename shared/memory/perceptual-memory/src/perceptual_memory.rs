@@ -299,7 +299,7 @@ impl PerceptualMemory {
         self.staged.writes.n_bytes()
     }
 
-    /// Error that made the store unusable.
+    /// Error of the write that made the store unusable.
     pub(crate) fn failure(&self) -> Option<&Error> {
         self.failure.as_deref()
     }

@@ -62,14 +62,14 @@ struct DocumentBody {
     decided: DecisionStamp,
 }
 
-/// Number of frames of each kind.
+/// Number of frames of each kind in an export file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PortableCounts {
-    /// Number of views with content.
+    /// Number of exported views with content.
     pub n_views: u64,
     /// Number of forgotten views, of which only the digest is known.
     pub n_forgotten: u64,
-    /// Number of documents, including removed ones.
+    /// Number of exported documents, including removed ones.
     pub n_documents: u64,
 }
 
@@ -89,7 +89,7 @@ pub enum PortableError {
     /// File that is not an export of tabula.
     #[error("it is no exported memory; export one with: tabula memory export FILE")]
     NotAnExport,
-    /// File of a newer format version.
+    /// Export file of a newer format version.
     #[error("it was exported by a newer version of this program; update this one")]
     Newer,
     /// Truncated or corrupted export file.
@@ -99,7 +99,7 @@ pub enum PortableError {
     Damaged {
         /// Offset of the corruption, bytes from the beginning.
         offset: u64,
-        /// Violated rule of the format.
+        /// Format rule that the export file violates.
         reason: &'static str,
     },
 }
@@ -286,7 +286,7 @@ impl<R: Read> PortableReader<R> {
         self.offset
     }
 
-    /// Number of frames read, by kind.
+    /// Number of frames read from the export file, by kind.
     pub fn counts(&self) -> PortableCounts {
         self.counts
     }

@@ -24,7 +24,7 @@ use crate::view_record;
 /// `load_snapshot`.
 const SKIPPED_PER_SEEK: usize = 16;
 
-/// Replication position of a reader.
+/// Replication position of a reader in the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Position {
     /// Id of the store.
@@ -59,7 +59,7 @@ pub struct SnapshotPage {
     pub next: Option<Digest>,
 }
 
-/// Change feed since a position.
+/// Change feed: label changes since a position.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Changes {
     /// History entries after the position, without a gap.
@@ -87,12 +87,12 @@ pub struct ChangeEntry {
 pub enum NameChange {
     /// New label of a view, which replaces any earlier one.
     Assigned(LabelledView),
-    /// Removed label of a view.
+    /// View that lost its label.
     Unassigned(ViewId),
 }
 
 impl PerceptualMemory {
-    /// Replication position of the store.
+    /// Replication position at the end of the store's history.
     pub fn position(&self) -> Position {
         Position {
             store_id: self.store_id(),

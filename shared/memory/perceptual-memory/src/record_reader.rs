@@ -12,7 +12,7 @@ use crate::store_index::IndexedView;
 use crate::view::StoredView;
 use crate::view_record::{ViewMetadata, ViewParts};
 
-/// Reads a record that must exist.
+/// Reads a database record that must exist.
 pub(crate) fn read_record<T: DeserializeOwned>(
     reader: &mut Reader,
     key: &[u8],
@@ -24,7 +24,7 @@ pub(crate) fn read_record<T: DeserializeOwned>(
     value.map_err(|wrong| keys::record_error(key, wrong))
 }
 
-/// Reads content that must exist.
+/// Reads stored content that must exist.
 pub(crate) fn read_content(reader: &mut Reader, key: &[u8]) -> Result<Vec<u8>, Error> {
     Ok(read_record::<ByteBuf>(reader, key)?.into_vec())
 }

@@ -148,7 +148,7 @@ impl RecoveredRecords {
         })
     }
 
-    /// Intact point cloud or document content.
+    /// Intact point cloud or document content, by digest.
     pub(crate) fn blob(&self, raw: &RawDatabase, digest: Digest) -> Option<Vec<u8>> {
         self.content(raw, keys::BLOB, digest)
     }

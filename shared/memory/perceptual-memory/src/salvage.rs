@@ -108,7 +108,7 @@ impl Rebuilder<'_> {
         std::mem::take(&mut self.writes).flush(self.copy)
     }
 
-    /// Intact content that these effects insert.
+    /// Intact content that the given effects insert.
     fn contents_of(&self, effects: &[Effect]) -> NewContent {
         let mut contents = NewContent::default();
         for effect in effects {

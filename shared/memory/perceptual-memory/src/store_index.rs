@@ -17,7 +17,7 @@ use crate::model::is_among;
 use crate::view::Origin;
 use crate::view_record::{ContentRef, ViewMetadata};
 
-/// Indexed properties of a view.
+/// View in the index with its properties.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct IndexedView {
     pub(crate) identity: Digest,
@@ -95,7 +95,7 @@ impl StoreIndex {
         self.views.get(&view)
     }
 
-    /// All views, in id order.
+    /// All indexed views, in id order.
     pub(crate) fn all(&self) -> impl Iterator<Item = (ViewId, &IndexedView)> {
         self.views.iter().map(|(view, entry)| (*view, entry))
     }
@@ -279,7 +279,7 @@ impl StoreIndex {
         }
     }
 
-    /// Removes a view and returns it.
+    /// Removes a view from the index and returns it.
     pub(crate) fn remove(&mut self, view: ViewId) -> Option<IndexedView> {
         self.set(view, LwwRegister::untouched(0));
         let entry = self.views.remove(&view)?;
@@ -379,7 +379,7 @@ impl StoreIndex {
         versions.insert(sequence, version);
     }
 
-    /// Removes a version and returns it.
+    /// Removes a document version and returns it.
     pub(crate) fn remove_version(
         &mut self,
         key: &DocumentKey,

@@ -303,7 +303,7 @@ struct StoreLoop {
     /// Callbacks of staged requests, called after the commit.
     waiting: Vec<ReplyCallback<()>>,
     n_uncompacted_bytes: usize,
-    /// Next step of the running compaction.
+    /// Index of the running compaction's next step.
     compaction_step: usize,
     /// Position of the durable history, shared with all handles.
     position: Arc<Mutex<Position>>,

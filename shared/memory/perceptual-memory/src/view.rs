@@ -16,13 +16,13 @@ pub const MAX_NAME_BYTES: usize = 256;
 /// Maximum deviation of the norm of a rotation quaternion from one. Chosen.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// Shape descriptor with its kind.
+/// Descriptor values with their descriptor kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredDescriptor {
     /// Algorithm and parameters, such as `good-published-15`. Only descriptors of one kind are
     /// comparable.
     pub kind: String,
-    /// Values, all finite, 1 to [`MAX_DESCRIPTOR_VALUES`].
+    /// Descriptor values, all finite, 1 to [`MAX_DESCRIPTOR_VALUES`].
     pub values: Vec<f32>,
 }
 
@@ -35,13 +35,13 @@ pub struct CapturedView {
     pub descriptor: StoredDescriptor,
     /// Oriented bounding box of the object in the world frame, metres.
     pub box_in_world: OrientedBox,
-    /// Capture time, nanoseconds since 1970, UTC.
+    /// Capture time of the view, nanoseconds since 1970, UTC.
     pub captured_ns: u64,
     /// Sequence number of the camera frame.
     pub frame_sequence: u64,
     /// Name of the camera or recording.
     pub source: String,
-    /// Mean colour: red, green, blue.
+    /// Mean colour of the object: red, green, blue.
     pub mean_rgb: Option<[u8; 3]>,
     /// Packed point cloud of a key view, at most [`MAX_POINTS_BYTES`].
     pub points: Option<Vec<u8>>,

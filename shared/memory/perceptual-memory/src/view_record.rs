@@ -24,7 +24,7 @@ pub(crate) struct ViewMetadata {
     pub(crate) frame_sequence: u64,
     pub(crate) source: String,
     pub(crate) mean_rgb: Option<[u8; 3]>,
-    /// Provenance: memory id and view id.
+    /// Provenance of the view: memory id and view id.
     origin: (ByteArray<16>, ViewId),
     pub(crate) descriptor_kind: String,
     pub(crate) descriptor: ContentRef,
@@ -47,7 +47,7 @@ impl ContentRef {
     }
 }
 
-/// View in its stored parts.
+/// View split into its stored parts.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ViewParts {
     pub(crate) metadata: ViewMetadata,

@@ -33,7 +33,7 @@ pub struct ViewSummary {
     pub sequence: u64,
     /// Oriented bounding box of the object in the world frame, metres.
     pub box_in_world: OrientedBox,
-    /// Capture time, nanoseconds since 1970, UTC.
+    /// Capture time of the view, nanoseconds since 1970, UTC.
     pub captured_ns: u64,
     /// Sequence number of the camera frame.
     pub frame_sequence: u64,
@@ -41,7 +41,7 @@ pub struct ViewSummary {
     pub source: String,
     /// Kind of the descriptor.
     pub descriptor_kind: String,
-    /// Mean colour: red, green, blue.
+    /// Mean colour of the object: red, green, blue.
     pub mean_rgb: Option<[u8; 3]>,
     /// Size of the descriptor, bytes.
     pub n_descriptor_bytes: u64,

@@ -27,7 +27,7 @@ pub(crate) struct WatermarkRecord {
     pub(crate) sequence: u64,
     /// First track-id that is not leased.
     pub(crate) next_track_id: u64,
-    /// Number of views with content.
+    /// Number of stored views with content.
     pub(crate) n_views: u64,
 }
 

@@ -27,7 +27,7 @@ impl DirtySet {
         self.entries.is_empty()
     }
 
-    /// Removes and returns one record key.
+    /// Removes and returns one key of a changed record.
     pub(crate) fn take(&mut self) -> Option<RecordKey> {
         self.entries.pop_first()
     }

@@ -9,7 +9,7 @@ pub enum Error {
     /// Error of the database and its folder.
     #[error(transparent)]
     Storage(#[from] StorageError),
-    /// Writer thread that has ended.
+    /// Error of a writer thread that has ended.
     #[error("the store has stopped; start it and send this again")]
     Stopped,
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Event {
     /// Sequence number, from one, without gaps except at a start of the memory.
     pub sequence: u64,
-    /// Detection time, nanoseconds since 1970.
+    /// Time at which the event was detected, nanoseconds since 1970.
     pub wall_ns: u64,
     /// Kind and details of the event.
     pub happening: EventKind,
@@ -19,7 +19,7 @@ pub struct Event {
 pub enum EventKind {
     /// Start of the memory. Facts about objects and the robot ended when these were last observed.
     Started,
-    /// First observation of an object.
+    /// Object observed for the first time.
     Appeared {
         /// Track-id of the object.
         track_id: u64,
@@ -55,9 +55,9 @@ pub enum EventKind {
     },
     /// Teaching event: a label was taught, corrected or forgotten.
     TeachingEvent(TeachingEvent),
-    /// End of a robot action.
+    /// End of an action of the robot arm.
     ActionEnded {
-        /// Command number of the robot.
+        /// Number of the robot command that ended.
         command_id: u64,
         /// Outcome of the robot action.
         outcome: ActionOutcome,

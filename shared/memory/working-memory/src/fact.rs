@@ -23,7 +23,7 @@ pub enum Property {
     State,
     /// Label of an object; there is no such fact while the object is unknown.
     Label,
-    /// Pose and size of an object.
+    /// Pose and size of an object's box.
     BoxPose,
     /// Activity of the robot.
     Activity,
@@ -132,7 +132,7 @@ impl ValueRef<'_> {
 }
 
 impl BoxPose {
-    /// Distance between the centres, metres.
+    /// Distance between the centres of two boxes, metres.
     pub fn distance_m(&self, other: &Self) -> f64 {
         (Vector3::from(self.position_m) - Vector3::from(other.position_m)).norm()
     }

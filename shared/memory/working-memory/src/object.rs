@@ -11,13 +11,13 @@ pub struct Sighting<'a> {
     pub track_id: u64,
     /// State of the track.
     pub state: &'a str,
-    /// Label; `None` for an unknown object.
+    /// Label of the object; `None` when unknown.
     pub label: Option<&'a str>,
     /// Pose and size in the world frame.
     pub place: BoxPose,
     /// Start of the track, nanoseconds since 1970.
     pub first_seen_ns: u64,
-    /// Last measurement, nanoseconds since 1970.
+    /// Time of the last measurement, nanoseconds since 1970.
     pub last_seen_ns: u64,
 }
 
@@ -34,7 +34,7 @@ pub struct ObjectRecord {
     pub place: BoxPose,
     /// Start of the track, nanoseconds since 1970.
     pub first_seen_ns: u64,
-    /// Last measurement, nanoseconds since 1970.
+    /// Time of the last measurement, nanoseconds since 1970.
     pub last_seen_ns: u64,
     /// Time of the disappearance; `None` for a present object.
     pub gone_ns: Option<u64>,

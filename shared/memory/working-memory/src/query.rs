@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use crate::fact::{Fact, Property, Subject, Value};
 use crate::fact_table::FactTable;
 
-/// Region of the world frame.
+/// Region in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Region {
-    /// Ball around a point, metres.
+    /// Ball-shaped region around a point, metres.
     Ball {
         /// Centre of the ball, metres.
         centre_m: [f64; 3],
@@ -74,7 +74,7 @@ impl Region {
     }
 }
 
-/// Half-open, non-empty time interval, nanoseconds.
+/// Time interval, half-open and not empty, nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct TimeInterval {
     start: u64,
@@ -147,7 +147,7 @@ fn wanted_intervals(table: &FactTable, query: &FactQuery, subject: Subject) -> V
     wanted
 }
 
-/// Union of intervals, sorted and disjoint.
+/// Union of time intervals, sorted and disjoint.
 fn merged(intervals: impl Iterator<Item = TimeInterval>) -> Vec<TimeInterval> {
     let mut intervals: Vec<TimeInterval> = intervals.collect();
     intervals.sort_unstable();

@@ -12,7 +12,7 @@ const MAX_TEXT_BYTES: usize = 2048;
 /// Maximum length of an author name, bytes.
 const MAX_AUTHOR_BYTES: usize = 256;
 
-/// Request to start a task.
+/// Request to start a task of the robot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewTask {
     /// Idempotency key of the request.
@@ -21,11 +21,11 @@ pub struct NewTask {
     pub kind: String,
     /// Parameters in the syntax of the requester, at most 2048 bytes.
     pub parameters: String,
-    /// Author, at most 256 bytes.
+    /// Author of the task, at most 256 bytes.
     pub author: String,
 }
 
-/// Request to end a task.
+/// Request to end a task of the robot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TaskEnd {
     /// Idempotency key of the request.
@@ -49,7 +49,7 @@ pub struct Task {
     pub parameters: String,
     /// Author of the task.
     pub author: String,
-    /// Start time, nanoseconds since 1970.
+    /// Start time of the task, nanoseconds since 1970.
     pub started_ns: u64,
     /// State of the task.
     pub state: TaskState,
@@ -86,7 +86,7 @@ pub enum TaskRefusal {
         /// Task number in the request.
         task: u64,
     },
-    /// Task that has ended already.
+    /// Refusal to end a task that has ended already.
     #[error("task {task} has ended already; start another one to do it again")]
     HasEnded {
         /// Number of the task that has ended.
@@ -102,7 +102,7 @@ pub enum TaskRefusal {
         /// Maximum length of the text, bytes.
         most: usize,
     },
-    /// Limit of concurrently running tasks reached.
+    /// Refusal because too many tasks are running.
     #[error("{n_running} tasks run already; end some of them before starting another one")]
     TooMany {
         /// Number of running tasks.

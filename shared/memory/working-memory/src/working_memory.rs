@@ -52,20 +52,20 @@ pub struct WorldReport {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum WorldCondition {
-    /// Missing; a new database was created.
+    /// Database was missing; a new one was created.
     New,
     /// Intact database.
     Sound,
-    /// Damaged; an empty database was created.
+    /// Database was damaged; an empty one was created.
     Reset {
-        /// Detected corruption, as a sentence.
+        /// Detected corruption of the database, as a sentence.
         reason: String,
         /// Path of the damaged database.
         set_aside: PathBuf,
     },
 }
 
-/// Record to write or to delete.
+/// Database record to write or to delete.
 pub(crate) struct RecordWrite {
     key: Vec<u8>,
     record: Option<Vec<u8>>,
@@ -141,7 +141,7 @@ impl WorkingMemory {
         Ok((memory, model, report))
     }
 
-    /// Writes and syncs all changes.
+    /// Writes and syncs all changed records.
     ///
     /// # Errors
     ///

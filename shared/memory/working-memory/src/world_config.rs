@@ -7,7 +7,7 @@ pub struct WorldConfig {
     pub move_min_m: f64,
     /// Minimum rotation of an object for a new fact, radians.
     pub turn_min_rad: f64,
-    /// Retention time of ended items, nanoseconds.
+    /// Retention time of ended facts, tasks and objects, nanoseconds.
     pub keep_ns: u64,
     /// Maximum number of ended facts, of past objects, of ended tasks, and of events.
     pub n_kept_most: usize,

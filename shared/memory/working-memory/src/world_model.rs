@@ -98,12 +98,12 @@ impl WorldModel {
         query::since_ns(&self.facts, subject, property)
     }
 
-    /// Robot; `None` before its first report.
+    /// Robot of the world model; `None` before its first report.
     pub fn robot(&self) -> Option<&Robot> {
         self.robot.as_ref()
     }
 
-    /// Page of facts, newest first.
+    /// Page of facts that match a query, newest first.
     pub fn facts(&self, query: &FactQuery) -> FactPage {
         query::facts(&self.facts, query)
     }

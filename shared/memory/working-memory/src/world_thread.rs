@@ -33,7 +33,7 @@ pub struct WorldThreadConfig {
     pub folder: PathBuf,
     /// Configuration of the world model.
     pub world: WorldConfig,
-    /// Minimum time between two writes.
+    /// Minimum time between two writes to disk.
     pub period: Duration,
     /// Wall clock: nanoseconds since 1970, UTC.
     pub wall_clock: fn() -> u64,
@@ -67,7 +67,7 @@ impl SharedModel {
     }
 }
 
-/// Cloneable handle of the shared model.
+/// Cloneable handle of the shared world model.
 #[derive(Clone)]
 pub struct WorldHandle(Arc<SharedModel>);
 

@@ -1,13 +1,13 @@
 //! Errors of computing object descriptors.
 
-/// Invalid descriptor parameter or object.
+/// Error of an invalid descriptor parameter or object.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Number of bins per side out of range.
     #[error("GOOD cannot have {0} bins a side: choose from 2 to 64, 5 or 15 usually")]
     BinCount(usize),
-    /// Negative or NaN sign threshold.
+    /// Sign threshold that is negative or NaN.
     #[error(
         "the sign threshold of GOOD cannot be {0} m: choose a finite length >= 0, 0.0015 m usually"
     )]
@@ -31,13 +31,13 @@ pub enum Error {
     IndexOutsideCloud {
         /// Largest point index in the request.
         index: u32,
-        /// Number of points in the cloud.
+        /// Number of points in the given cloud.
         n_points: usize,
     },
     /// Too few finite points to describe an object.
     #[error("the object has too few finite points to describe: skip this view")]
     NoPoints,
-    /// Extent of the points that overflows.
+    /// Object points whose extent overflows.
     #[error(
         "the extent of the object is not a finite number: check the units and the frame of \
          its points"

@@ -12,7 +12,7 @@ pub struct ObjectPoints<'a> {
 }
 
 impl<'a> ObjectPoints<'a> {
-    /// All points of a cloud.
+    /// Object that consists of all points of a cloud.
     pub fn all(cloud: &'a [Point]) -> Self {
         Self {
             cloud,
@@ -42,7 +42,7 @@ impl<'a> ObjectPoints<'a> {
         self.indices.map_or(self.cloud.len(), <[u32]>::len)
     }
 
-    /// True if there are no points.
+    /// True if the object has no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -27,7 +27,7 @@ struct Tridiagonal {
     diagonal: [f32; 3],
     /// Off-diagonal entries; entry `i` couples rows `i` and `i + 1`.
     off_diagonal: [f32; 2],
-    /// Columns of the accumulated rotation.
+    /// Columns of the accumulated rotation matrix.
     columns: [[f32; 3]; 3],
 }
 

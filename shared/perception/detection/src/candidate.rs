@@ -10,7 +10,7 @@ use std::ops::Range;
 pub enum Support {
     /// Table: the lowest points are near the plane.
     Table,
-    /// Another candidate below, in contact.
+    /// Supported by another candidate below, in contact.
     Object,
     /// Unknown support: the lower border is occluded by a nearer surface.
     Occluded,
@@ -20,7 +20,7 @@ pub enum Support {
 /// frame, metres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Candidate {
-    /// Range of its points in [`Detection::point_indices`](crate::Detection).
+    /// Range of the candidate's points in [`Detection::point_indices`](crate::Detection).
     pub range: Range<usize>,
     /// Centroid: mean of the candidate's points.
     pub centroid: Point3<f64>,

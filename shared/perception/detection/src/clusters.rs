@@ -37,14 +37,14 @@ impl LinkDistance {
     }
 }
 
-/// Link rule of the clusters.
+/// Link distance of the clustering.
 const LINKS: LinkDistance = LinkDistance {
     floor_m: 0.004,
     per_m2: 0.0055,
     reach_px: 3,
 };
 
-/// Clusters found last, with buffers.
+/// Pixel clusters found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Clusters {
     /// Per pixel: [`NO_CLUSTER`] or the number of its cluster.

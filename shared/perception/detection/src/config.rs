@@ -96,7 +96,7 @@ pub struct Config {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum InvalidConfig {
-    /// A number is outside its range.
+    /// Setting outside its valid range.
     #[error("the detection setting {name} is {value} but must lie between {min} and {max}")]
     OutOfRange {
         /// Name of the detection setting.
@@ -108,7 +108,7 @@ pub enum InvalidConfig {
         /// Greatest valid value of the setting.
         max: f64,
     },
-    /// The rule cannot be parsed.
+    /// Constraint rule that cannot be parsed.
     #[error("{0}")]
     Rule(#[source] InvalidExpression),
 }

@@ -32,7 +32,7 @@ const DILATION_PX: usize = 2;
 /// cup in creases too. Chosen; sensitivity: see `tabula-lab sweep`.
 const CREASE_PIXELS_MIN: usize = 150;
 
-/// Creases found last, with buffers.
+/// Image creases found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Creases {
     /// Per patch index: `true` on a crease.

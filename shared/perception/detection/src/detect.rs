@@ -60,7 +60,7 @@ fn assumptions(frame: &DetectionInput<'_>) -> Assumptions {
     assumptions
 }
 
-/// Size check of the cloud.
+/// Checks that the cloud is not too large.
 fn check_size(cloud: &OrganizedCloud<'_>) -> Result<(), Error> {
     let n_points = cloud.points().len();
     if n_points > N_POINTS_MAX {

@@ -4,7 +4,7 @@ use crate::{DetectionStage, Parallelism, Sequential};
 
 /// Execution of a detection; by default sequential and without an observer.
 pub struct Execution<'a> {
-    /// Threads on which the stages run.
+    /// Parallelism: threads on which the stages run.
     pub parallelism: &'a dyn Parallelism,
     /// Stage observer, called at the end of each stage, so that a caller with a clock
     /// can time it. An unorganised cloud has no stages, a frame without a table only

@@ -50,7 +50,7 @@ impl Rectangle {
         [Vector2::new(cos, sin), Vector2::new(-sin, cos)]
     }
 
-    /// Half extent along a direction, metres.
+    /// Half extent of the rectangle along a direction, metres.
     fn reach_m(&self, direction: &Vector2<f64>) -> f64 {
         let [long, short] = self.sides();
         self.half_sides_m.x * long.dot(direction).abs()

@@ -26,7 +26,7 @@ pub struct ScenePriors<'a> {
     pub instructor: Option<&'a [Capsule]>,
     /// Capsules of the robot's links; `None` when no source reports the robot.
     pub robot: Option<&'a [Capsule]>,
-    /// Live tracks, predicted to this frame.
+    /// Live tracks, with boxes predicted to this frame.
     pub tracks: &'a [ExpectedTrack],
 }
 

@@ -60,7 +60,7 @@ pub(crate) struct OrganizedBuffers {
     /// Pixels in the prism above the table.
     over_table: Vec<u32>,
     body_mask: BodyMask,
-    /// Pixels of people and the robot.
+    /// Pixels that show people or the robot.
     masked: Vec<u32>,
     /// Clusters of people and the robot; stale when `masked` is empty.
     masked_clusters: Clusters,

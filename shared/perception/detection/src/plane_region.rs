@@ -27,7 +27,7 @@ const GAP_CELLS: isize = 3;
 /// `tabula-lab sweep`.
 const MARGIN_SHARE_MAX: f64 = 0.1;
 
-/// Region found last, with buffers.
+/// Connected plane region found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct PlaneRegionBuffers {
     inliers: Vec<Inlier>,
@@ -100,7 +100,7 @@ impl CellGrid {
 pub(crate) enum RegionFilter {
     /// Accept only regions that are somewhere wider than a strip.
     WideOnly,
-    /// Accept all regions, including strips.
+    /// Accept all plane regions, including narrow strips.
     All,
 }
 
@@ -226,7 +226,7 @@ fn flood(grid: &CellGrid, start: usize, region: u32, buffers: &mut PlaneRegionBu
     n_samples
 }
 
-/// Moments of the region found last.
+/// Moments of the plane region found last.
 fn region_moments(samples: &Samples, buffers: &PlaneRegionBuffers) -> Moments {
     let mut moments = Moments::default();
     for inlier in &buffers.inliers {

@@ -21,7 +21,7 @@ const COLOR_DIFFERENCE_MAX: f32 = 50.0;
 /// constant is then lowered by 0.7, because merging two objects is worse than splitting
 /// one.
 mod weights {
-    /// Constant of the log odds.
+    /// Constant term of the log odds.
     pub(super) const CONSTANT: f32 = 2.15;
     /// Weight of the share of the boundary with unknown continuation: a depth step or too
     /// narrow to measure.
@@ -83,7 +83,7 @@ impl RegionAdjacency {
         self.regions.resize(n_parts, RegionSums::default());
     }
 
-    /// Add a pixel to its region.
+    /// Adds a pixel to its region.
     #[inline]
     pub(crate) fn add_pixel(&mut self, region: u32, point: &Point) {
         let sums = &mut self.regions[region as usize];

@@ -120,12 +120,12 @@ impl Samples {
         self.stride
     }
 
-    /// Columns of the subsampled image.
+    /// Number of columns of the subsampled image.
     pub(crate) fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows of the subsampled image.
+    /// Number of rows of the subsampled image.
     pub(crate) fn height(&self) -> usize {
         self.height
     }
@@ -155,7 +155,7 @@ impl Samples {
         self.band[sample] >= 0.0
     }
 
-    /// Position of a sample, camera frame.
+    /// Position of a sampled point, camera frame.
     #[inline]
     pub(crate) fn position(&self, sample: usize) -> Point3<f64> {
         let as_f64 = |values: &[f32]| f64::from(values[sample]);
@@ -169,7 +169,7 @@ impl Samples {
         height.abs() <= self.band[sample]
     }
 
-    /// Number of inliers of a plane.
+    /// Number of samples that are inliers of a plane.
     pub(crate) fn count_inliers(&self, plane: &AffineForm) -> u32 {
         let n = self.len();
         let (x, y, z, band) = (&self.x[..n], &self.y[..n], &self.z[..n], &self.band[..n]);
@@ -215,7 +215,7 @@ impl Samples {
         }
     }
 
-    /// Unassign all samples in range.
+    /// Clears the assignment of all samples in range.
     pub(crate) fn reset_assignment(&mut self, config: &RawConfig) {
         for (band, &z) in self.band.iter_mut().zip(&self.z) {
             *band = if z > 0.0 && z <= config.range_max_m as f32 {

@@ -7,19 +7,19 @@ pub enum DetectionStage {
     Subsampling,
     /// Search for the table plane.
     TablePlane,
-    /// Table surface cells and outline.
+    /// Construction of table surface cells and outline.
     TableSurface,
-    /// Prism filter: pixels above the table.
+    /// Prism filter: selects the pixels above the table.
     PrismFilter,
     /// Connected components, with people and robot masked.
     Clustering,
     /// Concavity split of clusters of several objects.
     ConcavitySplit,
-    /// Track-guided splitting and merging of clusters.
+    /// Splitting and merging of clusters, guided by tracks.
     TrackRegrouping,
     /// Growth of the clusters down to the support plane.
     SupportPlaneGrowth,
-    /// Bounding boxes and support relations.
+    /// Fitting of bounding boxes and support relations.
     BoundingBoxes,
     /// Constraint evaluation and output of the candidates.
     ConstraintEvaluation,

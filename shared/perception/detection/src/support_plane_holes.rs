@@ -29,7 +29,7 @@ const HEIGHT_M: std::ops::RangeInclusive<f32> = -0.006..=0.02;
 /// Row range that contains no rows.
 const NO_ROWS: [usize; 2] = [1, 0];
 
-/// Holes found last, with buffers.
+/// Holes of the support plane found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct SupportPlaneHoles {
     height_classes: Vec<HeightClass>,

@@ -74,7 +74,7 @@ struct PlaneCandidate {
 /// Likelihood of a table by the direction of the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum TableLikelihood {
-    /// Wall, ceiling or side of furniture.
+    /// Not a table: wall, ceiling or side of furniture.
     None,
     /// Table seen from above, or a wall in front of a level camera.
     Possible,

@@ -10,7 +10,7 @@ use nalgebra::Point2;
 /// `tabula-lab sweep`.
 const CELL_M: f64 = 0.02;
 
-/// Greatest number of cells per side.
+/// Greatest number of grid cells per side.
 const CELLS_MAX: usize = 256;
 
 /// Margin by which the polygon is grown, metres: the visible table ends half a sample

@@ -44,13 +44,13 @@ impl UprightBox {
         [long, short, self.height_m[1] - self.height_m[0]]
     }
 
-    /// Length of the longest side, metres.
+    /// Length of the box's longest side, metres.
     pub(crate) fn longest_side_m(&self) -> f64 {
         let [long, _, height] = self.sides_m();
         long.max(height)
     }
 
-    /// Area of the footprint, square metres.
+    /// Area of the box's footprint, square metres.
     pub(crate) fn footprint_m2(&self) -> f64 {
         4.0 * self.footprint.half_sides_m.product()
     }

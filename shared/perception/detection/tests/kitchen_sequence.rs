@@ -12,7 +12,7 @@ use point_cloud::{OrganizedCloud, Point};
 /// bound, not a surveyed height. The floor is found near -1.6 m.
 const TABLE_HEIGHT_M: std::ops::Range<f64> = -0.88..-0.75;
 
-/// Frame step of the evaluation.
+/// Step between the evaluated frames.
 const STEP: usize = 5;
 
 fn sequence() -> RgbdSequence {

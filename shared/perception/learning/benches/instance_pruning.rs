@@ -14,7 +14,7 @@ fn main() {
     divan::main();
 }
 
-/// Clustered views around 50 centres.
+/// Test views clustered around 50 centres.
 fn views() -> Vec<Vec<f32>> {
     let wave = |seed: usize, i: usize| ((seed * 131 + i * i) as f64 * 0.618_034).fract();
     let value = |view: usize, i: usize| wave(view % 50, i) + 0.3 * wave(1000 + view, i);

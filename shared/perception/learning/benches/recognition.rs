@@ -81,7 +81,7 @@ fn all_pairs_half_chi_squared_root(bencher: Bencher<'_, '_>, n_views: u64) {
     });
 }
 
-/// Distance of one pair of descriptors.
+/// Benchmark of the distance of one pair of descriptors.
 #[divan::bench(args = Metric::ALL)]
 fn pair(bencher: Bencher<'_, '_>, metric: Metric) {
     let (a, b) = (descriptor(3, 1), descriptor(4, 2));

@@ -30,7 +30,7 @@ const GLOBAL_SPREAD_WEIGHT: f64 = 3.0;
 /// Chosen; sensitivity: see `tabula-lab sweep`.
 const PRIOR_SPREAD_WEIGHT: f64 = 10.0;
 
-/// Running sum and count of distances.
+/// Running sum and count of nearest-neighbour distances.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct DistanceSum {
     pub(crate) sum: f64,

@@ -178,7 +178,7 @@ impl CategoryIndex {
         self.metric
     }
 
-    /// Number of values of a descriptor.
+    /// Length of the descriptors in the index, values.
     pub fn dimension(&self) -> usize {
         self.dimension
     }

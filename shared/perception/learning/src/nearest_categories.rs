@@ -6,9 +6,9 @@ use crate::recognition::N_NEAREST;
 /// View with the score of its comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ScoredView {
-    /// Score, ordered like the distance.
+    /// Score that orders views like the distance does.
     pub(crate) score: f32,
-    /// View id, which breaks ties.
+    /// Id of the view, which breaks ties.
     pub(crate) view: ViewId,
     /// Number of the view's category.
     pub(crate) category: u64,

@@ -12,11 +12,11 @@ struct Reference {
     distances: Vec<ReferenceDistance>,
 }
 
-/// Golden distance of one pair.
+/// Golden distance of one pair of clouds.
 struct ReferenceDistance {
     /// Name of the function in the authors' program.
     function: String,
-    /// Names of the two clouds.
+    /// Names of the two compared clouds.
     clouds: [String; 2],
     value: f64,
 }

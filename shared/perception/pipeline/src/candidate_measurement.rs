@@ -21,7 +21,7 @@ pub struct CandidateMeasurement {
     pub measurement: Measurement,
     /// Capture time and camera pose of the measured frame.
     pub frame: FramePose,
-    /// Coarse appearance for data association.
+    /// Coarse appearance of the candidate for data association.
     pub appearance: CoarseAppearance,
     /// Mean red, green and blue, 0 to 255.
     pub mean_rgb: [f32; 3],

@@ -1,19 +1,19 @@
 //! Errors of the pipeline crate.
 
-/// Invalid setting, measurement or object points.
+/// Error of an invalid setting, measurement or object.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Probability threshold for unknown objects out of range.
     #[error("the probability below which objects are unknown must lie between 0 and 1, not {0}")]
     KnownProbability(f32),
-    /// Cloud that cannot be searched.
+    /// Detection error: the cloud cannot be searched.
     #[error("{0}")]
     Detection(#[source] detection::Error),
     /// Rejected setting or measurement of the tracking crate.
     #[error("{0}")]
     Tracking(#[source] tracking::Error),
-    /// Failed description of an object's points.
+    /// Description error for an object's points.
     #[error("{0}")]
     Description(#[source] description::Error),
     /// Descriptor that does not fit the stored ones.

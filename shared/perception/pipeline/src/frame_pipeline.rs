@@ -24,7 +24,7 @@ pub enum FrameStage {
 pub trait FrameExecutor {
     /// Finished detection, with whatever the executor keeps beside it.
     type Detected: Send;
-    /// Failure that ends a frame.
+    /// Error type of a failure that ends the frame.
     type Error;
 
     /// Called before a stage, for instance to read a clock.
@@ -47,16 +47,16 @@ pub trait FrameExecutor {
     /// Detects the candidates of the frame.
     fn detect(&mut self) -> impl Future<Output = Result<Self::Detected, Self::Error>> + Send;
 
-    /// Detection inside a finished one.
+    /// Detection contained in a finished detection result.
     fn detection(detected: &Self::Detected) -> &Detection;
 
     /// Next track id, ascending; `None` while there are none.
     fn next_track_id(&mut self) -> Option<u64>;
 
-    /// Called for each track that starts.
+    /// Callback for each track that starts.
     fn track_started(&mut self, track_id: u64);
 
-    /// Called for each track that ends.
+    /// Callback for each track that ends.
     fn track_ended(&mut self, track_id: u64);
 
     /// Observes the sighted objects and hands their posteriors to `sink`. A late
@@ -98,7 +98,7 @@ impl FramePipeline {
         }
     }
 
-    /// Live tracks, ascending by track id.
+    /// Live tracks, ascending by track-id.
     pub fn tracks(&self) -> &[Track] {
         self.tracks.tracks()
     }

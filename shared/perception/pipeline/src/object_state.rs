@@ -61,13 +61,13 @@ pub struct Observation<'a> {
 /// Posterior of one object after an observation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posterior {
-    /// Motion filter after the measurement update.
+    /// Motion filter after this measurement update.
     pub filter: MotionFilter,
     /// Number of the view, counted per object from 0.
     pub view_id: u32,
     /// `true` when the view is a key view, which is stored.
     pub is_key_view: bool,
-    /// Recognised category; `None` when unknown.
+    /// Recognised category of the object; `None` when unknown.
     pub label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,

@@ -68,7 +68,7 @@ impl SequentialState {
         })
     }
 
-    /// Runs one frame through a pipeline.
+    /// Runs one frame through a pipeline sequentially.
     ///
     /// # Errors
     /// When the cloud cannot be searched or an object cannot be described.

@@ -19,7 +19,7 @@ pub struct Track {
     pub measured: CandidateMeasurement,
     /// Number of views that were described.
     pub n_views: u32,
-    /// Recognised category; `None` when unknown.
+    /// Recognised category of the object; `None` when unknown.
     pub label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub distance: f32,
@@ -37,7 +37,7 @@ pub struct Track {
     pub(crate) updated_filter: MotionFilter,
     /// Motion state predicted to the last frame.
     pub(crate) filter: MotionFilter,
-    /// Remembered appearance for data association.
+    /// Remembered appearance of the object for data association.
     pub(crate) appearance: CoarseAppearance,
     /// Capture stamp of the last measurement with hand contact; 0 for none.
     pub(crate) last_handled_ns: u64,

@@ -74,7 +74,7 @@ pub struct Sighting {
 pub struct TrackUpdate {
     /// Matched tracks with their measurements; continued tracks precede new ones.
     pub sightings: Vec<Sighting>,
-    /// Ids of the tracks that ended.
+    /// Track-ids of the tracks that ended.
     pub ended_tracks: Vec<u64>,
     /// Indices of the candidates that neither continued nor started a track, ascending.
     pub rejected_candidates: Vec<usize>,
@@ -114,7 +114,7 @@ impl TrackTable {
         }
     }
 
-    /// Live tracks, ascending by track id.
+    /// Live tracks, ascending by track-id.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
     }

@@ -46,7 +46,7 @@ pub struct CoarseAppearance {
 /// Track predicted to the capture stamp of the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PredictedTrack {
-    /// Expected oriented bounding box, world frame.
+    /// Expected oriented bounding box of the track, world frame.
     pub box_in_world: OrientedBox,
     /// Covariance of the centre, world axes, square metres.
     pub covariance_m2: Matrix3<f64>,
@@ -57,7 +57,7 @@ pub struct PredictedTrack {
 /// Candidate observed in the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObservedCandidate {
-    /// Measured oriented bounding box, world frame.
+    /// Measured oriented bounding box of the candidate, world frame.
     pub box_in_world: OrientedBox,
     /// Variance of the measured centre per axis, square metres.
     pub position_variance_m2: f64,
@@ -107,7 +107,7 @@ impl Default for AssociationConfig {
 }
 
 impl AssociationConfig {
-    /// Validates the settings against their ranges.
+    /// Validates the association settings against their ranges.
     ///
     /// # Errors
     /// Names the first setting outside its range.

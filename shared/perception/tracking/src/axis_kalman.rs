@@ -85,7 +85,7 @@ impl TranslationCovariance {
         Self::from_variances(centre_m2 + by_m2, speed_m2_s2, half_side_m2)
     }
 
-    /// Variance of the centre, square metres.
+    /// Variance of the box centre, square metres.
     pub(crate) fn centre_variance_m2(&self) -> f64 {
         self.0[(0, 0)]
     }

@@ -39,7 +39,7 @@ impl Default for ColorHistogram {
 }
 
 impl ColorHistogram {
-    /// Histogram of colours; [`default`](Self::default) without any.
+    /// Histogram of the given colours; [`default`](Self::default) without any.
     pub fn from_colors(colors: impl IntoIterator<Item = Rgba>) -> Self {
         let mut bins = [BIN_PRIOR; N_BINS];
         let mut n = 0_u32;

@@ -57,7 +57,7 @@ enum RayResult {
     Outside,
     /// No valid depth along the ray.
     NoDepth,
-    /// Surface in front of the box.
+    /// Measured surface lies in front of the box.
     Nearer,
     /// Measured surface lies inside the box.
     Inside,
@@ -65,7 +65,7 @@ enum RayResult {
     Farther,
 }
 
-/// Number of rays for each result.
+/// Number of rays with each result.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counts {
     outside: u32,

@@ -7,7 +7,7 @@ pub enum Error {
     /// Measurement outside the physically possible range of an object.
     #[error("the measurement cannot be that of an object: {rule}; ignore it")]
     ImpossibleMeasurement {
-        /// Violated constraint, as a clause.
+        /// Constraint that the measurement violates, as a clause.
         rule: &'static str,
     },
     /// Measurement older than the state of the track.
@@ -16,12 +16,12 @@ pub enum Error {
          {state_stamp_ns} ns; give each track its frames in the order of capture"
     )]
     OutOfOrder {
-        /// Capture stamp of the measurement.
+        /// Capture stamp of the rejected measurement.
         stamp_ns: u64,
         /// Capture stamp of the track's state.
         state_stamp_ns: u64,
     },
-    /// Setting outside its valid range.
+    /// Tracking setting outside its valid range.
     #[error("the tracking setting {name} is {value} but must lie between {min} and {max}")]
     InvalidSetting {
         /// Name of the tracking setting.

@@ -45,7 +45,7 @@ pub enum MotionPhase {
     Static,
     /// Object in motion.
     Moving,
-    /// Stopped, and possibly coming to rest.
+    /// Object stopped, and is possibly coming to rest.
     Settling,
 }
 

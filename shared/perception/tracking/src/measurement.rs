@@ -68,7 +68,7 @@ impl Measurement {
         self.stamp_ns
     }
 
-    /// Oriented bounding box, world frame.
+    /// Measured oriented bounding box, world frame.
     pub fn box_in_world(&self) -> &OrientedBox {
         &self.box_in_world
     }

@@ -40,7 +40,7 @@ impl Default for MotionConfig {
 }
 
 impl MotionConfig {
-    /// Validates the settings against their ranges.
+    /// Validates the motion settings against their ranges.
     ///
     /// # Errors
     /// Names the first setting outside its range.

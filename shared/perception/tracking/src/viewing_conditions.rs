@@ -16,7 +16,7 @@ pub enum HandContact {
 /// Viewing conditions of a measured object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewingConditions {
-    /// Depth along the optical axis, metres.
+    /// Depth of the object along the optical axis, metres.
     pub depth_m: f64,
     /// Unit ray from the camera to the object, world frame.
     pub ray_in_world: Unit<Vector3<f64>>,

@@ -126,7 +126,7 @@ impl ArmController {
         self.log.state(id)
     }
 
-    /// Poses of all bodies, base frame.
+    /// Poses of all bodies of the arm, base frame.
     pub fn body_poses(&self) -> BodyPoses {
         self.arm
             .body_poses(&self.joints.angles_rad, self.gripper.opening_m())

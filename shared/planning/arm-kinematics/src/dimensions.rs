@@ -3,15 +3,15 @@
 /// Link lengths along the stretched arm, metres, named as in the data sheet of the Kinova JACO.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmDimensions {
-    /// Mounting plate to shoulder, `D1`.
+    /// Height of the shoulder above the mounting plate, `D1`, metres.
     pub base_m: f64,
     /// Length of the upper arm from shoulder to elbow, `D2`, metres.
     pub upper_arm_m: f64,
     /// Length of the forearm from elbow to the first wrist joint, `D3`, metres.
     pub forearm_m: f64,
-    /// First to second wrist joint, `D4`.
+    /// Distance from the first to the second wrist joint, `D4`, metres.
     pub first_wrist_m: f64,
-    /// Second to third wrist joint, `D5`.
+    /// Distance from the second to the third wrist joint, `D5`, metres.
     pub second_wrist_m: f64,
     /// Third wrist joint to the middle of the finger pads, `D6`.
     pub hand_m: f64,

@@ -14,7 +14,7 @@ pub enum Error {
         /// Rule that the number violates.
         rule: &'static str,
     },
-    /// A number lies outside its range.
+    /// Number outside its valid range.
     #[error("{what} is {value} but must lie between {min} and {max}")]
     OutOfRange {
         /// Name of the quantity, with its unit.
@@ -38,9 +38,9 @@ pub enum Error {
         joint: usize,
         /// Joint angle outside its limits, radians.
         angle_rad: f64,
-        /// Lower limit of the joint.
+        /// Lower limit of the joint, radians.
         min_rad: f64,
-        /// Upper limit of the joint.
+        /// Upper limit of the joint, radians.
         max_rad: f64,
     },
     /// Inverse kinematics has no solution for the pose.
@@ -100,7 +100,7 @@ pub enum Error {
     },
 }
 
-/// Angle that is displayed in degrees.
+/// Angle in radians that is displayed in degrees.
 struct Degrees(f64);
 
 impl fmt::Display for Degrees {

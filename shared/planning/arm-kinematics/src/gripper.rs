@@ -11,7 +11,7 @@ use crate::error::check_range;
 /// thicknesses along x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripperGeometry {
-    /// Stroke: greatest distance between the pads.
+    /// Stroke of the gripper: greatest distance between the pads.
     pub max_opening_m: f64,
     /// Length of a pad. The middle of the pad is at the tool's origin; the fingertips are half a
     /// pad length ahead of it.
@@ -42,7 +42,7 @@ impl GripperGeometry {
         opening_speed_m_s: 0.12,
     };
 
-    /// Box of the pad, finger frame.
+    /// Bounding box of the pad, finger frame.
     pub fn pad_in_finger(&self) -> OrientedBox {
         let half = Vector3::new(self.pad_thickness_m, self.pad_width_m, self.pad_length_m) / 2.0;
         OrientedBox {
@@ -151,7 +151,7 @@ impl Gripper {
         }
     }
 
-    /// Distance between the pads, metres.
+    /// Present distance between the finger pads, metres.
     pub fn opening_m(&self) -> f64 {
         self.opening_m
     }

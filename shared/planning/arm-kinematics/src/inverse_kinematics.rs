@@ -12,7 +12,7 @@ use crate::{Arm, Error, IkConfig, JointVector, PoseResidual, link_capsules, self
 /// Solution of an inverse kinematics problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IkSolution {
-    /// Joint angles, within the limits, radians.
+    /// Joint angles of the solution, within the limits, radians.
     pub joints_rad: JointVector,
     /// Residual between the reached and the requested tool pose.
     pub residual: PoseResidual,

@@ -21,7 +21,7 @@ impl JointState {
         }
     }
 
-    /// True if all velocities are zero.
+    /// True if all joint velocities are zero.
     pub fn is_at_rest(&self) -> bool {
         self.velocities_rad_s == JointVector::zeros()
     }

@@ -21,15 +21,15 @@ pub type Jacobian = SMatrix<f64, 6, N_JOINTS>;
 pub struct Joint {
     /// Frame of the child link at angle 0, in the frame of the parent link.
     pub parent_from_joint: RigidTransform,
-    /// Axis of positive rotation, joint frame.
+    /// Axis of positive rotation of the joint, joint frame.
     pub axis: Unit<Vector3<f64>>,
     /// Lower joint limit, radians.
     pub min_rad: f64,
     /// Upper joint limit, radians.
     pub max_rad: f64,
-    /// Maximum velocity, rad/s, > 0.
+    /// Maximum joint velocity, rad/s, > 0.
     pub max_velocity_rad_s: f64,
-    /// Maximum acceleration, rad/s², > 0.
+    /// Maximum joint acceleration, rad/s², > 0.
     pub max_acceleration_rad_s2: f64,
 }
 
@@ -60,7 +60,7 @@ impl Joint {
 pub struct KinematicChain {
     /// Joints, from the base to the hand.
     pub joints: [Joint; N_JOINTS],
-    /// Tool frame, last link's frame.
+    /// Pose of the tool in the frame of the last link.
     pub last_link_from_tool: RigidTransform,
 }
 

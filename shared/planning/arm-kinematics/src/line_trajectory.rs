@@ -71,7 +71,7 @@ impl LineTrajectory {
         self.profile.duration_s()
     }
 
-    /// Joint angles at the end, radians.
+    /// Joint angles at the end of the trajectory, radians.
     pub fn target_rad(&self) -> JointVector {
         self.knots[self.knots.len() - 1]
     }

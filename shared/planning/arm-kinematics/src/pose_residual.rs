@@ -7,7 +7,7 @@ use crate::IkConfig;
 /// Difference of two poses: distance and rotation angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseResidual {
-    /// Distance of the origins, metres.
+    /// Distance between the origins of the poses, metres.
     pub distance_m: f64,
     /// Angle of the rotation between them, radians, 0 to π.
     pub angle_rad: f64,

@@ -20,7 +20,7 @@ pub(crate) struct TaperedCylinder {
     pub(crate) link: usize,
     /// Ends of the axis, link frame, metres.
     pub(crate) ends: [Point3<f64>; 2],
-    /// Radius at each end, metres.
+    /// Radius of the cylinder at each end, metres.
     pub(crate) radii_m: [f64; 2],
     /// Colour of the cylinder, sRGB.
     pub(crate) color: [u8; 3],

@@ -14,7 +14,7 @@ impl<T: Ord + Clone + Debug + Send + Sync + 'static> Identity for T {}
 /// Control flow after a handled message, with the answer to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flow<R = ()> {
-    /// Wait for the next message.
+    /// Keep running and wait for the next message.
     Continue(R),
     /// Stop the actor: its work is done.
     Stop(R),
@@ -36,7 +36,7 @@ pub trait Actor: Sized + Send + 'static {
     type Context: Send + Sync + 'static;
     /// Error type of the message handler.
     type Error: std::error::Error + Send + Sync + 'static;
-    /// Overflow policy of the mailbox.
+    /// Overflow policy of the actor's mailbox.
     type Overflow: Overflow;
 
     /// Builds the actor from a state, at its first start and at each restart.

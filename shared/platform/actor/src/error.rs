@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The operating system refused a thread.
+    /// Thread that the operating system refused to create.
     #[error(
         "The worker thread {name} could not be started ({source}); allow the process \
          more threads or configure fewer workers."

@@ -60,7 +60,7 @@ pub struct Escalation<I> {
     pub tag: Option<u64>,
     /// Limit that was exceeded: restarts within `window`.
     pub max_restarts: u32,
-    /// Length of the sliding window.
+    /// Length of the sliding window of restarts.
     pub window: Duration,
 }
 
@@ -68,9 +68,9 @@ pub struct Escalation<I> {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Cause {
-    /// A panic with this message.
+    /// Panic of the actor with this message.
     Panicked(String),
-    /// An error returned by the actor.
+    /// Error that the actor returned.
     Failed(Arc<dyn std::error::Error + Send + Sync>),
     /// The worker pool lost the job: stalled, or the pool is exhausted.
     ReplyLost(JobLost),

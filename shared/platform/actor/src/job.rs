@@ -12,7 +12,7 @@ use crate::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JobLost {
-    /// The job panicked with this message.
+    /// Panic of the job with this message.
     #[error("The job panicked ({0}); its result is lost, and the panic is a bug to fix.")]
     Panicked(String),
     /// The job showed no progress for the stall time. Its thread was abandoned, and

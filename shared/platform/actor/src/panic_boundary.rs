@@ -19,7 +19,7 @@ pub(crate) fn drop_caught<T>(value: T) {
     let _ = catch_panic(|| drop(value));
 }
 
-/// Message of a caught panic.
+/// Panic message of a caught panic.
 fn message_of(payload: Box<dyn Any + Send>) -> String {
     let payload = match payload.downcast::<&'static str>() {
         Ok(text) => return (*text).to_owned(),

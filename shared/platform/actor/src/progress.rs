@@ -18,7 +18,7 @@ impl Progress {
         self.0.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Number of ticks, modulo 2^64.
+    /// Number of progress ticks, modulo 2^64.
     pub fn count(&self) -> u64 {
         self.0.load(Ordering::Relaxed)
     }

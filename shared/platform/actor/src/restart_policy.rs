@@ -69,7 +69,7 @@ impl RestartPolicy {
         self.max_restarts
     }
 
-    /// Length of the sliding window.
+    /// Length of the sliding window of restarts.
     pub fn window(&self) -> Duration {
         self.window
     }
@@ -94,7 +94,7 @@ pub struct RestartHistory {
 }
 
 impl RestartHistory {
-    /// Creates a history without restarts.
+    /// Creates a restart history without restarts.
     pub fn new(policy: RestartPolicy) -> Self {
         Self {
             policy,

@@ -26,7 +26,7 @@ pub use fork_join::ForkJoin;
 
 mod fork_join;
 
-/// Watchdog checks within one stall time.
+/// Number of watchdog checks within one stall time.
 const CHECKS_PER_STALL: u32 = 4;
 
 /// Shortest period of the watchdog, whatever the configuration.

@@ -17,7 +17,7 @@ pub(crate) struct Lockstep {
     reports: Subscriber<FinishedFrames>,
 }
 
-/// Outcome of waiting for the followers.
+/// Outcome of waiting for the lockstep followers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LockstepOutcome {
     /// All followers have finished the frame.

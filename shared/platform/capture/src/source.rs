@@ -22,10 +22,10 @@ impl FrameSize {
     }
 }
 
-/// Metadata of a filled frame.
+/// Metadata of a captured frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameInfo {
-    /// Camera intrinsics and image size.
+    /// Camera intrinsics with the image size.
     pub camera: PinholeCamera,
     /// `true` when the intrinsics belong to this camera; `false` when they are
     /// nominal.
@@ -42,7 +42,7 @@ pub struct FrameInfo {
 
 /// Camera source, live, recorded or simulated.
 pub trait Source {
-    /// Name of the source for people.
+    /// Name of the camera source, for people.
     fn name(&self) -> &str;
 
     /// Playback rate, frames per second; `None` for a live sensor, whose frames are

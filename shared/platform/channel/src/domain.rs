@@ -51,7 +51,7 @@ struct Membership {
     run_folder: RunFolder,
     /// Node of iceoryx2; `None` only during drop.
     node: Option<Node<Service>>,
-    /// Lock of the exclusive role.
+    /// Lock file of the exclusive role.
     _role: Option<LockFile>,
     presence: LockFile,
 }

@@ -35,7 +35,7 @@ pub enum Error {
         path: PathBuf,
         /// Kind of the entry, such as "a symbolic link" or "a folder".
         kind: &'static str,
-        /// User id of its owner.
+        /// User id of the folder's owner.
         owner: u32,
     },
     /// The exclusive role is taken by a running process.
@@ -82,7 +82,7 @@ pub enum Error {
     Transport {
         /// Transport operation that failed.
         attempt: &'static str,
-        /// Name of the service, or empty.
+        /// Name of the iceoryx2 service, or empty.
         service: &'static str,
         /// Error description from iceoryx2.
         cause: String,
@@ -99,7 +99,7 @@ pub enum Error {
         /// Name of the iceoryx2 service.
         service: &'static str,
     },
-    /// Message longer than the service carries.
+    /// Message longer than the service can carry.
     #[error("{service} carries at most {max} items in one message, not {len}")]
     TooLong {
         /// Name of the iceoryx2 service.

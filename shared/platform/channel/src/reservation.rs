@@ -5,9 +5,9 @@
 pub struct Reservation {
     /// Name of the iceoryx2 service.
     pub service: &'static str,
-    /// Message slots of all its senders.
+    /// Number of message slots of all its senders.
     pub slots: u64,
-    /// Size of one slot, bytes.
+    /// Size of one message slot, bytes.
     pub slot_bytes: u64,
 }
 
@@ -15,7 +15,7 @@ pub struct Reservation {
 pub(crate) const SLOT_OVERHEAD_BYTES: u64 = 128;
 
 impl Reservation {
-    /// Size of all slots, bytes.
+    /// Total size of all message slots, bytes.
     pub fn bytes(&self) -> u64 {
         self.slots * self.slot_bytes
     }

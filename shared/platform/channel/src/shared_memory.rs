@@ -12,7 +12,7 @@ pub struct SharedMemory {
     pub total_bytes: u64,
     /// Free space of the shared-memory file system, bytes.
     pub free_bytes: u64,
-    /// Bytes used by the domain's files.
+    /// Shared-memory bytes used by the domain's files.
     pub used_by_domain: u64,
     /// Bytes reserved by others but not yet used: sparse files use memory only when
     /// touched, and then get SIGBUS if it is gone.
@@ -45,7 +45,7 @@ impl SharedMemory {
         Some(state)
     }
 
-    /// Bytes available to this domain.
+    /// Shared-memory bytes available to this domain.
     pub fn available(&self) -> u64 {
         (self.free_bytes + self.used_by_domain).saturating_sub(self.reserved_by_others)
     }
@@ -56,7 +56,7 @@ impl SharedMemory {
     }
 }
 
-/// Files of the domain in `/dev/shm`.
+/// Shared-memory files of the domain in `/dev/shm`.
 pub(crate) fn files_of(domain: &DomainName) -> Vec<PathBuf> {
     let prefix = domain.prefix();
     let Ok(entries) = std::fs::read_dir(FOLDER) else {

@@ -77,7 +77,7 @@ impl<T: Topic> Subscriber<T> {
         })
     }
 
-    /// Takes the oldest queued message.
+    /// Takes the oldest queued message of the topic.
     ///
     /// # Errors
     /// When shared memory fails.
@@ -120,7 +120,7 @@ impl<T: Topic> Subscriber<T> {
         }
     }
 
-    /// Waits for the next message.
+    /// Waits for the next message of the topic.
     ///
     /// # Errors
     /// As [`receive`](Self::receive); also when the borrow limit is reached.

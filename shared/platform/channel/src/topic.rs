@@ -44,7 +44,7 @@ pub struct Limits {
     pub publishers: usize,
     /// Largest number of subscribers of the topic.
     pub subscribers: usize,
-    /// Queue length of a subscriber, messages.
+    /// Queue length of each subscriber, messages.
     pub buffer: usize,
     /// Largest number of messages that a subscriber holds.
     pub borrowed: usize,
@@ -69,7 +69,7 @@ pub trait Topic: Debug + Send + Sync + 'static {
     type Item: Debug + Copy + Default + AnyBitPattern + ZeroCopySend + Send + Sync;
     /// Overflow policy of the topic's queues.
     type Overflow: Overflow;
-    /// Service name within the domain.
+    /// Name of the topic's service within the domain.
     const NAME: &'static str;
     /// Largest number of items of a message.
     const MAX_ITEMS: usize;
@@ -106,7 +106,7 @@ macro_rules! topics {
             const LIMITS: Limits = $limits;
         })*
 
-        /// Reservations of all topics' publishers.
+        /// Shared-memory reservations of all topics' publishers.
         pub(crate) fn reservations() -> Vec<Reservation> {
             vec![$(reservation::<$topic>()),*]
         }
@@ -132,35 +132,35 @@ topics! {
     /// Reports of finished frames to a lockstep source.
     FinishedFrames { FRAME_DONE, PlainHeader, [FrameDone; 1], Refuse,
         Limits { publishers: 4, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }
-    /// Live scene: the tracked objects.
+    /// Topic of live scenes: the tracked objects.
     Scene { SCENE, SceneSummary, [SceneObject; MAX_SCENE_OBJECTS], DropOldest, STATE }
     /// Described views of objects.
     ObjectView { OBJECT_VIEW, ObjectViewHeader, [f32; 1024], DropOldest,
         Limits { publishers: 1, subscribers: 4, buffer: 64, borrowed: 2, history: 0, loaned: 2 } }
-    /// Point clouds of single objects.
+    /// Topic of point clouds of single objects.
     ObjectCloud { OBJECT_CLOUD, ObjectCloudHeader, [CloudPoint; 65_536], DropOldest,
         Limits { publishers: 1, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }
     /// Life-cycle events of the object actors. A new subscriber gets the newest ones.
     ActorEvents { ACTOR_EVENT, PlainHeader, [ActorEvent; 1], DropOldest,
         Limits { publishers: 1, subscribers: 4, buffer: 64, borrowed: 2, history: 16, loaned: 2 } }
-    /// State of the robot arm.
+    /// Topic of the robot arm's state.
     ArmStates { ARM_STATE, ArmState, [WireCapsule; MAX_CAPSULES], DropOldest,
         Limits { publishers: 1, subscribers: 6, buffer: 8, borrowed: 2, history: 1, loaned: 2 } }
     /// Bodies of the people around the table.
     PersonBodies { PERSON_BODY, PersonBody, [WireCapsule; MAX_CAPSULES], DropOldest, STATE }
-    /// Ground-truth objects of simulated frames.
+    /// Topic of the ground-truth objects of simulated frames.
     TrueObjects { TRUTH_OBJECTS, TruthHeader, [TrueObject; MAX_TRUE_OBJECTS], DropOldest,
         Limits { publishers: 1, subscribers: 4, buffer: 4, borrowed: 2, history: 1, loaned: 2 } }
-    /// Ground-truth masks of simulated frames.
+    /// Topic of the ground-truth masks of simulated frames.
     TrueMasks { TRUTH_MASK, TruthHeader, [MaskPixel; MAX_FRAME_POINTS], DropOldest,
         Limits { publishers: 1, subscribers: 2, buffer: 2, borrowed: 2, history: 0, loaned: 2 } }
-    /// Announcements of changes of the memory.
+    /// Topic that announces changes of the memory.
     MemoryChanged { MEMORY_CHANGE, PlainHeader, [MemoryChange; 1], DropOldest, STATE }
     /// Latency traces of frames. Unread traces make room and are counted: measuring
     /// never delays a frame.
     FrameTraces { TRACE, TraceHeader, [Span; MAX_SPANS], DropOldest,
         Limits { publishers: 4, subscribers: 2, buffer: 24, borrowed: 2, history: 0, loaned: 2 } }
-    /// Health reports of all processes.
+    /// Topic of health reports of all processes.
     ProcessHealth { HEALTH, PlainHeader, [Health; 1], DropOldest,
         Limits { publishers: 12, subscribers: 6, buffer: 16, borrowed: 2, history: 1, loaned: 2 } }
 }

@@ -1,4 +1,4 @@
-//! Progress bar of a long run.
+//! Progress bar of a long-running command.
 
 use crate::Output;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};

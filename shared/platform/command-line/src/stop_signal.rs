@@ -46,7 +46,7 @@ impl StopSignal {
         Ok(raised)
     }
 
-    /// `true` after the signal was raised.
+    /// `true` after the stop signal was raised.
     pub fn is_raised(&self) -> bool {
         *self.0.0.lock()
     }

@@ -17,7 +17,7 @@ const POLL_PERIOD: Duration = Duration::from_millis(50);
 /// Timeout of one answer without a daemon: opening may repair a large database first. Chosen.
 const OFFLINE_DEADLINE: Duration = Duration::from_secs(24 * 3600);
 
-/// Connection to the perceptual memory.
+/// Client connection to the perceptual memory.
 #[derive(Debug)]
 pub struct MemoryClient {
     client: SocketClient,

@@ -15,11 +15,11 @@ const G_MPS2: f64 = 9.80665;
 /// temperature).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Acceleration {
-    /// Component along the sensor's width, m/s².
+    /// Acceleration along the sensor's width, m/s².
     pub x_mps2: f64,
     /// Component upwards for a level sensor, m/s².
     pub y_mps2: f64,
-    /// Component along the viewing direction, m/s².
+    /// Acceleration along the viewing direction, m/s².
     pub z_mps2: f64,
 }
 

@@ -36,7 +36,7 @@ pub enum InvalidCalibration {
         /// Reason why the intrinsics are invalid.
         source: InvalidIntrinsics,
     },
-    /// An image size is not 640x480.
+    /// Calibration whose image size is not 640x480.
     #[error("the calibration's {which} camera must be 640x480, as the images are")]
     Size {
         /// Name of the camera: `depth` or `colour`.
@@ -109,7 +109,7 @@ impl Calibration {
     }
 }
 
-/// Burrus's translation, colour to depth, metres.
+/// Burrus's translation from colour to depth camera, metres.
 const BURRUS_TRANSLATION_M: [f64; 3] = [
     1.998_524_231_209_255_3e-2,
     -7.442_373_876_161_758e-4,

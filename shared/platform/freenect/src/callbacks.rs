@@ -64,7 +64,7 @@ impl Drop for SinkRegistration {
     }
 }
 
-/// Depth callback of the library.
+/// Callback of libfreenect for depth images.
 pub(crate) extern "C" fn on_depth(device: *mut Device, pixels: *mut c_void, stamp_ticks: u32) {
     let arrived = Instant::now();
     with_sink(device, |sink| {
@@ -72,7 +72,7 @@ pub(crate) extern "C" fn on_depth(device: *mut Device, pixels: *mut c_void, stam
     });
 }
 
-/// Colour callback of the library.
+/// Callback of libfreenect for colour images.
 pub(crate) extern "C" fn on_video(device: *mut Device, pixels: *mut c_void, stamp_ticks: u32) {
     let arrived = Instant::now();
     with_sink(device, |sink| {
@@ -188,7 +188,7 @@ impl FrameSink {
         code >= 0
     }
 
-    /// Newest pair not yet taken.
+    /// Takes the newest pair that was not taken yet.
     pub(crate) fn take_ready(&mut self) -> Option<HeldPair> {
         self.pairing.take_ready().map(HeldPair)
     }

@@ -53,7 +53,7 @@ pub struct DepthTable {
     formula: DepthFormula,
     /// Depth of each raw value, metres; NaN for no depth.
     depth_m: Box<[f32; N_VALUES]>,
-    /// Largest raw value with a depth.
+    /// Largest raw depth value that has a depth.
     last_raw: u16,
 }
 

@@ -23,7 +23,7 @@ const INTERRUPTED: i32 = -10;
 pub enum Selector {
     /// Index on the bus, from 0; may change when devices are replugged.
     Index(u32),
-    /// Serial number of the camera; permanent.
+    /// Selects by the permanent serial number of the camera.
     Serial(String),
 }
 

@@ -14,7 +14,7 @@ pub enum Error {
         tried_list(.tried)
     )]
     LibraryMissing {
-        /// Library that was searched for.
+        /// Kind of library that was searched for.
         kind: LibraryKind,
         /// Each place with the loader's error message.
         tried: Vec<(PathBuf, String)>,
@@ -28,12 +28,12 @@ pub enum Error {
     SymbolMissing {
         /// Path of the libfreenect library.
         library: PathBuf,
-        /// Name of the missing function.
+        /// Name of the missing library function.
         symbol: &'static str,
         /// Error of the dynamic loader.
         source: libloading::Error,
     },
-    /// The recording for fakenect is faulty.
+    /// Faulty recording for fakenect.
     #[error(transparent)]
     Recording(#[from] RecordingError),
     /// Fakenect was loaded, but the environment names no recording.
@@ -57,7 +57,7 @@ pub enum Error {
         /// Error code returned by libusb.
         code: i32,
     },
-    /// The library finds no Kinect.
+    /// libfreenect finds no Kinect.
     #[error("no Kinect found: {advice}")]
     NoKinect {
         /// State of the USB bus, with the remedy.
@@ -72,9 +72,9 @@ pub enum Error {
     CannotOpen {
         /// Selector of the requested Kinect.
         wanted: String,
-        /// Error code of the library.
+        /// Error code of libfreenect.
         code: i32,
-        /// Log messages of the library.
+        /// Log messages of libfreenect.
         said: String,
         /// Serial numbers of the present cameras, if the library can list them.
         serials: Vec<String>,
@@ -98,9 +98,9 @@ pub enum Error {
     CallFailed {
         /// Name of the libfreenect function.
         function: &'static str,
-        /// Error code of the function.
+        /// Error code that the function returned.
         code: i32,
-        /// Log messages of the library.
+        /// Log messages of libfreenect.
         said: String,
     },
     /// The library rejected a buffer, or wrote a frame outside of it.
@@ -116,9 +116,9 @@ pub enum Error {
         said_clause(.said)
     )]
     Gone {
-        /// Error code of the library.
+        /// Error code of libfreenect.
         code: i32,
-        /// Log messages of the library.
+        /// Log messages of libfreenect.
         said: String,
     },
     /// The recording played by fakenect has ended.

@@ -18,7 +18,7 @@ pub(crate) struct FrameBuffer<T> {
 }
 
 impl<T: Copy + Default> FrameBuffer<T> {
-    /// Zeroed memory for `n` values.
+    /// Zeroed image memory for `n` values.
     pub(crate) fn new(n: usize) -> Self {
         let pixels = Box::leak(vec![T::default(); n].into_boxed_slice());
         Self {
@@ -26,7 +26,7 @@ impl<T: Copy + Default> FrameBuffer<T> {
         }
     }
 
-    /// Address to pass to the library.
+    /// Address of the buffer to pass to libfreenect.
     pub(crate) fn address(&self) -> *mut c_void {
         self.pixels.as_ptr().cast()
     }

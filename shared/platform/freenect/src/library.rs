@@ -14,7 +14,7 @@ const FILE_NAMES: [&str; 3] = ["libfreenect.so.0.5", "libfreenect.so.0", "libfre
 /// Folder of fakenect, next to the real library.
 const FAKE_FOLDER: &str = "fakenect";
 
-/// Kind of library: real or fake.
+/// Kind of library: real libfreenect or fakenect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LibraryKind {
     /// Real library, which talks to a Kinect.
@@ -174,11 +174,11 @@ impl Library {
 enum LoadError {
     /// Not found or not a library: the next place is tried.
     NotLoaded(libloading::Error),
-    /// Found but unusable: an error.
+    /// Library that was found but is unusable.
     Unusable(Error),
 }
 
-/// Files to try in order.
+/// Library files to try in order.
 fn candidates(kind: LibraryKind, folders: &[PathBuf]) -> Vec<PathBuf> {
     let in_folders = |sub: &'static str| {
         folders.iter().flat_map(move |folder| {

@@ -33,7 +33,7 @@ pub enum LogLevel {
 pub struct LogMessage {
     /// Severity of the log message.
     pub level: LogLevel,
-    /// Text without the end of line.
+    /// Text of the log message without the end of line.
     pub text: String,
 }
 

@@ -24,10 +24,10 @@ const MAX_UNPAIRED: usize = 2;
 /// the pair not yet taken, and one in the pair held by the caller.
 pub(crate) const N_FRAMES: usize = MAX_UNPAIRED + 4;
 
-/// Frame with its time stamps.
+/// Camera image with its time stamps.
 #[derive(Debug)]
 pub(crate) struct StampedFrame<T> {
-    /// Device stamp, ticks of [`CLOCK_HZ`].
+    /// Device stamp of the image, ticks of [`CLOCK_HZ`].
     pub(crate) stamp_ticks: u32,
     /// Arrival time of the image.
     pub(crate) arrived: Instant,
@@ -138,17 +138,17 @@ impl<D, V> Pairing<D, V> {
         self.video.spare.pop()
     }
 
-    /// Returns an unused depth buffer.
+    /// Returns an unused depth buffer for reuse.
     pub(crate) fn return_depth(&mut self, frame: D) {
         self.depth.spare.push(frame);
     }
 
-    /// Returns an unused colour buffer.
+    /// Returns an unused colour buffer for reuse.
     pub(crate) fn return_video(&mut self, frame: V) {
         self.video.spare.push(frame);
     }
 
-    /// Adds a complete depth frame.
+    /// Adds a complete depth image.
     pub(crate) fn depth_arrived(&mut self, depth: StampedFrame<D>) {
         match self.video.take_partner(depth.stamp_ticks) {
             Some(video) => {
@@ -159,7 +159,7 @@ impl<D, V> Pairing<D, V> {
         }
     }
 
-    /// Adds a complete colour frame.
+    /// Adds a complete colour image.
     pub(crate) fn video_arrived(&mut self, video: StampedFrame<V>) {
         match self.depth.take_partner(video.stamp_ticks) {
             Some(depth) => {
@@ -170,12 +170,12 @@ impl<D, V> Pairing<D, V> {
         }
     }
 
-    /// Newest pair not yet taken.
+    /// Takes the newest pair that was not taken yet.
     pub(crate) fn take_ready(&mut self) -> Option<Pair<D, V>> {
         self.ready.take()
     }
 
-    /// Returns the buffers of a pair.
+    /// Returns the buffers of a pair for reuse.
     pub(crate) fn recycle(&mut self, pair: Pair<D, V>) {
         self.return_depth(pair.depth.frame);
         self.return_video(pair.video.frame);

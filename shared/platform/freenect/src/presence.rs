@@ -46,7 +46,7 @@ pub enum Access {
     Granted,
     /// Device node denies permission.
     Denied,
-    /// Node missing or other failure.
+    /// Device node that is missing or fails otherwise.
     Failed,
 }
 
@@ -55,7 +55,7 @@ pub enum Access {
 pub struct UsbPart {
     /// Kind of the Kinect's USB device.
     pub kind: UsbPartKind,
-    /// USB product id, of vendor 045e.
+    /// USB product id of the device, of vendor 045e.
     pub product: u16,
     /// Device node.
     pub node: PathBuf,
@@ -95,7 +95,7 @@ impl Presence {
         }
     }
 
-    /// Devices found, by bus address.
+    /// USB devices found, by bus address.
     pub fn parts(&self) -> &[UsbPart] {
         &self.parts
     }

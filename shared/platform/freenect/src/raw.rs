@@ -127,7 +127,7 @@ macro_rules! api {
         }
 
         impl Api {
-            /// Looks up all functions by name.
+            /// Looks up all library functions by name.
             ///
             /// # Errors
             /// The name of the first required function the library lacks, with

@@ -27,7 +27,7 @@ const MAX_INDEX_BYTES: u64 = 64 << 20;
 /// Maximum length of an image's header line, bytes.
 const MAX_HEADER_BYTES: usize = 64;
 
-/// Contents of a valid folder.
+/// Contents of a valid recording folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RecordingSummary {
     /// Number of recorded depth images.

@@ -60,7 +60,7 @@ struct ColorProjection {
 /// Counts of the points of a cloud.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FillSummary {
-    /// Number of points with depth.
+    /// Number of cloud points with depth.
     pub n_points: usize,
     /// Number of points with depth inside the colour image.
     pub n_colored: usize,

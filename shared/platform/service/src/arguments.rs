@@ -44,7 +44,7 @@ pub struct ProcessArguments {
 }
 
 impl CommonArguments {
-    /// Home folder of these arguments.
+    /// Data folder that these arguments select.
     pub fn home(&self) -> Home {
         match &self.home {
             Some(folder) => Home::at(folder.clone()),

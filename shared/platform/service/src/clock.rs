@@ -7,7 +7,7 @@ pub fn monotonic_ns() -> u64 {
     now_ns(ClockId::Monotonic) as u64
 }
 
-/// Wall clock, nanoseconds since 1970.
+/// Wall clock time, nanoseconds since 1970.
 pub fn wall_clock_ns() -> i64 {
     now_ns(ClockId::Realtime)
 }

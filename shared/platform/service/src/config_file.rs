@@ -85,7 +85,7 @@ impl ConfigFile {
         }
     }
 
-    /// Creates an error about this file.
+    /// Creates an error about this configuration file.
     pub fn wrong(&self, cause: impl fmt::Display) -> ConfigError {
         let path = self
             .path

@@ -10,13 +10,13 @@ pub mod exit_code {
     pub const USAGE: u8 = 2;
     /// No daemon is running in the domain.
     pub const NO_DAEMON: u8 = 3;
-    /// The daemon refused the command.
+    /// Exit code: the daemon refused the command.
     pub const REFUSED: u8 = 4;
-    /// Timeout: no answer from the daemon.
+    /// Exit code of a timeout: no answer from the daemon.
     pub const TIMED_OUT: u8 = 5;
-    /// Another daemon runs in the domain.
+    /// Exit code: another daemon runs in the domain.
     pub const ALREADY_RUNNING: u8 = 6;
-    /// A measurement is over its budget.
+    /// Exit code: a measurement is over its budget.
     pub const OVER_BUDGET: u8 = 7;
 }
 
@@ -24,7 +24,7 @@ pub mod exit_code {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{sentence}")]
 pub struct Failure {
-    /// Exit code, one of [`exit_code`].
+    /// Exit code of the process, one of [`exit_code`].
     pub code: u8,
     /// Sentence: the problem, the object concerned, and the next step.
     pub sentence: String,

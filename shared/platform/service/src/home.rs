@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub struct Home(PathBuf);
 
 impl Home {
-    /// Home folder at a given path.
+    /// Data folder at a given path.
     pub fn at(folder: PathBuf) -> Self {
         Self(folder)
     }

@@ -12,7 +12,7 @@ pub struct Shutdown(watch::Receiver<bool>);
 pub(crate) struct ShutdownTrigger(watch::Sender<bool>);
 
 impl Shutdown {
-    /// Creates a request and its sender.
+    /// Creates a shutdown request and its sender.
     pub(crate) fn new() -> (ShutdownTrigger, Self) {
         let (sender, receiver) = watch::channel(false);
         (ShutdownTrigger(sender), Self(receiver))

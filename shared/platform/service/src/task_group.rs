@@ -86,7 +86,7 @@ mod tests {
     use std::future::{pending, ready};
     use std::sync::Arc;
 
-    /// Far beyond any healthy run.
+    /// Watchdog of a test, far beyond any healthy run.
     const WATCHDOG: Duration = Duration::from_secs(20);
 
     /// Future that panics with an owned message or with a literal.

@@ -16,7 +16,7 @@ pub struct Object {
     pub category: &'static str,
     /// Number of the instance within its category.
     pub instance: u64,
-    /// Surface of closed, overlapping parts, metres.
+    /// Mesh of closed, overlapping parts, metres.
     pub mesh: TriangleMesh,
     /// Convex decomposition for physics; fills the surface to a few millimetres.
     pub convex_parts: Vec<ConvexPart>,

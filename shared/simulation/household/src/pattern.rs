@@ -39,7 +39,7 @@ pub(crate) fn azimuth(p: &Point3<f32>) -> f32 {
     (p.y.atan2(p.x) / TAU).rem_euclid(1.0)
 }
 
-/// Distance from the z axis.
+/// Distance of a point from the z axis.
 pub(crate) fn radius(p: &Point3<f32>) -> f32 {
     p.x.hypot(p.y)
 }

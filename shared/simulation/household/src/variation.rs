@@ -3,7 +3,7 @@
 use crate::palette::{Rgb, jittered};
 use random::{Random, mix64};
 
-/// Random number stream of one instance.
+/// Random number stream that varies one instance.
 #[derive(Debug, Clone)]
 pub struct Variation {
     random: Random,
@@ -25,7 +25,7 @@ impl Variation {
         }
     }
 
-    /// The next 64 random bits.
+    /// Next 64 bits of the random stream.
     pub fn seed(&mut self) -> u64 {
         self.random.next_u64()
     }

@@ -65,7 +65,7 @@ pub(crate) struct Lighting {
     to_eye: VectorLanes,
     /// Cosine between normal and direction to the camera, not negative.
     pub(crate) cosine: Lanes,
-    /// Radiance without the main light.
+    /// Radiance of the pixels without the main light.
     pub(crate) unlit: VectorLanes,
     /// Radiance that the main light adds where no shadow falls.
     pub(crate) lit: VectorLanes,

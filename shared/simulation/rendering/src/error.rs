@@ -18,7 +18,7 @@ pub enum Error {
          give one point for each pixel"
     )]
     CloudSize {
-        /// Number of points in the buffer.
+        /// Number of points in the caller's buffer.
         n_points: usize,
         /// Number of pixels of the image.
         n_pixels: usize,

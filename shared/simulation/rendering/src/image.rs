@@ -15,7 +15,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// Empty image; `camera` must be valid.
+    /// Empty image of a camera; `camera` must be valid.
     pub(crate) fn new(camera: PinholeCamera) -> Self {
         let n_pixels = camera.n_pixels();
         Self {
@@ -72,7 +72,7 @@ impl Image {
         self.reflection[pixel] = lit.reflection;
     }
 
-    /// Clears a span of pixels.
+    /// Clears a horizontal span of pixels.
     pub(crate) fn clear_span(&mut self, span: std::ops::Range<usize>) {
         self.depth_m[span.clone()].fill(f32::INFINITY);
         self.instance[span.clone()].fill(0);

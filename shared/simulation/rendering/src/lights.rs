@@ -18,7 +18,7 @@ pub enum LightPlacement {
 pub struct Light {
     /// Colour temperature and intensity of the light.
     pub illuminant: Illuminant,
-    /// Position or direction, world frame.
+    /// Position or direction of the light, world frame.
     pub placement: LightPlacement,
 }
 

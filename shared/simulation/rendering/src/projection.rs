@@ -17,7 +17,7 @@ pub(crate) struct ScreenCorner {
     pub(crate) reverse_z: f32,
 }
 
-/// Rigid transform in single precision.
+/// Rigid transform in single precision (`f32`).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RigidTransformF32 {
     rows: [[f32; 4]; 3],

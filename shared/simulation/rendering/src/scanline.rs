@@ -3,7 +3,7 @@
 use crate::projection::ScreenCorner;
 use crate::rounding::ceil_f64;
 
-/// Clamp of columns and rows, pixels.
+/// Limit to which column and row numbers are clamped, pixels.
 const PIXEL_MAX: f64 = 1e6;
 
 /// Side of a face that is drawn (face culling).

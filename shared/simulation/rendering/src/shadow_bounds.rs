@@ -8,7 +8,7 @@ use crate::shadow_grid::{BLOCK, MAP_SIDE, N_BLOCKS};
 pub(crate) struct ShadowBounds {
     low: Vec<f32>,
     high: Vec<f32>,
-    /// Minimum of each block's own cells.
+    /// Minimum shadow-map value of each block's own cells.
     own_low: Vec<f32>,
     own_high: Vec<f32>,
 }
@@ -33,7 +33,7 @@ impl ShadowBounds {
         spread(&self.own_high, &mut self.high, f32::max);
     }
 
-    /// Minimum and maximum around a cell.
+    /// Minimum and maximum shadow-map value around a cell.
     #[inline]
     pub(crate) fn around(&self, column: usize, row: usize) -> (f32, f32) {
         let block = row / BLOCK * N_BLOCKS + column / BLOCK;

@@ -13,7 +13,7 @@ pub(crate) struct SurfaceSample {
     pub(crate) place: [f32; 3],
     /// Normal, camera frame, of any length but zero.
     pub(crate) normal: [f32; 3],
-    /// Albedo without texture, linear sRGB.
+    /// Albedo of the surface without texture, linear sRGB.
     pub(crate) albedo: [f32; 3],
 }
 

@@ -17,21 +17,21 @@ pub enum Texture {
     },
     /// Checkerboard in x, y and z.
     Checker {
-        /// Side of a field, metres.
+        /// Side of a checkerboard field, metres.
         side_m: f32,
         /// Brightness of the dark fields, 0 to 1.
         dark: f32,
     },
     /// Square tiles in x and y with dark joints and slightly different shades.
     Tiles {
-        /// Side of a tile, metres.
+        /// Side of a floor tile, metres.
         side_m: f32,
-        /// Width of a joint, metres.
+        /// Width of the joint between tiles, metres.
         joint_m: f32,
     },
     /// Value noise of irregular stains and fine grain, as of plaster or cloth.
     Mottle {
-        /// Size of the stains, metres.
+        /// Size of the texture's stains, metres.
         scale_m: f32,
         /// Contrast of the texture, 0 to 1.
         contrast: f32,
@@ -206,7 +206,7 @@ fn hash_unit(mut h: u32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Factors at one of many points.
+    /// Texture factors at one of many points.
     fn factors(texture: Texture, place: [f32; 3]) -> [f32; 3] {
         let mut places = [[7.7; N_POINTS]; 3];
         let mut all = [[f32::NAN; N_POINTS]; 3];

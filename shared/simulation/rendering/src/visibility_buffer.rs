@@ -46,7 +46,7 @@ pub(crate) struct VisibilityBuffer {
     pub(crate) reverse_z: Vec<f32>,
     /// Index of the nearest face; [`NO_FACE`] in empty pixels.
     pub(crate) face: Vec<u32>,
-    /// Columns drawn in each row.
+    /// Range of columns drawn in each row.
     pub(crate) row_ranges: Vec<ColumnRange>,
 }
 

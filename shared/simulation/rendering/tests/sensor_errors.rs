@@ -149,7 +149,7 @@ fn perfect_sensor_measures_exactly() {
     }
 }
 
-/// Modification of a sensor model.
+/// Test modification of a sensor model.
 type ModelChange = fn(&mut SensorModel);
 
 /// Error terms: name, model with this term alone, and model with the term at strength 0.

@@ -7,12 +7,12 @@ use crate::model_choice::ModelChoice;
 pub enum Action {
     /// Brings an object and puts it down.
     Put {
-        /// Model of the new object.
+        /// Model of the object that is brought.
         model: ModelChoice,
         /// Target position, world x and y, metres.
         to_m: [f64; 2],
     },
-    /// Carries an object to another position.
+    /// Carries an object to another place on the table.
     Move {
         /// Number of the object to move.
         object: u16,
@@ -60,7 +60,7 @@ impl Action {
         }
     }
 
-    /// Description for messages: `move object 3`.
+    /// Description of the action for messages: `move object 3`.
     pub(crate) fn words(&self) -> String {
         match self {
             Self::Put { model, .. } => format!("put a {}", model.category()),

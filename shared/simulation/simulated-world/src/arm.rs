@@ -24,7 +24,7 @@ const LINE_SPEED: f64 = 0.5;
 /// Command to the simulated arm; poses in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ArmCommand {
-    /// Moves the gripper to a pose.
+    /// Moves the gripper of the arm to a pose.
     MoveTo {
         /// Target pose of the gripper: z forward, x in the closing direction.
         world_from_gripper: RigidTransform,
@@ -33,13 +33,13 @@ pub enum ArmCommand {
     },
     /// Moves the joints to given angles, radians.
     MoveJoints([f64; 6]),
-    /// Moves to the folded home position.
+    /// Moves the arm to the folded home position.
     Home,
     /// Opens the gripper wide and releases the held object.
     Open,
     /// Closes the gripper until the fingers hold an object or meet.
     Close,
-    /// Stops all motion at once.
+    /// Stops all motion of the arm at once.
     Stop,
 }
 
@@ -52,11 +52,11 @@ pub struct ArmStatus {
     pub joint_angles_rad: [f64; 6],
     /// Joint velocities of the arm, rad/s.
     pub joint_velocities_rad_s: [f64; 6],
-    /// Distance between the pads, metres.
+    /// Distance between the finger pads, metres.
     pub opening_m: f64,
     /// Pose of the gripper, world frame.
     pub world_from_gripper: RigidTransform,
-    /// Number of the held object.
+    /// Number of the object that the gripper holds.
     pub holds: Option<u16>,
     /// Identity of the last accepted command; 0 before the first one.
     pub command_id: u64,

@@ -6,15 +6,15 @@ use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 /// Camera mount: spherical coordinates around the point it looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraMount {
-    /// Target point, world frame, metres.
+    /// Target point of the camera, world frame, metres.
     pub look_at_m: [f64; 3],
-    /// Distance from the target point, metres.
+    /// Distance of the camera from the target point, metres.
     pub distance_m: f64,
     /// Elevation above the horizon, degrees, -89 to 89.
     pub elevation_deg: f64,
     /// Azimuth around the target point, degrees: 0 at the near side (-y), 90 at +x.
     pub azimuth_deg: f64,
-    /// Orbit speed, degrees per second.
+    /// Orbit speed of the camera, degrees per second.
     pub orbit_deg_s: f64,
 }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file cannot be read.
+    /// File that cannot be read.
     #[error("{} cannot be read: {cause}", path.display())]
     Unreadable {
         /// Path of the unreadable file.
@@ -17,12 +17,12 @@ pub enum Error {
     /// A value of a scene is invalid.
     #[error("the scene's {place}: {rule}")]
     Scene {
-        /// Key in the scene: `[table] size_m`.
+        /// Key of the value in the scene file: `[table] size_m`.
         place: String,
         /// Rule that the value violates.
         rule: String,
     },
-    /// A model cannot be used.
+    /// Model that cannot be used.
     #[error("the model {name} cannot be used: {cause}")]
     Model {
         /// File or name of the model.

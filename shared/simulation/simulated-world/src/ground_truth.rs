@@ -5,9 +5,9 @@ use geometry::RigidTransform;
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Mask value of the arm.
+/// Instance-mask value of the arm.
 pub const ARM_ID: u16 = u16::MAX;
-/// Mask value of the person.
+/// Instance-mask value of the person.
 pub const PERSON_ID: u16 = u16::MAX - 1;
 
 /// Ground truth of one object in a frame.
@@ -15,7 +15,7 @@ pub const PERSON_ID: u16 = u16::MAX - 1;
 pub struct ObjectTruth {
     /// Number in the scene, from 1; its mask value.
     pub id: u16,
-    /// Unique name of the instance: `mug-3`.
+    /// Unique name of the object instance: `mug-3`.
     pub name: String,
     /// Category of the object, such as `mug`.
     pub category: String,

@@ -11,7 +11,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct ModelLibrary {
     source: ModelSource,
-    /// Model files of the folder.
+    /// Model files of the library's folder.
     files: Arc<[PathBuf]>,
     cache: Vec<(ModelChoice, Arc<ObjectModel>)>,
     notes: Vec<String>,
@@ -84,7 +84,7 @@ impl ModelLibrary {
         Ok(model)
     }
 
-    /// Loads a model without caching it.
+    /// Loads a model, from the cache if it is there, without adding it to the cache.
     ///
     /// # Errors
     /// As for [`load`](Self::load).

@@ -27,7 +27,7 @@ pub enum ModelOrigin {
 pub struct ObjectModel {
     /// Category name of the model, such as `mug`.
     pub category: String,
-    /// Unique name of the instance: `mug-3`.
+    /// Unique name of the model instance: `mug-3`.
     pub name: String,
     /// Origin of the model.
     pub origin: ModelOrigin,

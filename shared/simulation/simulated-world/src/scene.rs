@@ -69,7 +69,7 @@ pub enum ObjectPlacement {
     Upright {
         /// Position on the table, world x and y, metres.
         position_m: [f64; 2],
-        /// Yaw about the vertical, radians.
+        /// Yaw of the object about the vertical, radians.
         yaw_rad: f64,
     },
     /// Object dropped from the air.

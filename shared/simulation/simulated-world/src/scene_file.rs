@@ -119,7 +119,7 @@ impl Scene {
         raw_scene::scene(text, folder, seed)
     }
 
-    /// Scene from a TOML file.
+    /// Scene read from a TOML file.
     ///
     /// # Errors
     /// [`Error::Unreadable`], or as for [`from_toml`](Self::from_toml).
@@ -137,7 +137,7 @@ impl Scene {
     }
 }
 
-/// Objects of a scene generator.
+/// Objects that a scene generator places.
 fn generated_objects(
     scene: &Scene,
     kind: SceneKind,

@@ -26,7 +26,7 @@ pub enum ObjectState {
 }
 
 impl ObjectState {
-    /// Name in files and reports.
+    /// Name of the state, as written to reports and files.
     pub fn word(self) -> &'static str {
         match self {
             Self::Settled => "settled",
@@ -38,7 +38,7 @@ impl ObjectState {
     }
 }
 
-/// Object of the running world.
+/// Simulated object in the running world.
 #[derive(Debug, Clone)]
 pub struct SimulatedObject {
     /// Number in the scene, from 1; never reused.

@@ -164,7 +164,7 @@ impl SimulatedKinect {
         self.rasterizer.image().instance()
     }
 
-    /// Camera intrinsics and image size.
+    /// Camera intrinsics with the image size.
     pub fn camera(&self) -> &PinholeCamera {
         self.rasterizer.camera()
     }

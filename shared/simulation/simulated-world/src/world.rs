@@ -234,7 +234,7 @@ impl World {
         }
     }
 
-    /// Reports each fallen object once.
+    /// Emits one report for each object that has fallen.
     fn report_falls(&mut self) {
         for object in &mut self.objects {
             if object.has_newly_fallen() {
@@ -286,7 +286,7 @@ impl World {
         arm.command(command)
     }
 
-    /// Arm status; `None` without an arm.
+    /// Status of the arm; `None` without an arm.
     pub fn arm_status(&self) -> Option<ArmStatus> {
         self.arm.as_ref().map(SimulatedArm::status)
     }

@@ -14,7 +14,7 @@ use simulated_world::{
 };
 use std::f64::consts::PI;
 
-/// Step limit of a command.
+/// Step limit for an arm command.
 const MOST_STEPS: usize = 3000;
 /// Distance of the fingertips ahead of the tool's origin, metres.
 const TIP_M: f64 = 0.025;

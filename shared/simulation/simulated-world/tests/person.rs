@@ -17,7 +17,7 @@ use simulated_world::{
 
 /// Greatest distance of an object from its target position, metres.
 const GOAL_M: f64 = 0.02;
-/// Step limit of an action.
+/// Step limit for an action of the person.
 const MOST_STEPS: usize = 3000;
 
 fn model(category: &str) -> ModelChoice {

@@ -11,7 +11,7 @@ use simulated_world::{
     SceneKind, SimulatedKinect, World, truth_json,
 };
 
-/// Captured frame of a world.
+/// Frame captured from a simulated world.
 struct Look {
     truth: Vec<ObjectTruth>,
     points: Vec<Point>,

@@ -27,7 +27,7 @@ pub struct IndexEntry {
     pub unix_time: Duration,
     /// Time stamp of the Kinect's own clock, about 60 MHz; it wraps around.
     pub stamp: u32,
-    /// File name within the folder.
+    /// File name of the frame within the folder.
     pub file_name: String,
 }
 

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Failed access to a file.
+    /// Failed access to an OBJ file or material library.
     #[error("{0}")]
     File(#[from] FileError),
     /// OBJ file without vertex lines.

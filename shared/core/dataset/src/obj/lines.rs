@@ -56,7 +56,7 @@ impl<'a> Line<'a> {
     }
 }
 
-/// Splits a file into its lines.
+/// Splits an OBJ file into its lines.
 pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     let (mut rest, mut n_lines) = (bytes, 0);
     std::iter::from_fn(move || {

@@ -48,7 +48,7 @@ impl CategoryFolders {
         Ok((folders, unusable))
     }
 
-    /// Category and path of each file.
+    /// Category and path of each listed file.
     pub(super) fn files(&self) -> impl Iterator<Item = (&str, &Path)> {
         let files = self.files.iter();
         files.map(|(category, path)| (self.categories[*category].as_str(), path.as_path()))

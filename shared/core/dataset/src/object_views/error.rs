@@ -13,14 +13,14 @@ pub enum Error {
     /// Invalid dataset or view in the Washington layout.
     #[error("{0}")]
     Washington(#[from] washington::Error),
-    /// Folder without views in either layout.
+    /// Folder without object views in either layout.
     #[error(
         "the folder {} holds no views of objects; it needs a folder of PCD files for each \
          category, or the layout of the Washington RGB-D Object Dataset",
         .0.display()
     )]
     NoViews(PathBuf),
-    /// More views than the limit.
+    /// Dataset with more views than the limit.
     #[error("the folder {} holds more than a million views; split it", .0.display())]
     TooLarge(PathBuf),
     /// View index out of range.
@@ -39,7 +39,7 @@ pub enum Error {
         /// Error in the content of the PCD file.
         source: pcd::Error,
     },
-    /// View without a point with depth.
+    /// Object view without a single point with depth.
     #[error("the view {} has no point with depth; leave it out", .0.display())]
     NoPoints(PathBuf),
 }

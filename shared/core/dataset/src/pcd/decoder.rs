@@ -18,7 +18,7 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// Creates a decoder without memory.
+    /// Creates a decoder without allocated buffers.
     pub fn new() -> Self {
         Self::default()
     }
@@ -95,7 +95,7 @@ struct PointData<'a> {
 enum Spacing {
     /// Point after point; size of a point, bytes.
     Interleaved(usize),
-    /// Field after field; number of points.
+    /// Planar: all values of one field, then the next; the number of points.
     Planar(usize),
 }
 

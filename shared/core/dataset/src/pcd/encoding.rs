@@ -3,9 +3,9 @@
 /// Encoding of the points after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoding {
-    /// Text, one line for each point.
+    /// ASCII encoding: one line for each point.
     Ascii,
-    /// Binary, little-endian, point after point.
+    /// Binary encoding: little-endian, point after point.
     Binary,
     /// LZF-compressed binary, field after field, preceded by the two sizes.
     BinaryCompressed,

@@ -10,12 +10,12 @@ pub enum Error {
     /// Failed access to the PCD file.
     #[error("{0}")]
     File(#[from] FileError),
-    /// Header without a `DATA` line.
+    /// PCD header without a `DATA` line.
     #[error(
         "this is not a PCD file: no line \"DATA …\" within the first 64 KiB; name another file"
     )]
     NoData,
-    /// Header without a required line.
+    /// PCD header without a required line.
     #[error("the PCD header has no line \"{0} …\"; write the file as version 0.7")]
     MissingLine(&'static str),
     /// Invalid line of the PCD header.
@@ -37,15 +37,15 @@ pub enum Error {
         max_bytes = MAX_BYTES
     )]
     TooLarge,
-    /// File shorter than its header announces.
+    /// PCD file shorter than its header announces.
     #[error(
         "the PCD file is cut off: its header needs at least {needed} bytes of data, \
          and {present} are there; copy the file again"
     )]
     Truncated {
-        /// Minimum size of the data, bytes.
+        /// Minimum size of the point data, bytes.
         needed: usize,
-        /// Size of the data, bytes.
+        /// Actual size of the point data, bytes.
         present: usize,
     },
     /// Decompressed size stated before the compressed data that contradicts the header.

@@ -73,7 +73,7 @@ impl Header {
         self.width * self.height
     }
 
-    /// True if the points have labels.
+    /// True if the file's points have labels.
     pub fn has_labels(&self) -> bool {
         self.layout.label.is_some()
     }
@@ -98,7 +98,7 @@ impl Header {
         self.n_points() * self.layout.point_bytes
     }
 
-    /// Compressed bytes after their two sizes.
+    /// Compressed point data after its two size fields.
     pub(super) fn compressed<'a>(&self, data: &'a [u8]) -> Result<&'a [u8], Error> {
         let truncated = |needed| Error::Truncated {
             needed,

@@ -11,7 +11,7 @@ pub(super) struct Layout {
     pub(super) xyz: [Field; 3],
     pub(super) color: Option<ColorField>,
     pub(super) label: Option<Field>,
-    /// Size of a binary point, bytes.
+    /// Size of one binary point, bytes.
     pub(super) point_bytes: usize,
     /// Number of values in a line of text.
     pub(super) point_values: usize,
@@ -21,7 +21,7 @@ pub(super) struct Layout {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Field {
     pub(super) number: NumberType,
-    /// Offset within a binary point, bytes.
+    /// Offset of the field within a binary point, bytes.
     pub(super) byte_offset: usize,
     /// Number of preceding values within a line of text.
     pub(super) value_idx: usize,

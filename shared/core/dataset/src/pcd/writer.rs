@@ -12,7 +12,7 @@ use point_cloud::Point;
 pub struct PcdView<'a> {
     /// Points, row-major.
     pub points: &'a [Point],
-    /// Label of each point, if any.
+    /// Label of each point, if the cloud has labels.
     pub labels: Option<&'a [u32]>,
     /// Columns; the number of points when the cloud is not organised.
     pub width: usize,

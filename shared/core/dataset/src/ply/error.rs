@@ -10,7 +10,7 @@ pub enum Error {
     /// Failed access to the PLY file.
     #[error("{0}")]
     File(#[from] FileError),
-    /// File without a complete header.
+    /// File without a complete PLY header.
     #[error(
         "this is not a PLY file: no lines from \"ply\" to \"end_header\" within the first \
          64 KiB; name another file"
@@ -41,7 +41,7 @@ pub enum Error {
         /// Name of the truncated PLY element.
         element: String,
     },
-    /// Invalid row of an element.
+    /// Invalid row of a PLY element.
     #[error("row {row} of element \"{element}\" in the PLY file is wrong: {problem}")]
     Row {
         /// Name of the PLY element with the invalid row.

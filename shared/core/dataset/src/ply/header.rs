@@ -24,7 +24,7 @@ pub(super) struct Element<'a> {
     pub(super) properties: Vec<Property<'a>>,
 }
 
-/// Property: a column of an element.
+/// Property: a column of a PLY element.
 #[derive(Debug)]
 pub(super) struct Property<'a> {
     pub(super) name: &'a str,

@@ -3,7 +3,7 @@
 use super::header::{Element, PropertyKind};
 use crate::number_type::{ByteOrder, NumberType, excerpt};
 
-/// Error of reading the next number.
+/// Error of reading the next number of a PLY file.
 #[derive(Debug)]
 pub(super) enum ValueError {
     /// File that ends before the expected number.
@@ -21,9 +21,9 @@ pub(super) trait ValueReader {
     fn begin_row(&mut self) -> Result<(), ValueError>;
     /// Reads the next number of a row.
     fn next(&mut self, number: NumberType) -> Result<f64, ValueError>;
-    /// Checks that a row is complete.
+    /// Checks that the row has been read completely.
     fn end_row(&mut self) -> Result<(), ValueError>;
-    /// True if no data is left.
+    /// True if no unread data is left.
     fn at_end(&self) -> bool;
 }
 

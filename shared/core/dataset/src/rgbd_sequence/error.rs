@@ -58,10 +58,10 @@ pub enum Error {
         what: &'static str,
         /// Length of the slice given by the caller.
         found: usize,
-        /// Length required by the image size.
+        /// Slice length required by the image size.
         needed: usize,
     },
-    /// Invalid content of a file.
+    /// Invalid content of a file of the sequence.
     #[error("the file {} cannot be used: {source}", .path.display())]
     Content {
         /// Path of the invalid file.
@@ -95,7 +95,7 @@ pub enum ContentError {
     SliceLength {
         /// Length of the slice given by the caller.
         found: usize,
-        /// Length required by the image size.
+        /// Slice length required by the image size.
         needed: usize,
     },
 }

@@ -75,7 +75,7 @@ fn stem<'a>(name: &'a str, suffix: &str) -> Option<&'a str> {
     is_number.then_some(stem)
 }
 
-/// File names in natural order.
+/// File names of a folder in natural order.
 struct FileNames(Vec<String>);
 
 impl FileNames {

@@ -34,9 +34,9 @@ pub struct SequenceWriter {
 /// Content of one frame to be written. The slices hold one value per pixel, row-major.
 #[derive(Debug, Clone, Copy)]
 pub struct FrameView<'a> {
-    /// Red, green, blue of each pixel.
+    /// Colour image: red, green, blue of each pixel.
     pub color: &'a [u8],
-    /// Depth, millimetres; 0 is no depth.
+    /// Depth image, millimetres; 0 is no depth.
     pub depth_mm: &'a [u16],
     /// Number of each pixel's object, if known; 0 is background.
     pub instances: Option<&'a [u16]>,

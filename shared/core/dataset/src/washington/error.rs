@@ -26,7 +26,7 @@ pub enum Error {
     /// File of a view that is present in two folders.
     #[error("the file {} is in another folder, too; remove one of them", .path.display())]
     Duplicate {
-        /// One of the two files.
+        /// Path of one of the two ambiguous files.
         path: PathBuf,
     },
     /// View index out of range.
@@ -42,7 +42,7 @@ pub enum Error {
     MissingPart {
         /// Name of the Washington view.
         name: String,
-        /// Missing part: `images` or `points`.
+        /// Missing part of the dataset: `images` or `points`.
         what: &'static str,
     },
     /// View to be written that already exists.
@@ -58,22 +58,22 @@ pub enum Error {
         what: &'static str,
         /// Length of the array.
         found: usize,
-        /// Length required by the crop size.
+        /// Array length required by the crop size.
         needed: usize,
     },
-    /// Crop rectangle outside the largest image.
+    /// Crop rectangle that lies outside the largest image.
     #[error(
         "a view of {}x{} pixels at column {} and row {} cannot be used; an image has 1 \
          to 8192 pixels a side",
         .size.0, .size.1, .top_left.0, .top_left.1
     )]
     CropBounds {
-        /// Columns and rows of the crop.
+        /// Width and height of the crop, pixels.
         size: (u32, u32),
         /// Column and row of the first pixel in the whole image.
         top_left: (u32, u32),
     },
-    /// Invalid content of a file.
+    /// Invalid content of a file of the dataset.
     #[error("the file {} cannot be used: {source}", .path.display())]
     Content {
         /// Path of the invalid file.

@@ -10,13 +10,13 @@ const M_FROM_MM: f64 = 0.001;
 /// Cropped view of an object. The vectors hold one value per pixel, row-major.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CroppedView {
-    /// Columns and rows of the crop.
+    /// Width and height of the crop, pixels.
     pub size: (u32, u32),
     /// Column and row of the first pixel in the whole image, from 0.
     pub top_left: (u32, u32),
-    /// Red, green, blue of each pixel.
+    /// Cropped colour image: red, green, blue of each pixel.
     pub color: Vec<u8>,
-    /// Depth, millimetres; 0 is no depth.
+    /// Cropped depth image, millimetres; 0 is no depth.
     pub depth_mm: Vec<u16>,
     /// Segmentation mask: 0 is background, any other value the object.
     pub mask: Vec<u8>,

@@ -14,7 +14,7 @@ pub enum ArmCommand {
     MoveTo {
         /// Target position of the gripper, world frame, metres.
         position_m: [f64; 3],
-        /// Orientation quaternion: x, y, z, w.
+        /// Orientation of the gripper, quaternion: x, y, z, w.
         orientation_xyzw: [f64; 4],
         /// True for a straight line of the gripper; false for the fastest joint motion.
         straight: bool,
@@ -30,7 +30,7 @@ pub enum ArmCommand {
     Open,
     /// Close the fingers until they grip an object or meet.
     Close,
-    /// Stop immediately and discard pending motion.
+    /// Stop the arm immediately and discard pending motion.
     Stop,
 }
 

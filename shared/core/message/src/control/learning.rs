@@ -56,11 +56,11 @@ pub struct StoredView {
     pub position_m: [f64; 3],
     /// Orientation of the box in the world, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Side lengths of the box, metres.
+    /// Side lengths of the object's box, metres.
     pub size_m: [f64; 3],
     /// Capture time, wall clock, nanoseconds since 1970.
     pub captured_ns: i64,
-    /// Sequence number of the frame.
+    /// Sequence number of the captured frame.
     pub frame_sequence: u64,
     /// Name of the camera or recording of the frame.
     pub source_name: String,
@@ -147,7 +147,7 @@ pub enum ChangesPage {
         up_to: u64,
         /// Label changes in the order of the history.
         changes: Vec<LearnedChange>,
-        /// True if more changes follow.
+        /// True if more changes follow this page.
         more: bool,
     },
     /// Changes unavailable, because of another store or a gap in the history: reload a snapshot.

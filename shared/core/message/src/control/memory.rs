@@ -106,7 +106,7 @@ pub enum MemoryQuery {
         category: Option<String>,
         /// Track filter of the query.
         track_id: Option<u64>,
-        /// Last view of the previous page.
+        /// Id of the last view on the previous page.
         after: Option<ViewId>,
     },
     /// One page of the history.
@@ -147,7 +147,7 @@ pub enum MemoryAnswer {
     Documents(Vec<DocumentReport>),
     /// Reply to [`MemoryQuery::Document`].
     Document {
-        /// Media type (MIME) of the content.
+        /// Media type (MIME) of the document.
         media_type: String,
         /// Content of the document.
         #[serde(with = "serde_bytes")]
@@ -182,11 +182,11 @@ pub struct MemoryStats {
     pub n_documents: u64,
     /// Number of tombstones: forgotten views whose content is purged.
     pub n_tombstones: u64,
-    /// Size of descriptors and clouds, bytes.
+    /// Size of all descriptors and point clouds, bytes.
     pub content_bytes: u64,
-    /// Size of the files, bytes.
+    /// Size of the database files, bytes.
     pub disk_bytes: u64,
-    /// Next track id to be leased.
+    /// Next track-id to be leased.
     pub next_track_id: u64,
 }
 
@@ -209,9 +209,9 @@ pub struct ViewReport {
     /// Identity of the memory that first stored the view.
     #[serde(with = "hex_id")]
     pub origin_memory: u128,
-    /// View id in that memory.
+    /// Id of the view in the memory that first stored it.
     pub origin: ViewId,
-    /// Capture time, nanoseconds since 1970.
+    /// Capture time of the view, nanoseconds since 1970.
     pub captured_ns: u64,
     /// Sequence number of the captured frame.
     pub frame_sequence: u64,
@@ -223,7 +223,7 @@ pub struct ViewReport {
     pub position_m: [f64; 3],
     /// Orientation of the box, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Side lengths of the box, metres.
+    /// Side lengths of the object's box, metres.
     pub size_m: [f64; 3],
     /// Mean colour: red, green, blue; null when unknown.
     pub mean_rgb: Option<[u8; 3]>,
@@ -295,7 +295,7 @@ pub enum HistoryOperation {
     Rename,
     /// Merge of two categories.
     Merge,
-    /// Undo of an earlier entry.
+    /// Undo of an earlier history entry.
     Undo,
     /// Import of the export of another memory.
     Import,
@@ -303,13 +303,13 @@ pub enum HistoryOperation {
     PutDocument,
     /// Removal of a document.
     RemoveDocument,
-    /// Permanent deletion of forgotten content.
+    /// Permanent deletion of forgotten views.
     Purge,
     /// Pruning of views above a retention limit.
     Prune,
-    /// Rebuild of a damaged store.
+    /// Rebuild of a damaged store from its intact records.
     Rebuild,
-    /// Migration from an older schema.
+    /// Migration of the store from an older schema.
     Migrate,
     /// Operation that this program does not know.
     Other,
@@ -321,13 +321,13 @@ pub struct DocumentReport {
     /// Name of the document.
     #[serde(flatten)]
     pub document: DocumentName,
-    /// Media type (MIME) of the content.
+    /// Media type (MIME) of the document.
     pub media_type: String,
-    /// Size of the content, bytes.
+    /// Size of the document's content, bytes.
     pub bytes: u64,
     /// Author of the document's present version.
     pub author: String,
-    /// Time of storage, nanoseconds since 1970.
+    /// Time at which the document was stored, nanoseconds since 1970.
     pub decided_ns: u64,
     /// Sequence of the history entry that stored it.
     pub sequence: u64,
@@ -391,10 +391,10 @@ pub enum JobKind {
     Repair,
     /// Purge views forgotten some time ago, and compact the files.
     Compact {
-        /// Minimum time since forgetting, seconds.
+        /// Minimum time since a view was forgotten, seconds.
         forgotten_for_s: u64,
     },
-    /// Export everything to one file.
+    /// Export the whole memory to one file.
     Export,
     /// Import an exported file.
     Import,
@@ -409,7 +409,7 @@ pub struct JobReport {
     pub done: u64,
     /// Total units of work; 0 while unknown.
     pub total: u64,
-    /// Outcome; null while the job runs.
+    /// Outcome of the job; null while it runs.
     pub outcome: Option<JobOutcome>,
 }
 
@@ -426,16 +426,16 @@ pub enum JobOutcome {
         verification: VerificationReport,
         /// Description of the repair, in words.
         what: String,
-        /// True if acknowledged data was lost.
+        /// True if the repair lost acknowledged data.
         is_loss: bool,
     },
     /// Result of [`JobKind::Compact`].
     Compacted {
         /// Number of permanently purged views.
         n_purged: u64,
-        /// Size of the files before, bytes.
+        /// Size of the database files before compaction, bytes.
         disk_bytes_before: u64,
-        /// Size of the files after, bytes.
+        /// Size of the database files after compaction, bytes.
         disk_bytes: u64,
     },
     /// Result of [`JobKind::Export`]; all bytes can be read.
@@ -453,11 +453,11 @@ pub struct VerificationReport {
     pub sequence: u64,
     /// Number of history entries in an unbroken hash chain.
     pub n_history: u64,
-    /// Number of views read completely.
+    /// Number of views read completely during verification.
     pub n_views: u64,
-    /// Number of documents read completely.
+    /// Number of documents read completely during verification.
     pub n_documents: u64,
-    /// Size of the content, bytes.
+    /// Size of the verified content, bytes.
     pub content_bytes: u64,
     /// Number of integrity errors found.
     pub n_findings: u64,
@@ -470,7 +470,7 @@ pub struct VerificationReport {
 pub struct ExportReport {
     /// Size of the exported file, bytes.
     pub bytes: u64,
-    /// Number of views with content.
+    /// Number of exported views with content.
     pub n_views: u64,
     /// Number of exported tombstones.
     pub n_forgotten: u64,

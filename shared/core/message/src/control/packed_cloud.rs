@@ -22,7 +22,7 @@ pub const MAX_CLOUD_POINTS: usize = 30_000;
 const FORMAT: u32 = 1;
 const HEADER_BYTES: usize = 20;
 const POINT_BYTES: usize = 9;
-/// Resolution of the coordinates, metres.
+/// Resolution of the packed coordinates, metres.
 const RESOLUTION_M: f64 = 1e-4;
 
 /// Packs points after transforming them by `frame_from_points` into the frame of the view's
@@ -161,7 +161,7 @@ impl<'a> PackedCloud<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidCloud {
-    /// Fewer bytes than a header.
+    /// Packed cloud with fewer bytes than its header.
     #[error(
         "{n_bytes} bytes are too few for a packed cloud, which begins with {header_bytes}: \
          send all of it",
@@ -204,7 +204,7 @@ pub enum InvalidCloud {
         /// Number of points of the packed cloud.
         n_points: u32,
     },
-    /// Origin that is not finite.
+    /// Packed cloud whose origin is not finite.
     #[error("the origin of the packed cloud is not finite: pack it again")]
     Origin,
 }

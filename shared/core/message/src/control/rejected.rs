@@ -30,7 +30,7 @@ pub struct RejectedCandidateReport {
     pub position_m: [f64; 3],
     /// Orientation of the box in the world, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Side lengths of the box, metres.
+    /// Side lengths of the candidate's box, metres.
     pub size_m: [f64; 3],
     /// Number of measured points of the candidate.
     pub n_points: u32,
@@ -47,9 +47,9 @@ pub struct RejectedCandidateReport {
 pub struct FindingReport {
     /// Name of the constraint in a rule.
     pub constraint: String,
-    /// Truth value: `true`, `false` or `unknown`.
+    /// Truth value of the constraint: `true`, `false` or `unknown`.
     pub truth: String,
-    /// Stable code of the reason.
+    /// Stable code of the finding's reason.
     pub reason: u16,
     /// Reason for the finding, as a sentence.
     pub sentence: String,

@@ -16,18 +16,18 @@ pub struct ObjectsReport {
     pub objects: Vec<ObjectReport>,
     /// Number of objects that did not fit into the summary.
     pub n_more: u32,
-    /// Sequence number of the frame.
+    /// Sequence number of the reported frame.
     pub frame_sequence: u64,
     /// Name of the camera or recording of the frame.
     pub source_name: String,
-    /// True if a table was found.
+    /// True if detection found a table.
     pub has_table: bool,
     /// True if the camera pose is known; otherwise the world frame is the camera frame.
     pub has_world_pose: bool,
     /// Rule by which a candidate starts a track.
     #[serde(default)]
     pub rule: String,
-    /// Assumptions made for absent inputs.
+    /// Assumptions that detection made for absent inputs.
     #[serde(default)]
     pub assumptions: Vec<AssumptionReport>,
     /// Rejected candidates, nearest to the camera first.
@@ -45,7 +45,7 @@ pub struct ObjectReport {
     pub track_id: u64,
     /// State of the track: `tentative`, `tracked`, `missing`, `occluded` or `out-of-view`.
     pub state: String,
-    /// Category name; null when unknown.
+    /// Category name of the object; null when unknown.
     pub label: Option<String>,
     /// Distance in descriptor space to the nearest stored view; null when nothing is stored.
     pub distance: Option<f64>,
@@ -55,7 +55,7 @@ pub struct ObjectReport {
     pub position_m: [f64; 3],
     /// Orientation of the box in the world, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
-    /// Side lengths of the box, metres.
+    /// Side lengths of the object's box, metres.
     pub size_m: [f64; 3],
     /// Age of the track in capture time, seconds.
     pub age_s: f64,
@@ -63,9 +63,9 @@ pub struct ObjectReport {
     pub unseen_s: f64,
     /// Number of measured points of the object.
     pub n_points: u32,
-    /// Number of described views so far.
+    /// Number of described views of the object so far.
     pub n_views: u32,
-    /// Mean colour: red, green, blue.
+    /// Mean colour of the object: red, green, blue.
     pub mean_rgb: [u8; 3],
     /// True if the image border cuts the object.
     pub cut_by_image: bool,
@@ -86,7 +86,7 @@ pub struct ObjectReport {
     /// True if this frame's view is a key view.
     #[serde(default)]
     pub is_key_view: bool,
-    /// Number of key views so far.
+    /// Number of key views of the object so far.
     #[serde(default)]
     pub n_key_views: u32,
     /// Categories nearest in descriptor space, nearest first.
@@ -103,7 +103,7 @@ pub struct ObjectReport {
 /// Covariance of a pose, each matrix packed as xx, xy, xz, yy, yz, zz, world axes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CovarianceReport {
-    /// Covariance of the position, square metres.
+    /// Covariance of the object's position, square metres.
     pub position_m2: [f64; 6],
     /// Covariance of a small rotation vector, square radians.
     pub rotation_rad2: [f64; 6],
@@ -128,7 +128,7 @@ pub struct ActorStampsReport {
     pub begun_ns: Option<u64>,
     /// Time at which the descriptor was complete.
     pub described_ns: Option<u64>,
-    /// Time at which recognition was complete.
+    /// Time at which the recognition of the view was complete.
     pub recognised_ns: Option<u64>,
     /// Time at which the frame loop received the actor's answer.
     pub answered_ns: Option<u64>,
@@ -164,7 +164,7 @@ impl CovarianceReport {
 /// Confirmation of a durable change of learned views.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LearningReport {
-    /// History sequence of the change.
+    /// History sequence number of the change.
     pub sequence: u64,
     /// Name of the affected category.
     pub category: String,
@@ -194,7 +194,7 @@ pub struct ProcessReport {
     pub pid: u32,
     /// State: `starting`, `ready`, `degraded`, `idle` or `stopping`.
     pub state: String,
-    /// Time since its start, seconds.
+    /// Time since the process started, seconds.
     pub uptime_s: f64,
     /// Number of frames published, processed or persisted.
     pub frames: u64,
@@ -202,7 +202,7 @@ pub struct ProcessReport {
     pub frames_dropped: u64,
     /// Number of frames published more than a period late.
     pub frames_late: u64,
-    /// Heap bytes allocated since the start.
+    /// Heap bytes allocated by the process since its start.
     pub allocated_bytes: u64,
     /// Resident memory of the process, bytes.
     pub resident_bytes: u64,
@@ -221,7 +221,7 @@ pub struct ProcessReport {
 }
 
 impl ObjectsReport {
-    /// Creates the report of a scene.
+    /// Creates the report of a scene summary.
     pub fn new(scene: &SceneSummary, objects: &[SceneObject]) -> Self {
         let report = |object| ObjectReport::new(object, scene.stamps.capture_ns);
         let objects: Vec<_> = objects.iter().map(report).collect();

@@ -44,7 +44,7 @@ pub enum WorldCommand {
     StartTask {
         /// Idempotency key: a repeated id gets the answer of the first request.
         id: MutationId,
-        /// Kind of the task: one word.
+        /// Kind of the task as one word.
         kind: String,
         /// Parameters, in a format of the author's choice.
         parameters: String,
@@ -74,9 +74,9 @@ pub struct FactFilter {
     pub label: Option<String>,
     /// Region that contained the centre of the object at that instant.
     pub region: Option<WorldRegion>,
-    /// Earliest instant, nanoseconds since 1970.
+    /// Earliest instant of the facts, nanoseconds since 1970.
     pub since_ns: Option<u64>,
-    /// Latest instant, nanoseconds since 1970.
+    /// Latest instant of the facts, nanoseconds since 1970.
     pub until_ns: Option<u64>,
     /// Upper bound of the fact number, exclusive: the `next` of the previous page.
     pub before: Option<u64>,
@@ -85,7 +85,7 @@ pub struct FactFilter {
 }
 
 impl Default for FactFilter {
-    /// First page of all facts.
+    /// Filter for the first page of all facts.
     fn default() -> Self {
         Self {
             track_id: None,
@@ -99,7 +99,7 @@ impl Default for FactFilter {
     }
 }
 
-/// Region of the world frame, metres.
+/// Region in the world frame, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WorldRegion {
@@ -127,7 +127,7 @@ pub enum TaskOutcome {
     Succeeded,
     /// Task failed.
     Failed,
-    /// Cancellation by a person or program.
+    /// Task cancelled by a person or program.
     Cancelled,
 }
 
@@ -155,9 +155,9 @@ pub struct WorldReport {
     pub now_ns: u64,
     /// Objects of the world model, ordered by track-id.
     pub objects: Vec<WorldObjectReport>,
-    /// Robot; null when it never reported.
+    /// State of the robot; null when it never reported.
     pub robot: Option<WorldRobotReport>,
-    /// Sequence of the newest event.
+    /// Sequence number of the newest event.
     pub newest_event: u64,
 }
 
@@ -170,7 +170,7 @@ pub struct WorldObjectReport {
     pub state: String,
     /// Time since which the object has been in its state, nanoseconds since 1970.
     pub state_since_ns: u64,
-    /// Category name; null when unknown.
+    /// Category name of the object; null when unknown.
     pub label: Option<String>,
     /// Start of the label; null when unknown.
     pub label_since_ns: Option<u64>,
@@ -189,7 +189,7 @@ pub struct WorldObjectReport {
 pub struct PlaceReport {
     /// Centre of the object's box, world frame, metres.
     pub position_m: [f64; 3],
-    /// Orientation quaternion: x, y, z, w.
+    /// Orientation of the box, quaternion: x, y, z, w.
     pub orientation_xyzw: [f64; 4],
     /// Side lengths of the object's box, metres.
     pub size_m: [f64; 3],
@@ -214,7 +214,7 @@ pub struct WorldRobotReport {
     pub orientation_xyzw: [f64; 4],
     /// Time of the last state report of the robot, nanoseconds since 1970.
     pub last_heard_ns: u64,
-    /// True if the robot still reports.
+    /// True if the robot still sends reports.
     pub is_heard: bool,
 }
 
@@ -223,11 +223,11 @@ pub struct WorldRobotReport {
 pub struct FactReport {
     /// Number of the fact, ascending in the order of observation.
     pub fact: u64,
-    /// Subject: `object`, `robot` or `task`.
+    /// Subject of the fact: `object`, `robot` or `task`.
     pub subject: String,
-    /// Track id; null for another subject.
+    /// Track-id of the object; null for another subject.
     pub track_id: Option<u64>,
-    /// Task id; null for another subject.
+    /// Number of the task; null for another subject.
     pub task_id: Option<u64>,
     /// Property: `state`, `label`, `place`, `activity` or `holding`.
     pub property: String,
@@ -292,7 +292,7 @@ pub struct TaskReport {
     pub parameters: String,
     /// Author of the task.
     pub author: String,
-    /// State: `running`, `succeeded`, `failed` or `cancelled`.
+    /// State of the task: `running`, `succeeded`, `failed` or `cancelled`.
     pub state: String,
     /// Start time of the task, nanoseconds since 1970.
     pub started_ns: u64,

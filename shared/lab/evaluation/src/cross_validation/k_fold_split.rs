@@ -9,7 +9,7 @@ const FOLD_STREAM: u64 = 5;
 /// Assignment of a category's views to folds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FoldAssignment {
-    /// Random order, view by view.
+    /// Views assigned in random order, one by one.
     ByView,
     /// Grouped by object in random order: all views of an object share a fold. A category with
     /// fewer than two known objects is assigned view by view.

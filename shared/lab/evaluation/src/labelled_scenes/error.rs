@@ -10,7 +10,7 @@ pub enum Error {
     /// The folder contains neither scenes nor folders of scenes.
     #[error("{0}")]
     Kind(#[from] recording_kind::Error),
-    /// A folder could not be listed.
+    /// Folder of scenes that could not be listed.
     #[error("could not list {}: {source}", .path.display())]
     List {
         /// Path of the folder that could not be listed.
@@ -33,16 +33,16 @@ pub enum Error {
     /// A folder of PCD files, or a file in it, could not be read.
     #[error("{0}")]
     Folder(#[from] scene_folder::Error),
-    /// A PCD file is malformed.
+    /// Malformed PCD file.
     #[error("{0}")]
     Pcd(#[from] dataset::pcd::Error),
     /// A sequence or one of its frames could not be read.
     #[error("{0}")]
     Sequence(#[from] rgbd_sequence::Error),
-    /// The PCD file has no labels.
+    /// PCD file without labels.
     #[error("the PCD file has no field `label`; add the truth to it")]
     NoLabels,
-    /// The frame has no instance mask.
+    /// Frame without instance mask.
     #[error("the frame has no mask; `tabula simulate scene` writes sequences with masks")]
     NoMask,
     /// The label does not fit into 16 bits.

@@ -4,7 +4,7 @@ use super::protocol::{LessonSplit, Protocol};
 use crate::recogniser::{LabelledView, by_category};
 use random::Random;
 
-/// Random streams of the shuffles.
+/// Random streams that shuffle categories and views.
 const CATEGORY_ORDER_STREAM: u64 = 1;
 const VIEW_ORDER_STREAM: u64 = 2;
 const INSTANCE_ORDER_STREAM: u64 = 3;
@@ -66,7 +66,7 @@ impl Curriculum {
         self.categories[place].category
     }
 
-    /// Next view for a lesson.
+    /// Next view to teach in a lesson.
     pub(super) fn next_lesson(&mut self, place: usize) -> Option<usize> {
         self.categories[place].lessons().pop()
     }
@@ -85,7 +85,7 @@ impl Curriculum {
         lessons.is_none_or(|lessons| !lessons.is_empty())
     }
 
-    /// Next view for a question.
+    /// Next view to ask in a question.
     pub(super) fn next_question(&mut self, place: usize) -> Option<usize> {
         self.categories[place].for_questions.pop()
     }

@@ -23,7 +23,7 @@ struct AnswerCounts {
     false_negatives: u32,
 }
 
-/// Answers since a category was introduced.
+/// Answers given since the last category was introduced.
 #[derive(Debug)]
 pub(super) struct ProtocolStage {
     n_categories: usize,

@@ -7,7 +7,7 @@ use crate::recogniser::Answer;
 pub struct Question {
     /// Number of the question in the run, from 1, including open-set questions.
     pub iteration: u32,
-    /// Number of categories introduced so far.
+    /// Number of categories introduced before the question.
     pub n_categories: u32,
     /// Index of the view shown in the question.
     pub view: usize,
@@ -44,7 +44,7 @@ pub enum StopReason {
 /// Cumulative figures at the end of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StageRecord {
-    /// Number of categories introduced so far.
+    /// Number of categories introduced by the end of the stage.
     pub n_categories: u32,
     /// Number of questions since the start of the run.
     pub n_questions: u32,
@@ -81,7 +81,7 @@ pub struct OpenEndedRun {
     pub questions: Vec<Question>,
     /// All passed and failed stages in order.
     pub stages: Vec<StageRecord>,
-    /// Accuracies that enter the APA.
+    /// Protocol accuracies at the end of the stages, which enter the APA.
     pub stage_accuracies: Vec<f64>,
     /// Categories in the order of introduction, with the number of taught views.
     pub taught: Vec<(u32, u32)>,

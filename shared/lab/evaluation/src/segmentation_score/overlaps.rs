@@ -7,13 +7,14 @@ use tracking::{AssignmentBuffers, assign};
 /// Pixel counts of each object, each hypothesis, and each pair, over pixels with a valid label.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Overlaps {
-    /// Labels of the objects, ascending.
+    /// Labels of the ground-truth objects, ascending.
     labels: Vec<u16>,
     /// Numbers of the scored hypotheses, ascending.
     numbers: Vec<u16>,
     of_object: Vec<usize>,
     of_hypothesis: Vec<usize>,
-    /// *Shape*: `n_objects x n_hypotheses`, row-major.
+    /// Number of pixels shared by each object and hypothesis. *Shape*: `n_objects x n_hypotheses`,
+    /// row-major.
     shared: Vec<usize>,
 }
 
@@ -66,7 +67,7 @@ impl Overlaps {
         &self.numbers
     }
 
-    /// Number of pixels of each object.
+    /// Number of pixels of each ground-truth object.
     pub(super) fn of_object(&self) -> &[usize] {
         &self.of_object
     }

@@ -136,7 +136,7 @@ fn runs() -> impl Strategy<Value = Vec<(usize, u16, u16)>> {
     prop::collection::vec((1..300_usize, 0..6_u16, label), 1..25)
 }
 
-/// One-to-one renumbering that keeps 0.
+/// One-to-one renumbering of labels that keeps 0.
 fn renamed(values: &[u16]) -> Vec<u16> {
     values
         .iter()

@@ -50,13 +50,13 @@ pub struct DescriptionArguments {
     /// workspace, euclidean for ours]
     #[arg(long, value_name = "NAME")]
     pub(crate) distance: Option<Metric>,
-    /// Omit colour; only `ours` has any
+    /// Compare without colour; only `ours` has any
     #[arg(long)]
     pub(crate) shape_only: bool,
     /// Upward axis in the frame of the points, for `ours` [default: what the data set tells]
     #[arg(long, value_name = "AXIS", value_enum)]
     pub(crate) up: Option<UpAxis>,
-    /// Bins of GOOD along each side
+    /// Number of bins of GOOD along each side
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = bins)]
     pub(crate) bins: usize,
     /// Distance of the nearest view above which an object is unknown [default: none]
@@ -159,7 +159,7 @@ pub struct AblationArguments {
     /// Split of the views into training and test views
     #[arg(long, value_name = "NAME", value_enum, default_value_t = ViewProtocol::View)]
     pub(crate) protocol: ViewProtocol,
-    /// Bins of GOOD along each side
+    /// Number of bins of GOOD along each side
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = bins)]
     pub(crate) bins: usize,
     /// Most views of each category, spread evenly over those there are [default: all]
@@ -219,7 +219,7 @@ impl UpAxis {
 }
 
 impl ViewProtocol {
-    /// Name on the command line.
+    /// Name of the split on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::View => "view",
@@ -229,7 +229,7 @@ impl ViewProtocol {
 }
 
 impl AblationVariant {
-    /// Name on the command line.
+    /// Name of the variant on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Published => "published",
@@ -246,7 +246,7 @@ impl AblationVariant {
 }
 
 impl DescriptorVariant {
-    /// Name on the command line.
+    /// Name of the descriptor on the command line.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Published => "published",

@@ -67,7 +67,7 @@ fn chosen(named: &[AblationVariant]) -> Vec<AblationVariant> {
     variants.filter(is_chosen).copied().collect()
 }
 
-/// Metrics of all runs, by variant.
+/// Metrics of all open-ended runs, by variant.
 fn play_all(
     arguments: &AblationArguments,
     protocol: &Protocol,

@@ -30,7 +30,7 @@ const PICTURES: &str = "scenes";
 enum SceneError {
     /// Error of one scene; the evaluation goes on.
     Scene(String),
-    /// Error that ends the evaluation.
+    /// Failure that ends the whole evaluation.
     Run(Failure),
 }
 

@@ -63,7 +63,7 @@ fn protocol(arguments: &OpenEndedArguments) -> Protocol {
     }
 }
 
-/// Lesson split of a view protocol.
+/// Lesson split that a view protocol implies.
 pub(super) fn lesson_split(protocol: ViewProtocol) -> LessonSplit {
     match protocol {
         ViewProtocol::View => LessonSplit::ByView,

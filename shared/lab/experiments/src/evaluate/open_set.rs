@@ -1,4 +1,4 @@
-//! Text of the open-set metrics.
+//! Text about the open-set metrics.
 
 use evaluation::novelty_score::NoveltyScore;
 

@@ -14,7 +14,7 @@ pub(super) use view_describer::ViewDescriber;
 
 /// Factory of untrained recognisers over described views.
 pub(super) trait RecogniserFactory: Sync {
-    /// Recogniser without any taught view.
+    /// Creates a recogniser without any taught view.
     fn recogniser(&self) -> Box<dyn Recogniser + '_>;
 }
 

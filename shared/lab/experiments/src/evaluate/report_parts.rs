@@ -17,7 +17,7 @@ pub(super) struct ReportHeader {
     pub(super) n_views: usize,
 }
 
-/// Omitted views of a recognition report.
+/// Views omitted from a recognition report.
 #[derive(Debug, Serialize)]
 pub(super) struct OmissionSummary {
     /// Number of omitted views.

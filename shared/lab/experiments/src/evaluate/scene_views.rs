@@ -19,7 +19,7 @@ use std::path::Path;
 pub(super) struct SceneViews {
     /// Table of the detected objects, scene by scene.
     pub(super) table: ViewTable,
-    /// Scene of each detected object.
+    /// Index of the scene of each detected object.
     pub(super) scenes: Vec<usize>,
     /// Scene of each false candidate: no object, or a smaller part of one.
     pub(super) scenes_of_clutter: Vec<usize>,

@@ -19,7 +19,7 @@ use std::time::Instant;
 /// Selected views of a data set.
 pub(super) struct ViewSelection {
     views: ObjectViews,
-    /// Indices of the selected views, ascending.
+    /// Indices of the selected views in the data set, ascending.
     selected: Vec<usize>,
 }
 

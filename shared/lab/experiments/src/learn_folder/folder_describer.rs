@@ -20,9 +20,9 @@ const ORIGIN_PURPOSE: &str = "tabula files";
 /// Describer of the views of a folder.
 pub(super) struct FolderDescriber<'a> {
     pub(super) views: &'a ObjectViews,
-    /// Upward axis of the command line.
+    /// Upward axis given on the command line.
     pub(super) up: Option<UnitVector3<f64>>,
-    /// Author and time of the labels.
+    /// Author and time recorded with the labels.
     pub(super) decided: DecisionStamp,
 }
 

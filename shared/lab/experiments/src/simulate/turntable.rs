@@ -191,7 +191,7 @@ fn random_lamps(random: &mut Random) -> Lights {
     }
 }
 
-/// Candidate nearest to the turntable's centre.
+/// Detection candidate nearest to the turntable's centre.
 fn candidate_at_centre<'a>(
     candidates: &'a [Candidate],
     centre: &Point3<f64>,

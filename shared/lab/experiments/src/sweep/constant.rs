@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 /// Number constant, or number field of a `Default` implementation.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Constant {
-    /// Source file, relative to the workspace.
+    /// Source file of the constant, relative to the workspace.
     pub(super) file: PathBuf,
     /// Name of the constant or field.
     pub(super) name: String,
     /// Defining expression of the constant as written.
     pub(super) expression: String,
-    /// True for a floating-point type.
+    /// True for a floating-point constant.
     is_float: bool,
     /// Byte range of the expression in the file.
     at: std::ops::Range<usize>,
@@ -83,7 +83,7 @@ fn typed(kind: &str) -> Option<bool> {
     }
 }
 
-/// Name and value of `name: 0.02,`.
+/// Name and value of a struct field such as `name: 0.02,`.
 fn literal_field(line: &str) -> Option<(&str, &str)> {
     let (name, value) = line.strip_suffix(',')?.split_once(": ")?;
     let is_name = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');

@@ -19,7 +19,7 @@ pub(super) struct SweepReport {
     rows: Vec<SweepRow>,
 }
 
-/// Result of one scaled constant.
+/// Scores measured with one scaled constant.
 #[derive(Debug, Serialize)]
 pub(super) struct SweepRow {
     file: String,

@@ -6,7 +6,7 @@ use service::Failure;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Folders that are not copied.
+/// Names of folders that are not copied to the scratch workspace.
 const LEFT_OUT: [&str; 3] = ["target", ".git", "docs"];
 
 /// Scratch copy of the sources with its own target folder; both are kept for the next sweep.

@@ -5,7 +5,7 @@
 pub(crate) struct CpuTime {
     /// Time in user programs, the kernel and interrupts.
     pub(crate) busy: u64,
-    /// Idle time, including I/O wait.
+    /// Idle CPU time, including I/O wait.
     pub(crate) idle: u64,
     /// Time taken by the hypervisor while something was ready to run.
     pub(crate) steal: u64,
@@ -46,7 +46,7 @@ pub(crate) fn cpu_time(stat: &str) -> Option<CpuTime> {
 pub(crate) struct ProcessTime {
     /// Start time, clock ticks since boot; distinguishes processes that reuse an id.
     pub(crate) start: u64,
-    /// User and kernel time, clock ticks.
+    /// User and kernel time of the process, clock ticks.
     pub(crate) busy: u64,
     /// Major page faults (disk access).
     pub(crate) major_faults: u64,

@@ -11,7 +11,7 @@ use std::thread::Builder;
 
 /// Size of a cloud of 640 x 480 points, bytes.
 const CLOUD_BYTES: usize = 640 * 480 * 16;
-/// Size of a word, bytes.
+/// Size of a memory word, bytes.
 const WORD_BYTES: usize = size_of::<u64>();
 /// Minimum and maximum size of a buffer, and the size for an unknown cache, bytes.
 const BUFFER_BYTES_MIN: u64 = 64 << 20;
@@ -24,7 +24,7 @@ const BUFFER_BYTES_UNTOLD: u64 = 256 << 20;
 pub enum MemoryOperation {
     /// Reads all words and sums them.
     Read,
-    /// Fill with a constant value.
+    /// Fills the memory with a constant value.
     Write,
     /// Copy from one buffer to another; bytes read and bytes written both count.
     Copy,

@@ -16,7 +16,7 @@ const BATCHES_MAX: usize = 2_000;
 /// Cost of reading one clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ClockCost {
-    /// Name of the system call.
+    /// Name of the clock's system call.
     pub clock: String,
     /// Cost of one reading in the median batch, ns.
     pub reading_ns: f64,

@@ -22,7 +22,7 @@ pub struct Interruptions {
     pub watched_ns: u64,
     /// Share of the observation time lost to gaps, 0 to 1.
     pub share: f64,
-    /// Longest gap, ns; 0 without gaps.
+    /// Longest interruption gap, ns; 0 without gaps.
     pub longest_ns: u64,
 }
 

@@ -37,7 +37,7 @@ pub enum TransportError {
         /// Cause reported by the operating system.
         source: io::Error,
     },
-    /// Two spinning threads need two cores.
+    /// Fewer than two cores for two spinning threads.
     #[error(
         "sender and receiver that never sleep need a core each, and there is one; give this process \
          two cores"

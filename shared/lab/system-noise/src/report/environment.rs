@@ -20,7 +20,7 @@ fn lines(pairs: &[(&str, String)]) -> String {
     lines.collect()
 }
 
-/// Environment, one line per reported value.
+/// Environment section as text, one line per reported value.
 pub(super) fn of_fingerprint(print: &Fingerprint) -> String {
     let mut pairs = program(print);
     pairs.extend(processor(print));
@@ -124,7 +124,7 @@ fn rights(print: &Fingerprint) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Disturbance, one line per reported value.
+/// Disturbance section as text, one line per reported value.
 pub(super) fn of_disturbance(found: &Disturbance) -> String {
     let percent =
         |share: Option<f64>| reported(share.map(|share| format!("{:.2} %", 100.0 * share)));

@@ -140,7 +140,7 @@ pub(crate) fn refusal<T: std::fmt::Debug>(result: Result<T, Error>) -> StoreRefu
     }
 }
 
-/// Violated teaching rule in a refusal.
+/// Violated teaching rule inside a refusal.
 pub(crate) fn lesson<T: std::fmt::Debug>(result: Result<T, Error>) -> learning::TeachingError {
     match refusal(result) {
         StoreRefusal::Teaching(refusal) => refusal,

@@ -29,7 +29,7 @@ enum ModelOperation {
     ForgetView(u64, u32),
     Rename(usize, usize),
     Merge(usize, usize),
-    /// Undo of the n-th last entry.
+    /// Undo of the n-th last history entry.
     Undo(u64),
     Put(usize, u8),
     Remove(usize),

@@ -164,7 +164,7 @@ fn newer_schema_is_refused_and_left_unchanged() {
     assert!(!folder.path().join("database.damaged-1").exists());
 }
 
-/// Database files with their content.
+/// Database files of a folder with their content.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entries = fs::read_dir(folder.join("database")).unwrap().flatten();
     let read = |entry: fs::DirEntry| {

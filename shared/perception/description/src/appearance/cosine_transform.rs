@@ -1,4 +1,4 @@
-//! Truncated two-dimensional discrete cosine transform.
+//! Truncated two-dimensional discrete cosine transform (DCT).
 
 use std::f64::consts::PI;
 

@@ -10,7 +10,7 @@ const ODD_RANK_OFFSET: usize = 8;
 /// Rank of the cells of nearly grey chromaticity, the most frequent one.
 const GREY_RANK: usize = 8;
 
-/// Rank of the lightness values.
+/// Rank of the lightness values in the order of expected variance.
 const LIGHTNESS_RANK: usize = 18;
 
 /// Permutation from stored to computed values, in order of expected variance, so that a

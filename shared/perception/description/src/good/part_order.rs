@@ -3,7 +3,7 @@
 /// Criterion that selects the first part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FirstPartCriterion {
-    /// Largest Shannon entropy, as published.
+    /// Part with the largest Shannon entropy first, as published.
     MostEntropy,
     /// Largest number of non-empty bins. The workspace's program calls it entropy,
     /// taking every non-empty bin as equally full.

@@ -73,7 +73,7 @@ impl GoodVariant {
         }
     }
 
-    /// Side of the support, metres.
+    /// Side of the support cube of the histograms, metres.
     pub(super) fn support_m(self, longest_side_m: f32) -> f64 {
         match self {
             Self::Published { .. } => Support::Adaptive.side_m(longest_side_m),

@@ -15,9 +15,9 @@ pub(crate) struct ReferenceVector {
     pub(crate) n_bins: usize,
     /// Variant of GOOD that the program computes.
     pub(crate) variant: GoodVariant,
-    /// Object frame found by the program.
+    /// Object frame computed by the reference program.
     pub(crate) frame: DescriptorFrame,
-    /// Descriptor computed by the program.
+    /// Descriptor computed by the reference program.
     pub(crate) descriptor: Vec<f32>,
 }
 

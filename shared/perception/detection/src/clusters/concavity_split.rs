@@ -54,7 +54,7 @@ pub(crate) struct ConcavitySplit {
 }
 
 impl Clusters {
-    /// Split clusters along their concave creases.
+    /// Splits clusters along their concave creases.
     ///
     /// Labels the connected components between creases, keeps the large ones, grows them
     /// over all other pixels, and merges parts again whose boundary indicates one object.
@@ -115,7 +115,7 @@ impl Clusters {
         }
     }
 
-    /// Label each pixel with its cluster.
+    /// Labels each pixel with its cluster.
     fn label_pixels(&mut self) {
         for (cluster, range) in (0..).zip(self.starts.windows(2)) {
             for &pixel in &self.pixels[range[0] as usize..range[1] as usize] {
@@ -126,7 +126,7 @@ impl Clusters {
 }
 
 impl ConcavitySplit {
-    /// Clear the list of split clusters.
+    /// Clears the list of split clusters.
     fn clear(&mut self) {
         self.split_clusters.clear();
         self.sorted.clear();

@@ -42,7 +42,7 @@ impl Clusters {
         self.sort_by_cluster();
     }
 
-    /// Label each band of `n_rows` rows.
+    /// Labels the components of each band of `n_rows` rows.
     fn label_bands(
         &mut self,
         cloud: &OrganizedCloud<'_>,
@@ -181,7 +181,7 @@ struct LinkTest<'a> {
 }
 
 impl<'a> LinkTest<'a> {
-    /// Link test of a pixel.
+    /// Link test of a pixel with its neighbours.
     #[inline]
     fn of(points: &'a [Point], labels: &'a [u32], pixel: usize) -> Self {
         let point = points[pixel];

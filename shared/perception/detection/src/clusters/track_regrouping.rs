@@ -41,7 +41,7 @@ struct TrackClaim {
     n_best: usize,
 }
 
-/// Claims of tracks on one cluster.
+/// Claims of several tracks on one cluster.
 #[derive(Debug, Default)]
 pub(crate) struct TrackClaims {
     near: Vec<TrackClaim>,

@@ -71,9 +71,9 @@ struct MarginCapsule {
     from: Vector3<f32>,
     axis: Vector3<f32>,
     per_length2: f32,
-    /// Radius with the margin, metres.
+    /// Radius of the capsule with the margin, metres.
     radius: f32,
-    /// Radius without the margin, metres.
+    /// Radius of the capsule without the margin, metres.
     body_radius: f32,
     bounds: Aabb,
 }
@@ -97,7 +97,7 @@ impl MarginCapsule {
         }
     }
 
-    /// The capsule with its margin increased.
+    /// Capsule with its margin increased by `by_m`, metres.
     fn grown(&self, by_m: f32) -> Self {
         let reach = Vector3::repeat(by_m);
         Self {

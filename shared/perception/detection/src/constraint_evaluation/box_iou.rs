@@ -26,7 +26,7 @@ pub(super) fn iou(a: &OrientedBox, b: &OrientedBox) -> f64 {
     }
 }
 
-/// Share of `inner` inside `outer`.
+/// Share of the box `inner` that lies inside `outer`.
 fn share_within(inner: &OrientedBox, outer: &OrientedBox) -> f64 {
     let outer_from_inner = outer.frame_from_box.inverse() * inner.frame_from_box;
     let turn = outer_from_inner.rotation.to_rotation_matrix();

@@ -41,7 +41,7 @@ impl PixelLattice {
         self.first + self.pitch * column as f64
     }
 
-    /// Pitch: the step between columns, tangent.
+    /// Pitch: the step between columns, as tangent.
     pub(super) fn pitch(&self) -> f64 {
         self.pitch
     }

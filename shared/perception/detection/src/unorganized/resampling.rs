@@ -1,4 +1,4 @@
-//! Depth resampling to pixel centres.
+//! Resampling of depth to pixel centres.
 
 use point_cloud::Point;
 

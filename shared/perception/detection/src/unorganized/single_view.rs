@@ -132,7 +132,7 @@ impl PixelGrid {
         }
     }
 
-    /// Pixel that sees a point.
+    /// Pixel in whose viewing cone a point lies.
     #[inline]
     fn pixel_of(&self, point: &Point) -> Option<usize> {
         let [u, v] = tangents_of(point)?;

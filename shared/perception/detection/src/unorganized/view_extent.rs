@@ -54,7 +54,7 @@ pub(super) fn tangents_of(point: &Point) -> Option<[f32; 2]> {
 }
 
 impl ViewExtent {
-    /// Tangents of the sampled points.
+    /// Viewing-angle tangents of the sampled points.
     pub(super) fn sample(&self) -> &[[f32; 2]] {
         &self.sample
     }

@@ -108,7 +108,7 @@ impl VoxelGrid {
         self.keys.len()
     }
 
-    /// Per point: its voxel, or [`UNLABELLED`].
+    /// Voxel of each point, or [`UNLABELLED`].
     pub(super) fn voxel_of(&self) -> &[u32] {
         &self.voxel_of
     }

@@ -24,7 +24,7 @@ const COVERED_MIN: u32 = 2;
 /// Chosen; sensitivity: see `tabula-lab sweep`.
 const GAP_CELLS: isize = 3;
 
-/// Region found last, with buffers.
+/// Connected plane region found last, with buffers.
 #[derive(Debug, Default)]
 pub(super) struct VoxelPlaneRegion {
     placed: Vec<(u32, [f32; 2])>,
@@ -111,7 +111,7 @@ impl VoxelPlaneRegion {
         self.placed.len()
     }
 
-    /// Centroids of the region found last.
+    /// Voxel centroids of the region found last.
     pub(super) fn members(&self) -> impl Iterator<Item = usize> + '_ {
         self.placed.iter().map(|&(i, _)| i as usize)
     }

@@ -13,9 +13,9 @@ pub(crate) const NO_CANDIDATE: usize = usize::MAX;
 pub(crate) struct DetectionOutcome {
     pub(crate) scene: SyntheticScene,
     pub(crate) detection: Detection,
-    /// Per pixel: the ground-truth label.
+    /// Ground-truth label of each pixel.
     pub(crate) truth: Vec<u16>,
-    /// Per pixel: its candidate or [`NO_CANDIDATE`].
+    /// Candidate of each pixel, or [`NO_CANDIDATE`].
     pub(crate) candidate_of: Vec<usize>,
 }
 

@@ -11,7 +11,7 @@ pub(crate) const NOTHING: u16 = 0;
 pub(crate) const TABLE: u16 = 1;
 pub(crate) const FLOOR: u16 = 2;
 pub(crate) const WALL: u16 = 3;
-/// First label of an object.
+/// Smallest label of an object.
 pub(crate) const OBJECT: u16 = 10;
 
 /// Disparity step of a Kinect v1 in inverse depth, 1/metre: 2.85 mm at 1 m.
@@ -93,7 +93,7 @@ impl PlacedShape {
         Self::rectangle([8.0, 8.0], 0.0, FLOOR)
     }
 
-    /// Rotated about its own upright axis.
+    /// Shape rotated about its own upright axis.
     pub(crate) fn turned(mut self, yaw_deg: f64) -> Self {
         self.world_from_shape.rotation *=
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_deg.to_radians());
@@ -165,7 +165,7 @@ fn meet_polygon(eye: &Point3<f64>, ray: &Vector3<f64>, corners: &[[f64; 2]]) -> 
     (t > 0.0 && crossings.count() % 2 == 1).then_some(t)
 }
 
-/// Intersection with a box (slab method).
+/// Intersection of a ray with a box (slab method).
 fn meet_box(eye: &Point3<f64>, ray: &Vector3<f64>, sides: &[f64; 3]) -> Option<f64> {
     let (mut near, mut far) = (f64::MIN, f64::MAX);
     for axis in 0..3 {

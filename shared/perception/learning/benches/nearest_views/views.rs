@@ -18,7 +18,7 @@ const N_VIEWS_OF_OBJECT: usize = 96;
 /// Number of points of a generated view.
 const N_POINTS: usize = 800;
 
-/// Described view of an object.
+/// Described view of a benchmark object.
 pub(crate) struct View {
     pub(crate) category: String,
     pub(crate) queries: [Vec<f32>; N_AXIS_HYPOTHESES],

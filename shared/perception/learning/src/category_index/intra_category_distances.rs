@@ -1,4 +1,4 @@
-//! Nearest-neighbour distances within a category.
+//! Distances to the nearest neighbour within the same category.
 
 use crate::ViewId;
 use crate::calibration::DistanceSum;
@@ -18,7 +18,7 @@ struct Member {
     nearest: Option<NeighbourDistance>,
 }
 
-/// Neighbouring view and its distance.
+/// Nearest neighbouring view and its distance.
 pub(super) type NeighbourDistance = (ViewId, f32);
 
 impl IntraCategoryDistances {

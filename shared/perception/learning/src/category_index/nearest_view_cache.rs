@@ -39,7 +39,7 @@ pub struct NearestViewCache {
     next_reference: usize,
     /// Rows of recent nearest views of a category, most recent last.
     views: Vec<u32>,
-    /// Next block of the round-robin search.
+    /// Next block to search in round-robin order.
     next_block: usize,
 }
 

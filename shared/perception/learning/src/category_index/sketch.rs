@@ -8,10 +8,10 @@
 /// Number of views of a block.
 pub(super) const BLOCK_LEN: usize = 64;
 
-/// Leading values of the coarse level.
+/// Number of leading descriptor values in the coarse level.
 const N_COARSE_VALUES: usize = 16;
 
-/// Leading values of the fine level.
+/// Number of leading descriptor values in the fine level.
 const N_FINE_VALUES: usize = 64;
 
 /// Values of a sketch: the leading ones, then for each level the norm of the rest.
@@ -64,7 +64,7 @@ struct Term {
 pub(super) struct QuerySketch {
     terms: [[Term; N_TERMS_MAX]; N_QUERIES_MAX],
     n_terms: [usize; N_QUERIES_MAX],
-    /// Factor of a view's squared norm.
+    /// Scale factor of a view's squared norm.
     scale: f32,
     /// Constant part of the bound of each query.
     offsets: [f32; N_QUERIES_MAX],
@@ -93,7 +93,7 @@ impl SketchBlock {
     }
 }
 
-/// Level of detail of the sketches.
+/// Level of detail of a sketch: coarse or fine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SketchLevel {
     Coarse,

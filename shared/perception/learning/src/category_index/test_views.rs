@@ -3,7 +3,7 @@
 use crate::test_noise::noise;
 use crate::{CategoryName, ViewId};
 
-/// Name of a numbered category.
+/// Test name of a numbered category.
 pub(super) fn name(number: u8) -> CategoryName {
     CategoryName::new(&format!("category {number}")).unwrap()
 }

@@ -29,7 +29,7 @@ pub(super) struct ViewTable {
 pub(super) struct ViewBlock {
     dimension: usize,
     views: Vec<IndexedView>,
-    /// Descriptors, row-major, one row per view.
+    /// Descriptors of the views, row-major, one row per view.
     descriptors: Vec<f32>,
     sketches: Option<SketchBlock>,
 }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 const DIRECTED: [Metric; 3] = [Metric::Pearson, Metric::Neyman, Metric::KullbackLeibler];
 
-/// Distance of two equal descriptors.
+/// Distance between two equal descriptors.
 fn minimum(metric: Metric) -> f32 {
     if metric == Metric::Motyka { 0.5 } else { 0.0 }
 }

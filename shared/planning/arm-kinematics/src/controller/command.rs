@@ -22,7 +22,7 @@ pub enum PathKind {
 /// Command to the arm. `speed` is the share of the maximum joint velocities, 0.01 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command {
-    /// Moves the tool to a pose.
+    /// Moves the tool of the arm to a pose.
     MoveTo {
         /// Target pose of the tool, base frame.
         base_from_tool: RigidTransform,
@@ -31,7 +31,7 @@ pub enum Command {
         /// Share of the maximum joint velocities, 0.01 to 1.
         speed: f64,
     },
-    /// Moves the joints to given angles.
+    /// Moves the arm's joints to given angles.
     MoveJoints {
         /// Target joint angles, radians.
         joints_rad: JointVector,
@@ -41,7 +41,7 @@ pub enum Command {
     /// Moves the pads to a given opening. When it is narrower than the current one, the fingers
     /// stop at an object that both pads touch.
     Open {
-        /// Distance between the pads, metres.
+        /// Target distance between the pads, metres.
         opening_m: f64,
     },
     /// Closes until both pads touch an object or each other.

@@ -1,4 +1,4 @@
-//! Bounded log of command states.
+//! Bounded log of the states of recent commands.
 
 use std::collections::VecDeque;
 
@@ -11,7 +11,7 @@ pub(super) struct CommandLog {
 }
 
 impl CommandLog {
-    /// Number of commands that are remembered.
+    /// Number of commands whose state is remembered.
     pub(super) const CAPACITY: usize = 64;
 
     pub(super) fn new() -> Self {

@@ -79,7 +79,7 @@ impl std::fmt::Debug for ForkJoin {
 #[derive(Default)]
 struct Rendezvous {
     state: Mutex<RendezvousState>,
-    /// Changed under the lock only.
+    /// Number of running helpers; changed under the lock only.
     n_running: AtomicUsize,
     left: Condvar,
 }

@@ -42,7 +42,7 @@ impl Drop for Message {
     }
 }
 
-/// Receives until the mailbox ends.
+/// Receives messages until the mailbox ends.
 fn drain<P: Overflow>(receiver: &mut Receiver<Message, P>) -> Vec<u32> {
     block_on(async {
         let mut received = Vec::new();

@@ -30,14 +30,14 @@ pub(crate) struct AdderCounters {
     pub(crate) started: AtomicUsize,
     pub(crate) stopped: AtomicUsize,
     pub(crate) dropped: AtomicUsize,
-    /// Number of further starts that fail.
+    /// Number of further actor starts that fail.
     pub(crate) bad_starts: AtomicUsize,
 }
 
 #[derive(Debug)]
 pub(crate) enum Order {
     Add(u64),
-    /// Adds, holding a resource meanwhile.
+    /// Adds the number, holding a resource meanwhile.
     AddHolding(u64, Arc<()>),
     /// Adds the number, then panics.
     Panic(u64),
@@ -171,7 +171,7 @@ pub(crate) async fn next(events: &mut Events<u64>) -> Option<LifecycleEvent<u64>
     soon(events.recv()).await
 }
 
-/// Sentences of the next `n` events.
+/// Log sentences of the next `n` supervisor events.
 pub(crate) async fn lines(events: &mut Events<u64>, n: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for _ in 0..n {

@@ -17,7 +17,7 @@ struct Case {
     window_ms: u64,
     backoff_min_ms: u64,
     backoff_max_ms: u64,
-    /// Failures: delay in milliseconds, actor.
+    /// Failures of the case: delay in milliseconds, actor.
     failures: Vec<(u64, u64)>,
 }
 

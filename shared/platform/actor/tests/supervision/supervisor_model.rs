@@ -33,7 +33,7 @@ struct Case {
     window_ms: u64,
     backoff_min_ms: u64,
     backoff_max_ms: u64,
-    /// Actions: delay in grains, actor, action.
+    /// Actions of the case: delay in grains, actor, action.
     deeds: Vec<(u64, u64, Action)>,
 }
 
@@ -77,7 +77,7 @@ struct Member {
     /// Time of its restart; `None` while it is running.
     due_ms: Option<u64>,
     total: u64,
-    /// Messages queued until the start.
+    /// Messages queued until the actor starts.
     waiting: Vec<Action>,
     /// Times of the actor's restarts, milliseconds.
     restarts_ms: Vec<u64>,

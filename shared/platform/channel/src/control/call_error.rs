@@ -3,11 +3,11 @@
 use std::io;
 use std::time::Duration;
 
-/// A request without a reply.
+/// Error of a request that got no reply.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CallError {
-    /// No daemon runs in this domain.
+    /// No daemon is running in this domain.
     #[error(
         "no daemon is running in the domain {domain:?}; start it with: tabula run{}",
         domain_option(.domain)
@@ -31,7 +31,7 @@ pub enum CallError {
         .after.as_secs_f64()
     )]
     TimedOut {
-        /// Time limit that was exceeded.
+        /// Time limit that the reply exceeded.
         after: Duration,
     },
     /// The request is too large, or too many requests are open.

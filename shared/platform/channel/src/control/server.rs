@@ -15,7 +15,7 @@ use std::sync::Arc;
 type IoxServer = iceoryx2::port::server::Server<Service, [u8], (), [u8], ()>;
 type IoxRequest = ActiveRequest<Service, [u8], (), [u8], ()>;
 
-/// Server of one process's commands.
+/// Control server: answers one process's commands.
 pub struct Server {
     port: IoxServer,
     listener: WakeListener,

@@ -55,7 +55,7 @@ impl SocketServer {
         })
     }
 
-    /// Serves until the future is dropped.
+    /// Serves connections until the future is dropped.
     pub async fn run(self) {
         let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
         loop {

@@ -1,4 +1,4 @@
-//! Error of a recorded folder.
+//! Errors of a recorded folder.
 
 use std::{io, path::PathBuf};
 
@@ -6,7 +6,7 @@ use std::{io, path::PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// The folder does not exist.
+    /// Recording folder that does not exist.
     #[error(
         "the recording cannot be played: there is no folder {}; give the folder of a recording",
         .folder.display()
@@ -15,7 +15,7 @@ pub enum RecordingError {
         /// Path of the recording's folder.
         folder: PathBuf,
     },
-    /// A file cannot be read.
+    /// File of the recording that cannot be read.
     #[error(
         "the recording cannot be played: {} cannot be read ({source}); copy the recording again, \
          or take its name out of INDEX.txt",

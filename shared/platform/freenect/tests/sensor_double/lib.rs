@@ -37,7 +37,7 @@ enum Scenario {
     Silent,
     /// Frames in the library's own memory instead of the given buffer.
     Misplaced,
-    /// The video stream fails to start.
+    /// Video stream that fails to start.
     NoVideo,
     /// A frame arrives during the reading of the accelerometer.
     FrameDuringTilt,

@@ -9,7 +9,7 @@ use crate::variation::Variation;
 use mesh::{Solid, extrude, rounded_box};
 use nalgebra::{Point3, Vector3};
 
-/// Thickness of a knife's blade, metres.
+/// Thickness of a knife blade, metres.
 const BLADE_M: f32 = 0.0024;
 
 /// Materials of a piece of cutlery.

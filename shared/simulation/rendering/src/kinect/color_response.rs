@@ -139,7 +139,7 @@ impl ColorCamera {
         }
     }
 
-    /// Applies exposure, white balance and vignetting.
+    /// Applies exposure, white balance and vignetting to a row.
     fn amplify(&mut self, row: usize) {
         let (width, height) = self.size;
         let half_diagonal_px = (width as f32 / 2.0).hypot(height as f32 / 2.0);

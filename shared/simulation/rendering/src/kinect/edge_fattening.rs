@@ -18,7 +18,7 @@ const INWARD_MAX_PX: f32 = 2.0;
 /// the nearer one, which moves its border outward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeFattening {
-    /// Mean displacement, pixels; 0 to 3.
+    /// Mean displacement of the edge, pixels; 0 to 3.
     pub mean_px: f32,
     /// Standard deviation of the displacement along the border and between frames, pixels; 0 to
     /// 3.

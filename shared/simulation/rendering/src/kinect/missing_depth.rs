@@ -6,9 +6,9 @@ use crate::Error;
 /// Depth range of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRange {
-    /// Least depth, metres; 0 to 10.
+    /// Least measurable depth, metres; 0 to 10.
     pub min_m: f32,
-    /// Greatest depth, metres; `min_m` to 20.
+    /// Greatest measurable depth, metres; `min_m` to 20.
     pub max_m: f32,
 }
 
@@ -33,7 +33,7 @@ pub struct BorderSpeckle {
 }
 
 impl BorderSpeckle {
-    /// Estimated from pictures of real cameras.
+    /// Border speckle of the Kinect v1, estimated from pictures of real cameras.
     pub const KINECT_V1: Self = Self {
         missing_share: 0.25,
     };
@@ -65,7 +65,7 @@ pub struct WeakSignal {
 }
 
 impl WeakSignal {
-    /// Estimated from pictures of real cameras.
+    /// Weak signal of the Kinect v1, estimated from pictures of real cameras.
     pub const KINECT_V1: Self = Self {
         none_below: 0.006,
         all_above: 0.030,

@@ -8,7 +8,7 @@ use random::{mix64, unit_f32};
 
 /// Number of table positions at which a block may start.
 const N_STARTS: usize = 1 << 14;
-/// Greatest length of a block.
+/// Greatest length of a block of noise values.
 pub(super) const BLOCK_MAX: usize = 192;
 /// Width of the moving average of the smooth table. Chosen.
 const SMOOTH_WIDTH: usize = 7;

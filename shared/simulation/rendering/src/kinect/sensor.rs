@@ -308,7 +308,7 @@ impl KinectSensor {
     }
 }
 
-/// Back-projects one row to points.
+/// Back-projects one row of depth to points.
 fn fill_points(depth_m: &[f32], x: &[f32], y: f32, colors: &[[u8; 3]], points: &mut [Point]) {
     let pixels = depth_m.iter().zip(x).zip(colors);
     for (point, ((&z, &x), &[red, green, blue])) in points.iter_mut().zip(pixels) {

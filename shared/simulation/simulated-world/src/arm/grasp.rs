@@ -20,9 +20,9 @@ const FACING_MIN: f64 = 0.78;
 /// Grasp failure of closed fingers.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum GraspFailure {
-    /// The fingers met each other.
+    /// Fingers that met each other without an object.
     Nothing,
-    /// The fingers touch different objects.
+    /// Fingers that touch different objects.
     Different,
     /// Too little overlap of a pad with the named object; the smaller share of both pads.
     Overlap(String, f64),

@@ -24,13 +24,13 @@ const RELEASE_GAP_M: f64 = 0.002;
 pub(crate) enum HandEvent {
     /// A new object appears in the hand.
     Brought(ModelChoice),
-    /// The hand grasps an object.
+    /// Hand has grasped an object.
     Grasped(u16),
-    /// The hand releases the held object.
+    /// Hand has released the held object.
     Released,
     /// The held object leaves the scene with the hand.
     Removed,
-    /// The scripted action cannot be performed.
+    /// Scripted action that cannot be performed.
     Impossible(Action),
 }
 
@@ -39,7 +39,7 @@ pub(crate) enum HandEvent {
 enum Segment {
     /// Moves to a point, metres, at a speed, m/s.
     MoveTo(Point3<f64>, f64),
-    /// Waits for a time, seconds.
+    /// Waits for a duration, seconds.
     Wait(f64),
     /// Emits a hand event.
     Emit(HandEvent),
@@ -49,7 +49,7 @@ enum Segment {
 #[derive(Debug, Clone)]
 pub(crate) struct ActionExecution {
     segments: std::collections::VecDeque<Segment>,
-    /// Start point of the current segment.
+    /// Start point of the hand path's current segment.
     from: Point3<f64>,
     /// Elapsed time of the current segment, seconds.
     spent_s: f64,
@@ -115,7 +115,7 @@ fn smoothstep(share: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// Carrying position above a point.
+/// Point above `point` at carrying height.
 fn raised(point: Point3<f64>) -> Point3<f64> {
     point + Vector3::z() * CARRY_HEIGHT_M
 }

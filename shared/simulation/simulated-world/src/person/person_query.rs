@@ -18,6 +18,6 @@ pub(crate) trait PersonQuery {
     fn camera(&self) -> Point3<f64>;
     /// Random free position for an existing object, or for a new one.
     fn free_position(&self, object: Option<u16>, draw: u64) -> Option<[f64; 2]>;
-    /// Random model that could be brought.
+    /// Random model of an object that could be brought.
     fn random_model(&self, draw: u64) -> Option<ModelChoice>;
 }

@@ -31,7 +31,7 @@ impl RandomActions {
         chance
     }
 
-    /// Starts a new random pause.
+    /// Starts a new random pause of the person.
     pub(crate) fn rest_from(&mut self, time_s: f64) {
         let [shortest, longest] = self.every_s;
         self.next_s = time_s + self.random.between(shortest, longest);

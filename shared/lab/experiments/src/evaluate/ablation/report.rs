@@ -57,7 +57,7 @@ pub(super) struct Settings {
     pub(super) tau: f64,
     pub(super) n_runs: u64,
     pub(super) seed: u64,
-    /// Bins of GOOD along each side.
+    /// Number of bins of GOOD along each side.
     bins: usize,
     views_max: Option<u32>,
     confidence: f64,

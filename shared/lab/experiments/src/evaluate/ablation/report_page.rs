@@ -17,7 +17,7 @@ const HEADS: [&str; 8] = [
     "gca − ours",
     "error / ours",
 ];
-/// File name of the figure.
+/// File name of the GCA figure.
 pub(super) const PICTURE: &str = "gca.svg";
 /// Caption of the ablation figure.
 pub(super) const CAPTION: &str = "Mean GCA of each variant with its 95 % interval";
@@ -30,7 +30,7 @@ pub(super) fn text(document: &AblationReport) -> String {
     lines.join("\n")
 }
 
-/// HTML page with table and figure.
+/// HTML page with the ablation table and figure.
 pub(super) fn page(document: &AblationReport) -> String {
     let table = PageTable::new("Variants", &HEADS, rows(document));
     let figure = PageFigure {

@@ -25,7 +25,7 @@ pub(super) struct EndToEndScore {
     precision: f64,
     /// Recall: right names over all objects, including missed ones.
     recall: f64,
-    /// Harmonic mean of precision and recall.
+    /// F1 score: harmonic mean of precision and recall.
     f1: f64,
 }
 
@@ -60,7 +60,7 @@ impl EndToEndScore {
         }
     }
 
-    /// Sentences of the report page.
+    /// Sentences about the score for the report page.
     pub(super) fn sentences(&self) -> [String; 2] {
         [
             format!(

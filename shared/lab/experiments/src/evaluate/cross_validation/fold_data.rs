@@ -17,7 +17,7 @@ pub(super) struct FoldData {
     pub(super) views: ViewTable,
     pub(super) recogniser_factory: Box<dyn RecogniserFactory>,
     pub(super) folds: Folds,
-    /// Assignment of views to folds.
+    /// Name of the rule that assigned views to folds.
     pub(super) fold_assignment: &'static str,
     pub(super) scenes: Option<SceneStatistics>,
 }

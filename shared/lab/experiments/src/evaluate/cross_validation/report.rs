@@ -38,7 +38,7 @@ pub(super) struct CrossValidationReport {
     pub(super) files: ReportFiles,
 }
 
-/// Counts and accuracy of one fold.
+/// Answer counts and accuracy of one fold.
 #[derive(Debug, Serialize)]
 pub(super) struct FoldFigures {
     pub(super) n_taught: usize,
@@ -66,7 +66,7 @@ pub(super) struct CategoryFigures {
 pub(super) struct Settings {
     #[serde(flatten)]
     pub(super) description: DescriptionSettings,
-    /// Assignment of views to folds.
+    /// Name of the rule that assigned views to folds.
     pub(super) folds: &'static str,
     /// Number of categories whose views are grouped by object.
     pub(super) n_grouped: usize,
@@ -77,13 +77,13 @@ pub(super) struct Settings {
 /// Durations on one thread; the only values that vary between repetitions.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Timing {
-    /// Mean time of one view, milliseconds.
+    /// Mean time to describe one view, milliseconds.
     pub(super) describe_ms: f64,
-    /// Mean time of one view, milliseconds.
+    /// Mean time to recognise one view, milliseconds.
     pub(super) ask_ms: f64,
-    /// Sum over all folds, seconds.
+    /// Total time of teaching over all folds, seconds.
     teach_s: f64,
-    /// Sum over all folds, seconds.
+    /// Total time of testing over all folds, seconds.
     pub(super) test_s: f64,
 }
 

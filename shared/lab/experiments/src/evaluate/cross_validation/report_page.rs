@@ -51,7 +51,7 @@ pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> String 
     html("Cross-validation", &notes(document), &[table], &figures)
 }
 
-/// Table rows by category, worst first.
+/// Table rows of the categories, worst first.
 fn rows(document: &CrossValidationReport) -> Vec<Vec<String>> {
     let right = |figures: &CategoryFigures| {
         100.0 * f64::from(figures.n_right) / f64::from(figures.n_asked.max(1))

@@ -53,7 +53,7 @@ fn row(names: [String; 2], score: &SegmentationScore, ms: f64) -> Vec<String> {
     cells.chain([format!("{ms:.2}")]).collect()
 }
 
-/// Sentences about timing and assumptions.
+/// Sentences about detection time and assumptions.
 fn timing(document: &DetectionReport<'_>) -> Vec<String> {
     let duration = document.detection_ms;
     let mut sentences = vec![
@@ -85,7 +85,7 @@ fn left_out(skipped: &[SkippedScene]) -> Vec<String> {
     sentences
 }
 
-/// HTML page with all scenes.
+/// HTML page of the detection report with all scenes.
 pub(super) fn page(document: &DetectionReport<'_>, results: &[SceneResult]) -> String {
     let mut notes = timing(document);
     notes.extend(left_out(document.skipped));
@@ -120,7 +120,7 @@ fn tables(document: &DetectionReport<'_>) -> [ScoreTable; 2] {
     ]
 }
 
-/// Table lines: all scenes, groups, halves.
+/// Table lines of the detection report: all scenes, groups, halves.
 fn lines(
     document: &DetectionReport<'_>,
     all: &SegmentationScore,

@@ -10,7 +10,7 @@ use serde_json::Value;
 use service::exit_code;
 use std::path::Path;
 
-/// Label of a box in [`scene`].
+/// Label of the box in the test [`scene`].
 const BOX_LABEL: u32 = 20;
 
 fn arguments(dataset: &Path, out: &Path) -> DetectionArguments {

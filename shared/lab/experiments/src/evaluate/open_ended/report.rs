@@ -31,7 +31,7 @@ pub(super) struct OpenEndedReport {
     pub(super) files: ReportFiles,
 }
 
-/// Metrics of the published table.
+/// Metrics of an open-ended run as in the published table.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Figures {
     pub(super) qci: Option<f64>,
@@ -78,7 +78,7 @@ pub(super) struct Timing {
 }
 
 impl OpenEndedReport {
-    /// Report of runs ordered by seed.
+    /// Report of open-ended runs, ordered by seed.
     pub(super) fn of(
         arguments: &OpenEndedArguments,
         protocol: &Protocol,

@@ -12,7 +12,7 @@ pub(in super::super) struct DescriptionSettings {
     /// Bins of GOOD along each side; null for other descriptors.
     pub(in super::super) bins: Option<usize>,
     shape_only: bool,
-    /// Upward axis of the command line.
+    /// Upward axis given on the command line.
     up: Option<String>,
     threshold: Option<f32>,
     views_max: Option<u32>,

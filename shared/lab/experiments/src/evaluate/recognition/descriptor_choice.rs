@@ -23,7 +23,7 @@ pub(super) enum DescriptorChoice {
 }
 
 impl DescriptorChoice {
-    /// GOOD as published by its authors.
+    /// GOOD descriptor as published by its authors.
     pub(super) fn published_good(n_bins: usize) -> Self {
         Self::Good {
             variant: GoodVariant::Published {

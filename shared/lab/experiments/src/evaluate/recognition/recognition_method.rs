@@ -21,7 +21,7 @@ pub(in super::super) struct RecognitionMethod {
 }
 
 impl RecognitionMethod {
-    /// Method of the command-line options.
+    /// Recognition method of the command-line options.
     pub(in super::super) fn of(arguments: &DescriptionArguments) -> Self {
         let weights = if arguments.shape_only {
             AppearanceWeights::shape_only()
@@ -43,7 +43,7 @@ impl RecognitionMethod {
         }
     }
 
-    /// Method of an ablation variant.
+    /// Recognition method of an ablation variant.
     pub(in super::super) fn of_ablation(variant: AblationVariant, n_bins: usize) -> Self {
         let all = AppearanceWeights::default();
         let (descriptor, metric) = match variant {

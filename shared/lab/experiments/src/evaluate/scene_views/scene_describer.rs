@@ -42,7 +42,7 @@ pub(super) struct DescribedScene {
     pub(super) clutter: Vec<HypothesisDescriptors>,
     /// Categories of the objects that false candidates are parts of.
     pub(super) parts: Vec<u32>,
-    /// Sum of the description times, milliseconds.
+    /// Total time of describing the scene's objects, milliseconds.
     pub(super) describe_ms: f64,
     /// Reasons of candidates that could not be described.
     pub(super) left_out: Vec<String>,

@@ -56,7 +56,7 @@ struct TrackDrift {
 struct ObjectDrift {
     ids: Vec<u64>,
     n_frames_seen: usize,
-    /// Maximum drift of the tracks, millimetres.
+    /// Maximum drift of the object's tracks, millimetres.
     drift_mm: f64,
 }
 

@@ -38,7 +38,7 @@ pub(super) struct GroundTruth {
 pub(super) struct LabelledDepthImage<'a> {
     /// Depth along the optical axis, metres, row-major; NaN where invalid.
     pub(super) depth_m: &'a [f32],
-    /// True for depth without sensor errors.
+    /// True for a depth image without sensor errors.
     pub(super) is_exact: bool,
     pub(super) mask: &'a [u16],
     pub(super) world_from_camera: RigidTransform,
@@ -53,7 +53,7 @@ impl GroundTruth {
         }
     }
 
-    /// Adds an object by its model.
+    /// Registers an object with the shape of its model.
     pub(super) fn know(&mut self, id: u16, model: &ObjectModel) {
         self.objects.entry(id).or_insert_with(|| {
             let vertices = model.mesh.vertices.iter();

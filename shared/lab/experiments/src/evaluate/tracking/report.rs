@@ -30,7 +30,7 @@ struct Settings {
     gate_mm: f64,
 }
 
-/// Pooled metrics of some runs.
+/// Tracking metrics pooled over several runs.
 #[derive(Debug, Serialize)]
 pub(super) struct Figures {
     pub(super) n_runs: usize,

@@ -1,4 +1,4 @@
-//! Tracked sequence and scored tracking run.
+//! Tracked sequence and the tracking run scored from it.
 
 use evaluation::tracked_frame::TrackedFrame;
 use evaluation::tracking_score::TrackingScore;
@@ -16,7 +16,7 @@ pub(super) struct TrackedSequence {
 /// Tracking run with its scores.
 pub(super) struct TrackingRun {
     pub(super) scene: String,
-    /// Seed; `None` for a recording.
+    /// Random seed of the run; `None` for a recording.
     pub(super) seed: Option<u64>,
     pub(super) n_frames: usize,
     pub(super) score: TrackingScore,

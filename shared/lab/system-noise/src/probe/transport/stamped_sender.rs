@@ -23,7 +23,7 @@ pub(super) trait Stamped: Topic {
     fn stamp(loan: &mut Loan<Self>, now_ns: u64)
     where
         Self: Sized;
-    /// Send time stamp, monotonic clock, ns.
+    /// Send time stamp of a message, monotonic clock, ns.
     fn stamp_ns(message: &SharedMessage<Self>) -> u64
     where
         Self: Sized;
@@ -62,10 +62,10 @@ impl Stamped for CameraCloud {
     }
 }
 
-/// Latencies recorded by the receiver.
+/// Latencies recorded by the probe's receiver.
 #[derive(Debug, Default)]
 pub(super) struct Arrivals {
-    /// Set when the sender is done.
+    /// Flag that is set when the sender is done.
     pub(super) is_over: AtomicBool,
     n_received: AtomicU64,
     latencies_ns: Mutex<Vec<u64>>,
