@@ -40,8 +40,8 @@ impl FrameWatcher {
         }
     }
 
-    /// Takes waiting messages; the location in a header must be that in this process's
-    /// mapping.
+    /// Receives all queued messages and asserts zero copy: each header names the location of the
+    /// payload in this process's mapping.
     fn take_all(&mut self) {
         while let Received::Message(frame) = self.clouds.receive().unwrap() {
             let header = *frame.header();

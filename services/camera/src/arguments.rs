@@ -40,7 +40,7 @@ pub(crate) struct SourceArguments {
     #[arg(long, value_name = "M")]
     pub(crate) to: Option<usize>,
 
-    /// Send a frame only when perception and memory have finished the one before
+    /// Send a frame only when perception and memory have finished the previous one
     #[arg(long)]
     pub(crate) lockstep: bool,
 }

@@ -34,7 +34,7 @@ pub(crate) struct LatencyArguments {
     pub(crate) command: Option<LatencyCommand>,
 }
 
-/// Subcommand, if not a measurement of frames.
+/// Subcommands of `tabula-latency` other than a measurement of frames.
 #[derive(Debug, Subcommand)]
 pub(crate) enum LatencyCommand {
     /// Measure the system noise of this computer and the effect of mitigations
@@ -52,14 +52,14 @@ pub(crate) enum LatencyCommand {
         /// Run a tenth of the repetitions
         #[arg(long)]
         short: bool,
-        /// A script that times PCL's pipelines on scenes and prints CSV
+        /// Script that times PCL's pipelines on scenes and prints CSV
         #[arg(long, value_name = "SCRIPT", requires = "scenes")]
         pcl: Option<PathBuf>,
         /// Scenes on which the detections are compared (.pcd)
         #[arg(requires = "pcl", value_name = "SCENE")]
         scenes: Vec<PathBuf>,
     },
-    /// Soak test: run for long with objects that come and go, and report growth
+    /// Soak test: run for a long time with objects that come and go, and report growth
     Soak(SoakArguments),
     /// Sweep one parameter, with a daemon of its own for each value
     Sweep(SweepArguments),
@@ -91,7 +91,7 @@ pub(crate) struct MeasureArguments {
     #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
     pub(crate) frames: u64,
 
-    /// Frames to leave out at the beginning
+    /// Number of warm-up frames to leave out at the beginning
     #[arg(long, value_name = "N", default_value_t = DEFAULT_WARM_UP)]
     pub(crate) warm_up: u64,
 
@@ -143,7 +143,7 @@ pub(crate) struct SoakArguments {
     #[arg(long, value_name = "HZ", default_value_t = 120.0)]
     pub(crate) rate: f64,
 
-    /// Objects, of which a quarter is away at any time
+    /// Number of objects; a quarter of them is absent at any time
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub(crate) objects: u32,
 
@@ -187,7 +187,7 @@ impl LatencyArguments {
         if arguments.command.is_some() && arguments.measure != defaults {
             return Err(Failure::new(
                 exit_code::USAGE,
-                "options before a verb are those of a measurement; put the verb's own behind it",
+                "options before a subcommand are those of a measurement; put the subcommand's own options after it",
             ));
         }
         Ok(arguments)

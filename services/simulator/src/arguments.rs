@@ -3,7 +3,7 @@
 use clap::{Args, Parser};
 use service::ProcessArguments;
 
-/// Plays a simulated table: a camera, an arm and a person that are not there.
+/// Simulates a table with objects, a camera, an arm and a person.
 #[derive(Debug, Clone, Parser)]
 #[command(name = "tabula-simulator", version)]
 pub(crate) struct SimulatorArguments {
@@ -21,11 +21,11 @@ pub(crate) struct SceneArguments {
     #[arg(long, value_name = "SCENE")]
     pub(crate) scene: Option<String>,
 
-    /// Number of objects [default: what the scene usually has]
+    /// Number of objects [default: the usual number of the scene]
     #[arg(long, value_name = "N")]
     pub(crate) objects: Option<usize>,
 
-    /// Seed: the same scene, number and seed give the same world [default: 1]
+    /// Random seed; the same scene, number and seed give the same world [default: 1]
     #[arg(long, value_name = "S")]
     pub(crate) seed: Option<u64>,
 
@@ -33,7 +33,7 @@ pub(crate) struct SceneArguments {
     #[arg(long, value_name = "HZ")]
     pub(crate) rate: Option<f64>,
 
-    /// Send a frame only when perception and memory have finished the one before
+    /// Send a frame only when perception and memory have finished the previous one
     #[arg(long)]
     pub(crate) lockstep: bool,
 }

@@ -40,7 +40,7 @@ pub(crate) enum Verb {
     Run(RunArguments),
     /// Show the tracked objects
     Objects {
-        /// Show them again and again until Ctrl-C
+        /// Repeat five times a second until Ctrl-C
         #[arg(long)]
         watch: bool,
     },
@@ -53,9 +53,9 @@ pub(crate) enum Verb {
     Teach(LabelArguments),
     /// Correct the label of a tracked object
     Correct(LabelArguments),
-    /// Forget a category, whose views then stay without a name; or a track, or a view
+    /// Forget a category, whose views stay without a label; or a track; or a view
     Forget(ForgetArguments),
-    /// Give a category another name
+    /// Rename a category
     Rename {
         /// Category to rename
         from: String,
@@ -65,7 +65,7 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
-    /// Give all views of a category the name of another
+    /// Merge a category into another: all its views get the other label
     Merge {
         /// Category whose views move; it ceases to exist
         from: String,
@@ -75,11 +75,11 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
-    /// Take back the last lesson, or an entry of the history
+    /// Undo the last change, or an entry of the history
     Undo {
-        /// The entry's number [default: the last lesson of the author that still holds]
+        /// Number of the history entry [default: the author's last change that is still in effect]
         entry: Option<u64>,
-        /// Author of the lesson [default: the user's name]
+        /// Author of the undo, and of the last change [default: the user's name]
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
@@ -111,7 +111,7 @@ pub(crate) enum Verb {
     /// Write recordings and views of the simulated table; needs no daemon
     #[command(disable_help_flag = true, disable_help_subcommand = true)]
     Simulate(LabArguments),
-    /// Measure how good and how fast the kernels are; needs no daemon
+    /// Evaluate accuracy and speed of the kernels; needs no daemon
     #[command(disable_help_flag = true, disable_help_subcommand = true)]
     Evaluate(LabArguments),
     /// Measure the end-to-end latency of frames; see `tabula latency --help`
@@ -119,14 +119,14 @@ pub(crate) enum Verb {
     Latency(LabArguments),
     /// Show the state of the daemon's processes
     Status,
-    /// Check this machine and explain what is wrong
+    /// Diagnose this machine and its configuration
     Doctor,
 }
 
-/// Arguments for another program of the project, which parses them.
+/// Arguments passed on to another program of the project, which parses them.
 #[derive(Debug, Args)]
 pub(crate) struct LabArguments {
-    /// Arguments of that program
+    /// Arguments passed on to the other program
     #[arg(
         trailing_var_arg = true,
         allow_hyphen_values = true,
@@ -135,18 +135,18 @@ pub(crate) struct LabArguments {
     pub(crate) words: Vec<OsString>,
 }
 
-/// Commands of the arm. Each waits until it is done, unless asked not to.
+/// Commands of the arm. Each waits for the end of its motion, unless `--no-wait` is given.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ArmVerb {
     /// Show the state of the arm
     State,
     /// Move the gripper to a pose
     Move(ArmMove),
-    /// Fold away, out of the camera's view
+    /// Fold the arm outside of the camera's view
     Home(ArmWait),
     /// Open the fingers and release the object
     Open(ArmWait),
-    /// Close the fingers until they hold something
+    /// Close the fingers until they grip an object
     Close(ArmWait),
     /// Stop the arm at once
     Stop,
@@ -155,7 +155,7 @@ pub(crate) enum ArmVerb {
 /// Arguments of `tabula arm move`: pose of the gripper.
 #[derive(Debug, Args)]
 pub(crate) struct ArmMove {
-    /// Position of the point between the fingers, world frame, metres
+    /// Position of the point between the fingers (world x), metres
     #[arg(allow_negative_numbers = true)]
     pub(crate) x: f64,
     /// Position towards the far side of the table (world y), metres
@@ -164,7 +164,7 @@ pub(crate) struct ArmMove {
     /// Height above the floor (world z), metres
     #[arg(allow_negative_numbers = true)]
     pub(crate) z: f64,
-    /// Tilt of the fingers from pointing straight down towards pointing ahead, degrees
+    /// Tilt of the fingers from straight down towards ahead, degrees
     #[arg(
         long,
         default_value_t = 0.0,
@@ -190,7 +190,7 @@ pub(crate) struct ArmMove {
 /// Waiting option `--no-wait` of an arm command.
 #[derive(Debug, Args)]
 pub(crate) struct ArmWait {
-    /// Do not wait until it is done
+    /// Return without waiting for the end of the motion
     #[arg(long)]
     pub(crate) no_wait: bool,
 }
@@ -234,13 +234,13 @@ pub(crate) struct RunArguments {
     /// Frame number before which the recording ends
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     to: Option<String>,
-    /// Send a frame only when perception and memory have finished the one before
+    /// Send a frame only when perception and memory have finished the previous one
     #[arg(long)]
     lockstep: bool,
     /// Check the configuration and the arguments of all processes, and do nothing else
     #[arg(long)]
     pub(crate) check_config: bool,
-    /// Stop when the process that started this one, and has this id, ends
+    /// Stop when the parent process with this id ends
     #[arg(long, value_name = "PID")]
     pub(crate) follow_parent: Option<u32>,
 }
@@ -254,7 +254,7 @@ impl RunArguments {
     /// Command-line arguments for tabula-camera or tabula-simulator.
     ///
     /// # Errors
-    /// When one is given that the process has no use for.
+    /// If an option is given that does not apply to the process.
     pub(crate) fn for_sensor(&self, sensor: &Sensor) -> Result<Vec<String>, Failure> {
         let (scene, camera_source) = match sensor {
             Sensor::Camera => (None, self.source.as_ref()),

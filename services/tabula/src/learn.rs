@@ -59,7 +59,7 @@ pub(crate) fn forget(
     let report = learn(common, command)?;
     output.answer(&report, || {
         format!(
-            "forgot {}: {} view(s) have no name now",
+            "forgot {}: {} view(s) are now unlabelled",
             report.category, report.n_views_changed
         )
     });
@@ -78,8 +78,8 @@ pub(crate) fn revise(
         RevisionChange::ForgetView { view } => {
             format!("forgot view {} of track {}", view.view_id, view.track_id)
         }
-        RevisionChange::Rename { from, to } => format!("{from} is called {to} now"),
-        RevisionChange::Merge { from, into } => format!("{from} is {into} now"),
+        RevisionChange::Rename { from, to } => format!("{from} is now called {to}"),
+        RevisionChange::Merge { from, into } => format!("{from} is merged into {into}"),
         // The answer describes the undone change.
         _ => String::new(),
     };
@@ -94,7 +94,7 @@ pub(crate) fn revise(
     output.answer(&report, || {
         let (n, sequence) = (report.n_views_changed, report.sequence);
         let done = if done.is_empty() {
-            format!("took back \"{}\"", report.category)
+            format!("undid \"{}\"", report.category)
         } else {
             done
         };
@@ -148,7 +148,7 @@ fn learned_text(track_id: u64, report: &LearningReport) -> String {
         sequence,
     } = report;
     match n_views_changed {
-        0 => format!("track {track_id} was known as {category} already"),
+        0 => format!("track {track_id} already has the label {category}"),
         n => {
             format!("track {track_id} is {category} now: {n} view(s), history {sequence}, on disk")
         }

@@ -102,7 +102,7 @@ fn objects_text(report: &ObjectsReport) -> String {
     }
     let assumptions = report.assumptions.iter();
     lines.extend(assumptions.map(|assumption| format!("assumed: {}", assumption.sentence)));
-    lines.push(format!("an object is what fulfils {}", report.rule));
+    lines.push(format!("candidate rule: {}", report.rule));
     lines.push(format!(
         "frame {} of {}, positions in the {frame}",
         report.frame_sequence, report.source_name
@@ -293,7 +293,7 @@ mod tests {
         let line = "ignored at (0.100 -0.250 0.800), 320 points: it is the robot's arm (87 % of \
                     its points within 3 cm of a link)";
         assert!(text.lines().any(|found| found == line), "{text}");
-        assert!(text.contains("an object is what fulfils C_table"), "{text}");
+        assert!(text.contains("candidate rule: C_table"), "{text}");
         assert!(!text.contains("the table is empty"), "{text}");
     }
 }

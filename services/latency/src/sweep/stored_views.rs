@@ -22,7 +22,7 @@ use std::path::Path;
 /// Points on the visible side of a solid.
 const N_POINTS: usize = 400;
 /// Minimum number of tracks, if there are enough views, and maximum number of views of a track.
-/// Views of a track are taught together; each lesson waits for the disk.
+/// Views of a track are taught together; each mutation waits for the disk.
 const N_TRACKS_MIN: usize = 20;
 const VIEWS_PER_TRACK_MAX: usize = 100;
 /// Number of categories, large enough that none reaches the memory's limit.

@@ -10,10 +10,10 @@ pub(crate) struct ForgetArguments {
     /// Category to forget
     #[arg(group = "what", conflicts_with_all = ["track", "view"])]
     pub(crate) category: Option<String>,
-    /// A track: its views are neither recognised nor taught any more
+    /// Track to forget: its views are excluded from recognition and teaching
     #[arg(long, value_name = "TRACK", group = "what")]
     pub(crate) track: Option<u64>,
-    /// With --track: only this view of it
+    /// With --track: forget only this view
     #[arg(long, value_name = "VIEW", requires = "track")]
     pub(crate) view: Option<u32>,
     /// Author of the change [default: the user's name]
@@ -21,13 +21,13 @@ pub(crate) struct ForgetArguments {
     pub(crate) author: Option<String>,
 }
 
-/// Subcommands of `tabula memory`. They ask a running daemon; without one a child process opens the
-/// store.
+/// Subcommands of `tabula memory`. They query a running daemon; without one a child process opens
+/// the store.
 #[derive(Debug, Subcommand)]
 pub(crate) enum MemoryVerb {
     /// Show sizes and counts of the perceptual memory
     Stats,
-    /// Read everything and report damage; changes nothing
+    /// Read all records and report damage; changes nothing
     Verify,
     /// Verify, and if anything is damaged rebuild the store from the intact records
     Repair,
@@ -35,11 +35,11 @@ pub(crate) enum MemoryVerb {
     Inspect(InspectArguments),
     /// Show the history of changes with times and authors
     History(EntriesArguments),
-    /// Remove forgotten views permanently and free disk space
+    /// Delete forgotten views permanently and free disk space
     Compact(CompactArguments),
     /// Export the whole memory to one file
     Export {
-        /// The file; one that is there is replaced when all is written
+        /// File to write; an existing file is replaced atomically when the export is complete
         file: PathBuf,
     },
     /// Import the export file of another memory
@@ -60,7 +60,7 @@ pub(crate) struct InspectArguments {
 /// Entry range of `tabula memory history`.
 #[derive(Debug, Args)]
 pub(crate) struct EntriesArguments {
-    /// First entry [default: so that the last ones are shown]
+    /// Number of the first entry [default: such that the last entries are shown]
     #[arg(long, value_name = "ENTRY")]
     pub(crate) from: Option<u64>,
     /// Maximum number of entries
@@ -71,7 +71,7 @@ pub(crate) struct EntriesArguments {
 /// Arguments of `tabula memory compact`.
 #[derive(Debug, Args)]
 pub(crate) struct CompactArguments {
-    /// Remove views that were forgotten this many days ago permanently
+    /// Delete views permanently that were forgotten at least this many days ago
     #[arg(long, value_name = "DAYS", default_value_t = 30)]
     pub(crate) forgotten_days: u32,
 }
@@ -79,12 +79,12 @@ pub(crate) struct CompactArguments {
 /// Arguments of `tabula memory import`.
 #[derive(Debug, Args)]
 pub(crate) struct ImportArguments {
-    /// The file, written by `tabula memory export`
+    /// Export file written by `tabula memory export`
     pub(crate) file: PathBuf,
     /// Rename a category on import; can be given several times
     #[arg(long, value_name = "FROM=TO")]
     pub(crate) rename: Vec<String>,
-    /// Put this before every other category, so that equal names stay apart
+    /// Prefix for every other category, so that equal names stay separate
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) prefix: String,
     /// Author of the change [default: the user's name]
@@ -97,12 +97,12 @@ pub(crate) struct ImportArguments {
 pub(crate) enum KnowledgeVerb {
     /// List the stored documents
     List,
-    /// Write the content of a document to standard output
+    /// Write a document to standard output
     Get {
         /// Name of the document
         name: String,
     },
-    /// Store it, instead of what has this name
+    /// Store a document; replaces one of the same name
     Put(PutArguments),
     /// Remove a document
     Remove {

@@ -32,10 +32,10 @@ pub(crate) struct HistoryArguments {
     /// Only facts of this track
     #[arg(long, value_name = "TRACK")]
     pub(crate) track: Option<u64>,
-    /// Only while it had this label
+    /// Only while the object had this label
     #[arg(long, value_name = "NAME")]
     pub(crate) label: Option<String>,
-    /// Only while its centre was near a point of the world, metres
+    /// Only while the object's centre was near this point of the world, metres
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "radius")]
     pub(crate) near: Option<WorldPoint>,
     /// Radius around the point of --near, metres
@@ -44,10 +44,10 @@ pub(crate) struct HistoryArguments {
     /// Only facts that held at this time
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true, conflicts_with_all = ["since", "until"])]
     pub(crate) at: Option<TimeArgument>,
-    /// Only what held at this time or later
+    /// Only facts that held at this time or later
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub(crate) since: Option<TimeArgument>,
-    /// Only what held at this time or earlier
+    /// Only facts that held at this time or earlier
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub(crate) until: Option<TimeArgument>,
     /// Maximum number of facts
@@ -58,7 +58,7 @@ pub(crate) struct HistoryArguments {
 /// Arguments of `tabula world events`.
 #[derive(Debug, Args)]
 pub(crate) struct EventsArguments {
-    /// Go on with each event as it happens, until Ctrl-C
+    /// Continue with each new event until Ctrl-C
     #[arg(long)]
     pub(crate) follow: bool,
     /// Only events after this one [default: all; with --follow those from now on]

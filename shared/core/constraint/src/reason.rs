@@ -88,39 +88,39 @@ impl fmt::Display for Litres {
 reasons! {
     /// Constraint was not evaluated.
     0 NotEvaluated
-        => "it was not judged";
+        => "it was not evaluated";
     /// The candidate stands on the table: its lowest points are near the plane.
     1 StandsOnTable
         => "it stands on the table";
     /// The candidate rests on an object that stands on the table.
     2 RestsOnObject
-        => "it rests on something that stands on the table";
+        => "it rests on an object that stands on the table";
     /// The base of the candidate is occluded by a nearer surface.
     3 BaseOccluded
-        => "something nearer hides what it stands on";
+        => "a nearer surface occludes its base";
     /// Candidate has no support.
     4 Unsupported {
-        /// Height of the lowest point over the table, metres.
+        /// Height of the lowest point above the table, metres.
         gap_m
-    } => "nothing carries it: it begins {} over the table", Cm(gap_m);
+    } => "unsupported: its lowest point is {} above the table", Cm(gap_m);
     /// The sensor has no depth below the candidate.
     5 BaseWithoutDepth
-        => "there is no depth below it: what it stands on is not seen";
+        => "its support is unknown: there is no depth below it";
     /// No track overlaps the candidate.
     10 NoOverlappingTrack {
         /// Greatest intersection over union with a track's box, 0 to 1.
         overlap
-    } => "no track explains it (greatest overlap {})", Percent(overlap);
+    } => "no track overlaps it (greatest overlap {})", Percent(overlap);
     /// The candidate overlaps the box of a track.
     11 OverlapsTrack {
         /// Intersection over union with the track's box, 0 to 1.
         overlap
-    } => "it is a part of what is tracked already ({} overlap with a track's box)", Percent(overlap);
+    } => "it belongs to a tracked object ({} overlap with the track's box)", Percent(overlap);
     /// The candidate is inside the box of a track.
     12 InsideTrack {
         /// Share of the points inside the track's grown box, 0 to 1.
         share
-    } => "it is a part of what is tracked already ({} of its points in a track's box)", Percent(share);
+    } => "it belongs to a tracked object ({} of its points in the track's box)", Percent(share);
     /// One hand could grasp the candidate.
     20 Graspable {
         /// Longest side of the object, metres.
@@ -158,7 +158,7 @@ reasons! {
     25 SizeTruncated {
         /// Longest visible side of the object, metres.
         side_m
-    } => "the border of the image cuts it, so its size is not known (at least {})", Cm(side_m);
+    } => "the image border truncates it, so its size is unknown (at least {})", Cm(side_m);
     /// No person state is available.
     30 NoPersonKnown
         => "no person state was received";
@@ -228,10 +228,10 @@ reasons! {
         => "its track decides later whether this is a key view";
     /// The candidate does not reach the image border.
     70 WithinView
-        => "the border of the image does not cut it";
+        => "the image border does not truncate it";
     /// The candidate reaches the image border.
     71 AtImageBorder
-        => "it comes to the border of what the sensor sees";
+        => "it touches the image border";
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ pub struct OrganizedCloud<'a> {
     width: usize,
 }
 
-/// Error of viewing points as an image: their number does not fill the grid.
+/// Error of a point count that does not match the width and height of the organised cloud.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{n_points} points do not fill a grid of {width}x{height}")]
 pub struct SizeMismatch {

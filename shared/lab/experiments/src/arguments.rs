@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 /// Subcommands of `tabula-lab simulate`.
 #[derive(Debug, Subcommand)]
 pub enum SimulateVerb {
-    /// A sequence of a scene: colour, depth, poses, masks and ground truth
+    /// Record an RGB-D sequence of a scene: colour, depth, poses, masks and ground truth
     Scene(SceneArguments),
-    /// Views of single objects for learning, in the layout of the Washington dataset
+    /// Render views of single objects for learning, in the layout of the Washington dataset
     Views(ViewsArguments),
     /// Plot the depth noise of the simulated Kinect against the published noise model
     Sensor {
@@ -36,7 +36,7 @@ pub struct SceneArguments {
     /// isolated, pile, bin or set-table [default: isolated]
     #[arg(long, value_name = "KIND")]
     pub(crate) kind: Option<String>,
-    /// Number of objects [default: what the kind of scene usually has]
+    /// Number of objects [default: the usual number of the scene]
     #[arg(long, value_name = "N")]
     pub(crate) objects: Option<usize>,
     /// Folder of PLY and OBJ models, or `generated` [default: generated]
@@ -103,7 +103,7 @@ pub struct DetectionArguments {
     /// Folder for the figures, the page and the pictures
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Folder for result and truth as raw images of labels
+    /// Folder for results and ground truth as raw label images
     #[arg(long, value_name = "DIR")]
     pub(crate) labels: Option<PathBuf>,
     /// Seed of detection; the same seed gives the same result
@@ -132,7 +132,7 @@ pub struct TrackingArguments {
     /// Only the scene of this name; can be given several times
     #[arg(long, value_name = "NAME")]
     pub(crate) scene: Vec<String>,
-    /// Labels of the tracks of a recording without truth: lines of `track_id,object-name`
+    /// Labels of the tracks of a recording without ground truth: lines of `track_id,object-name`
     #[arg(long, value_name = "FILE")]
     pub(crate) labels: Option<PathBuf>,
 }
@@ -175,7 +175,7 @@ pub enum SweepScore {
 /// Constants of a sweep, the evaluation, and the folder of the results.
 #[derive(Debug, Args)]
 pub struct SweepArguments {
-    /// A constant or default setting of a source file, or all of a file
+    /// Constant or default setting of a source file, or all constants of a file
     #[arg(required = true, value_name = "FILE[:NAME]")]
     pub constants: Vec<String>,
     /// Evaluation whose scores are compared

@@ -82,7 +82,7 @@ fn warnings(report: &MachineReport) -> String {
         .map(|warning| format!("- {warning}\n"));
     let lines: String = lines.collect();
     if lines.is_empty() {
-        "nothing that is told".to_owned()
+        "no warnings".to_owned()
     } else {
         lines
     }

@@ -16,12 +16,12 @@ pub(crate) fn describe_change(change: &StoreChange) -> String {
         StoreChange::Undo {
             sequence: Some(sequence),
         } => format!("undo entry {sequence}"),
-        StoreChange::Undo { sequence: None } => "undo the last lesson".to_owned(),
+        StoreChange::Undo { sequence: None } => "undo the last change".to_owned(),
         StoreChange::PutDocument(document) => format!("store {}", document.key),
         StoreChange::RemoveDocument(key) => format!("remove {key}"),
-        StoreChange::Purge { .. } => "remove for good what was forgotten".to_owned(),
+        StoreChange::Purge { .. } => "permanently delete forgotten content".to_owned(),
         StoreChange::Import { source, .. } => format!("import {source}"),
-        _ => "change what is known".to_owned(),
+        _ => "unknown change".to_owned(),
     }
 }
 
@@ -38,14 +38,14 @@ pub(crate) fn describe_operation(operation: &Operation) -> String {
         Operation::Import { source } => format!("import {source}"),
         Operation::PutDocument { document } => format!("store {document}"),
         Operation::RemoveDocument { document } => format!("remove {document}"),
-        Operation::Purge => "remove for good what was forgotten".to_owned(),
+        Operation::Purge => "permanently delete forgotten content".to_owned(),
         Operation::EnforceLimit {
             category: Some(category),
-        } => format!("forget the views of {category} that say least"),
-        Operation::EnforceLimit { category: None } => "remove views that nobody named".to_owned(),
+        } => format!("prune redundant views of {category}"),
+        Operation::EnforceLimit { category: None } => "delete the oldest unlabelled views".to_owned(),
         Operation::Rebuild { loss, .. } => format!("rebuild a damaged store; lost: {loss}"),
-        Operation::Migrate { schema } => format!("bring the store over from schema {schema}"),
-        _ => "change what is known".to_owned(),
+        Operation::Migrate { schema } => format!("migrate the store from schema {schema}"),
+        _ => "unknown change".to_owned(),
     }
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn describe_contradiction(asked: &str, said: &Contradiction, sequence
     };
     let present = &said.present;
     format!(
-        "you asked to {asked}, but {author} taught it as {present}, and so it stays; entry \
-         {sequence} of the history keeps what you said, correct it if {present} is wrong"
+        "you asked to {asked}, but {author} taught it as {present}, so the label stays; entry \
+         {sequence} of the history records your request, correct it if {present} is wrong"
     )
 }

@@ -70,7 +70,7 @@ pub enum StoreChange {
         into: CategoryName,
     },
     /// Undo a history entry, unless its effects were changed later. Without a sequence number: the
-    /// last teaching entry of this author that still holds.
+    /// last teaching entry of this author that is still in effect.
     Undo {
         /// Sequence number of the entry to undo.
         sequence: Option<u64>,

@@ -46,7 +46,9 @@ impl RecordBatch {
     /// Writes and syncs the batch together with the metadata record.
     pub(crate) fn commit(mut self, engine: &mut Database, meta: &Meta) -> Result<(), Error> {
         self.put(&[keys::META], meta);
-        Ok(engine.write(self.batch, true)?)
+        // The write returns after `fdatasync` of the log: the batch survives a power failure.
+        let is_synced = true;
+        Ok(engine.write(self.batch, is_synced)?)
     }
 
     /// Writes the batch without a sync, into a database that is not in use yet.
@@ -54,7 +56,8 @@ impl RecordBatch {
         if self.n_bytes == 0 {
             Ok(())
         } else {
-            Ok(engine.write(self.batch, false)?)
+            let is_synced = false;
+            Ok(engine.write(self.batch, is_synced)?)
         }
     }
 }

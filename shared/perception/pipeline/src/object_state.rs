@@ -58,7 +58,8 @@ pub struct Observation<'a> {
     pub measured: &'a CandidateMeasurement,
 }
 
-/// Posterior of one object after an observation.
+/// State update of one object from one observation: motion filter, label with probability and
+/// distance, nearest categories, and key-view flag.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posterior {
     /// Motion filter after this measurement update.

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Selection of a daemon and its configuration.
 #[derive(Debug, Clone, Args)]
 pub struct CommonArguments {
-    /// Domain: several daemons with different names live side by side
+    /// Domain name of the daemon; daemons in different domains are independent
     #[arg(
         long,
         env = "TABULA_DOMAIN",
@@ -38,7 +38,7 @@ pub struct ProcessArguments {
     #[arg(long)]
     pub check_config: bool,
 
-    /// Stop when the process that started this one, and has this id, ends
+    /// Stop when the parent process with this id ends
     #[arg(long, value_name = "PID")]
     pub follow_parent: Option<u32>,
 }

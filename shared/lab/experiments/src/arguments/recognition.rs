@@ -27,7 +27,7 @@ pub enum UpAxis {
     Y,
     /// z axis points up
     Z,
-    /// Against the y axis, as in the frame of a level camera
+    /// Negative y axis points up, as in the frame of a level camera
     MinusY,
 }
 
@@ -53,7 +53,7 @@ pub struct DescriptionArguments {
     /// Compare without colour; only `ours` has any
     #[arg(long)]
     pub(crate) shape_only: bool,
-    /// Upward axis in the frame of the points, for `ours` [default: what the data set tells]
+    /// Upward axis in the frame of the points, for `ours` [default: that of the data set]
     #[arg(long, value_name = "AXIS", value_enum)]
     pub(crate) up: Option<UpAxis>,
     /// Number of bins of GOOD along each side
@@ -62,7 +62,7 @@ pub struct DescriptionArguments {
     /// Distance of the nearest view above which an object is unknown [default: none]
     #[arg(long, value_name = "D", value_parser = threshold)]
     pub(crate) threshold: Option<f32>,
-    /// Most views of each category, spread evenly over those there are [default: all]
+    /// Maximum number of views of each category, spread evenly over those available [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) views_max: Option<u32>,
 }
@@ -73,7 +73,7 @@ pub struct LearnArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
     /// each category
     pub(crate) folder: PathBuf,
-    /// Upward axis in the frame of the points [default: what the data set tells]
+    /// Upward axis in the frame of the points [default: that of the data set]
     #[arg(long, value_name = "AXIS", value_enum)]
     pub(crate) up: Option<UpAxis>,
     /// Author of the labels [default: the user's name]
@@ -162,7 +162,7 @@ pub struct AblationArguments {
     /// Number of bins of GOOD along each side
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = bins)]
     pub(crate) bins: usize,
-    /// Most views of each category, spread evenly over those there are [default: all]
+    /// Maximum number of views of each category, spread evenly over those available [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) views_max: Option<u32>,
 }
@@ -174,7 +174,7 @@ pub struct CrossValidationArguments {
     /// each category
     #[arg(required_unless_present = "scenes")]
     pub(crate) dataset: Option<PathBuf>,
-    /// Simulate so many scenes, and use the objects that detection finds in them [default: 360]
+    /// Number of scenes to simulate, instead of a data set; uses the objects that detection finds [default: 360]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "360",
         conflicts_with_all = ["dataset", "views_max", "protocol", "contiguous", "open_set_share"],
         value_parser = clap::value_parser!(u32).range(12..=100_000))]
@@ -194,7 +194,7 @@ pub struct CrossValidationArguments {
     /// objects are known]
     #[arg(long, value_name = "NAME", value_enum, conflicts_with = "contiguous")]
     pub(crate) protocol: Option<ViewProtocol>,
-    /// Share of the categories withheld from training in each fold, and asked, 0 to 0.9
+    /// Share of the categories that each fold withholds from training and asks about, 0 to 0.9
     #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = open_set_share)]
     pub(crate) open_set_share: f64,
     /// Contiguous slices of the listed views, not shuffled

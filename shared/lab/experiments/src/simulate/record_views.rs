@@ -179,7 +179,8 @@ fn record(
     Ok(())
 }
 
-/// Crop to the bounding rectangle of the segmented points.
+/// Converts a segmented view to a Washington-dataset view: crop to the bounding rectangle of the
+/// segmented points.
 fn washington_view(cut_out: &SegmentedView<'_>) -> CroppedView {
     let width = CAMERA.width;
     let columns = cut_out.point_indices.iter().map(|index| index % width);

@@ -59,7 +59,7 @@ fn contradiction_is_answered_and_recorded() {
     assert_eq!(&*contradiction.decided.author, "anna");
     assert_eq!(counts(&memory), [("Mug".to_owned(), 1)]);
     drop(memory);
-    // Asked again, also after a restart, he is told the same.
+    // A repeated request gets the same refusal, also after a restart.
     let (mut memory, _) = open(&folder);
     assert_eq!(apply(&mut memory, &[bert]), [told]);
     let history = memory.history(2, 9).unwrap();

@@ -167,7 +167,8 @@ impl TrackClaims {
     }
 }
 
-/// Distance of a point from the box of a track, metres; negative inside.
+/// Signed Chebyshev distance of a point to the track's oriented box, metres: the largest excess
+/// over the box's axes; negative inside.
 fn distance_outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
     let place = track
         .oriented_box

@@ -22,7 +22,8 @@ struct Member {
 pub(super) type NeighbourDistance = (ViewId, f32);
 
 impl IntraCategoryDistances {
-    /// Adds a view; `distance` returns the distance from it to another view.
+    /// Adds a view and updates the nearest-neighbour distances of the category; `distance` returns
+    /// the distance from it to another view.
     pub(super) fn add(&mut self, id: ViewId, mut distance: impl FnMut(ViewId) -> f32) {
         let mut nearest = None;
         for member in &mut self.members {
