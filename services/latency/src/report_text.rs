@@ -9,7 +9,16 @@ use message::{Stage, StageScope};
 
 /// Column headings of the table of stages.
 const HEADING: [&str; 11] = [
-    "stage", "p50 ms", "p90", "p99", "p99.9", "max", "cpu ms", "given up", "taken", "allocs",
+    "stage",
+    "p50 ms",
+    "p90",
+    "p99",
+    "p99.9",
+    "max",
+    "cpu ms",
+    "blocked",
+    "preempted",
+    "allocs",
     "faults",
 ];
 
@@ -136,7 +145,7 @@ fn processes(report: &LatencyReport) -> String {
         "resident MB",
         "files",
         "threads",
-        "given up + taken",
+        "blocked + preempted",
         "faults minor + major",
     ];
     let memory = &report.conditions.shared_memory;

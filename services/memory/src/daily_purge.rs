@@ -1,4 +1,4 @@
-//! Daily purge: removes forgotten views for good when their retention time is over.
+//! Daily purge: permanently deletes forgotten views when their retention time is over.
 
 use perceptual_memory::{Error, Mutation, MutationId, MutationReceipt, StoreChange, StoreHandle};
 use service::wall_clock_ns;
@@ -18,7 +18,7 @@ pub(crate) async fn run(store: StoreHandle, forgotten_kept: Duration) {
         match purge(&store, forgotten_kept).await {
             Ok(MutationReceipt { n_views: 0, .. }) => {}
             Ok(answer) => tracing::info!(
-                "{} view(s) were forgotten more than {} days ago and are removed for good",
+                "{} view(s) were forgotten more than {} days ago and are permanently deleted",
                 answer.n_views,
                 forgotten_kept.as_secs() / (24 * 3600)
             ),

@@ -53,7 +53,7 @@ impl ActorEventPublisher {
                 }
             };
             let Some(event) = event else {
-                return "the supervisor of the object actors is gone".into();
+                return "the supervisor of the object actors has stopped".into();
             };
             self.take(&event);
             if matches!(event, LifecycleEvent::Escalated { .. }) {
@@ -175,7 +175,7 @@ fn sentence(event: &LifecycleEvent<u64>) -> String {
              actor_restart_window_s set the limit",
             window.as_secs_f64()
         ),
-        _ if failure.is_some() => format!("{actor} has stopped for good{why}"),
+        _ if failure.is_some() => format!("{actor} has stopped permanently{why}"),
         _ => format!("{actor} has stopped"),
     }
 }

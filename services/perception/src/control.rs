@@ -53,7 +53,7 @@ async fn labelled_after(
     };
     tokio::time::timeout(deadline, current).await.map_err(|_| {
         let sentence = format!(
-            "perception has not taken over the memory's history up to {} within {} s; ask again",
+            "perception has not applied the memory's history up to {} within {} s; try again",
             position.sequence,
             deadline.as_secs_f64()
         );

@@ -152,7 +152,7 @@ impl ObjectActors {
             #[cfg(feature = "fault-injection")]
             is_to_panic: self.fault.is_due(sighting.track_id),
         };
-        // An actor that has stopped for good has been reported by the supervisor.
+        // An actor that has stopped permanently has been reported by the supervisor.
         address.ask(received.frame.header().sequence, observe).ok()
     }
 }

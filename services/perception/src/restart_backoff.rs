@@ -33,7 +33,7 @@ impl RestartBackoff {
         backoff.contains_key(&track_id)
     }
 
-    /// Removes an actor that has stopped for good.
+    /// Removes an actor that has stopped permanently.
     pub(crate) fn remove(&self, track_id: u64) {
         let mut backoff = self.0.lock();
         backoff.remove(&track_id);

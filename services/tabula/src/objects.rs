@@ -112,7 +112,7 @@ fn objects_text(report: &ObjectsReport) -> String {
 
 fn ignored_line(ignored: &RejectedCandidateReport) -> String {
     let why = match ignored.why.as_slice() {
-        [] => "nobody can say why".to_owned(),
+        [] => "no reason is available".to_owned(),
         why => why.join("; "),
     };
     format!(

@@ -115,8 +115,8 @@ pub(super) fn compact(
     };
     output.answer(&outcome, || {
         format!(
-            "removed {n_purged} forgotten view(s) for good; the files have {disk_bytes} bytes, \
-             before they had {disk_bytes_before}"
+            "permanently deleted {n_purged} forgotten view(s); the files have {disk_bytes} bytes, \
+             previously {disk_bytes_before}"
         )
     });
     Ok(ExitCode::SUCCESS)

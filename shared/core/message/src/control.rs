@@ -115,12 +115,12 @@ pub enum Command {
     Arm(ArmCommand),
     /// Query or update the working memory.
     World(WorldCommand),
-    /// Lease a block of track ids that are never issued again.
+    /// Lease a block of track-ids that are never issued again.
     LeaseTrackIds {
         /// Number of track-ids to lease.
         count: u32,
     },
-    /// Store key views durably. Their track ids must have been leased by the sender.
+    /// Store key views durably. Their track-ids must have been leased by the sender.
     StoreViews {
         /// Idempotency key of the mutation.
         id: MutationId,

@@ -129,7 +129,7 @@ pub struct SceneObject {
     pub n_categories: u32,
     /// History sequence of the memory with which this label was recognised.
     pub memory_sequence: u64,
-    /// Track id of the lost track that this object continues (re-identification); 0 for none.
+    /// Track-id of the lost track that this object continues (re-identification); 0 for none.
     pub linked_to: u64,
     /// Number of the newest view, from 0; valid when `n_views` is not 0.
     pub view_id: u32,
@@ -155,7 +155,7 @@ pub struct SceneObject {
     pub stamps: ActorStamps,
 }
 
-/// Scene summary after one frame. The payload is the tracked objects, by track id.
+/// Scene summary after one frame. The payload is the tracked objects, by track-id.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.SceneSummary.v5")]
 #[repr(C)]

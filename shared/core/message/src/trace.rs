@@ -44,7 +44,7 @@ pub struct Span {
     pub begin_ns: u64,
     /// End of the span, monotonic clock, nanoseconds.
     pub end_ns: u64,
-    /// Track id of the object; 0 for a stage of the whole frame.
+    /// Track-id of the object; 0 for a stage of the whole frame.
     pub track_id: u64,
     /// Processor time of the executing thread, nanoseconds.
     pub cpu_ns: u64,

@@ -25,7 +25,7 @@ const DIGITS: [[u8; 5]; 10] = [
 /// Bounding box with its drawn number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NumberedBox {
-    /// Number drawn at the centre, such as the track id.
+    /// Number drawn at the centre, such as the track-id.
     pub number: u64,
     /// Bounding box in the camera frame.
     pub box_in_camera: OrientedBox,

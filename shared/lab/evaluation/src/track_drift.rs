@@ -24,7 +24,7 @@ pub struct TrackSpan {
     pub sigma_m: f64,
 }
 
-/// Spans of all output tracks of a recording, by track id.
+/// Spans of all output tracks of a recording, by track-id.
 pub fn track_spans(frames: &[TrackedFrame]) -> Vec<TrackSpan> {
     let mut seen: BTreeMap<u64, Vec<(usize, Point3<f64>)>> = BTreeMap::new();
     for (index, frame) in frames.iter().enumerate() {

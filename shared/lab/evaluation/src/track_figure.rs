@@ -1,4 +1,4 @@
-//! Track figure as SVG: trajectories from above, and a timeline of track ids.
+//! Track figure as SVG: trajectories from above, and a timeline of track-ids.
 
 mod run_figure;
 

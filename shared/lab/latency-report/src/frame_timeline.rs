@@ -60,7 +60,7 @@ impl FrameTimeline {
         Some(self.published_ns()?.saturating_sub(self.scheduled_ns))
     }
 
-    /// Intervals of each object by track id.
+    /// Intervals of each object by track-id.
     pub fn objects(&self) -> BTreeMap<u64, Vec<&StageInterval>> {
         let mut objects: BTreeMap<u64, Vec<&StageInterval>> = BTreeMap::new();
         for interval in &self.intervals {

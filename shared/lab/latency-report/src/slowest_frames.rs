@@ -168,7 +168,7 @@ fn cause(interval: &StageInterval) -> String {
     let off_ns = interval.duration_ns().saturating_sub(span.cpu_ns);
     if off_ns > interval.duration_ns() / 4 {
         return format!(
-            "its thread had no processor for {:.2} ms (taken away {} time(s), given up {} time(s))",
+            "its thread had no processor for {:.2} ms (preempted {} time(s), blocked {} time(s))",
             ms(off_ns),
             span.n_involuntary_switches,
             span.n_voluntary_switches,
@@ -228,7 +228,7 @@ mod tests {
             "{reason}"
         );
         assert!(
-            reason.contains("no processor for 9.00 ms (taken away 3"),
+            reason.contains("no processor for 9.00 ms (preempted 3"),
             "{reason}"
         );
     }

@@ -119,7 +119,7 @@ impl MitigationEffect {
             | Mitigation::Isolation
             | Mitigation::TimerSlack
             | Mitigation::OneCore => {
-                "Ask whoever limits this process's cores, see `systemctl show -p AllowedCPUs`."
+                "Lift the CPU limit of this process, see `systemctl show -p AllowedCPUs`."
             }
         };
         Self::NotAllowed {

@@ -143,8 +143,7 @@ fn isolation(fingerprint: &Fingerprint) -> String {
              perception and memory work at the same time."
         )
     } else {
-        "No core is isolated. It was not measured: the kernel must be started anew with it."
-            .to_owned()
+        "No core is isolated. Isolation was not measured: it is set at boot.".to_owned()
     }
 }
 

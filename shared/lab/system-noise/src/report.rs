@@ -110,7 +110,7 @@ fn interruptions(report: &MachineReport) -> String {
     let watched_s = found.watched_ns as f64 / 1e9;
     let mut text = format!(
         "{} gaps of more than 5 µs in {watched_s:.1} s, {:.0} a second; {:.3} % of the time \
-         taken away; longest {} µs\n",
+         lost; longest {} µs\n",
         found.n_gaps,
         found.n_gaps as f64 / watched_s.max(1e-9),
         100.0 * found.share,

@@ -42,7 +42,9 @@ pub(crate) fn describe_operation(operation: &Operation) -> String {
         Operation::EnforceLimit {
             category: Some(category),
         } => format!("prune redundant views of {category}"),
-        Operation::EnforceLimit { category: None } => "delete the oldest unlabelled views".to_owned(),
+        Operation::EnforceLimit { category: None } => {
+            "delete the oldest unlabelled views".to_owned()
+        }
         Operation::Rebuild { loss, .. } => format!("rebuild a damaged store; lost: {loss}"),
         Operation::Migrate { schema } => format!("migrate the store from schema {schema}"),
         _ => "unknown change".to_owned(),
@@ -52,7 +54,7 @@ pub(crate) fn describe_operation(operation: &Operation) -> String {
 /// Explanation for an author whose label contradicts an earlier one.
 pub(crate) fn describe_contradiction(asked: &str, said: &Contradiction, sequence: u64) -> String {
     let author = match &*said.decided.author {
-        "" => "somebody",
+        "" => "another author",
         author => author,
     };
     let present = &said.present;

@@ -78,7 +78,7 @@ impl Write for ExportPipe<'_> {
         let mut buffer = self.progress.bytes.lock();
         while buffer.bytes.len() > BUFFER_BYTES {
             if self.progress.is_abandoned() {
-                return Err(io::Error::other("nobody reads the export any more"));
+                return Err(io::Error::other("the export is no longer being read"));
             }
             self.progress.bytes_moved.wait(&mut buffer);
         }

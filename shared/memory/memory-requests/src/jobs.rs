@@ -169,7 +169,9 @@ fn find(jobs: &mut BTreeMap<u64, Job>, job: u64) -> Result<&mut Job, Refusal> {
     let entry = jobs.get_mut(&job).ok_or_else(|| {
         Refusal::new(
             RefusalKind::NotFound,
-            format!("there is no job {job}; it was given up or has been told already"),
+            format!(
+                "there is no job {job}; it was cancelled, or its outcome was delivered already"
+            ),
         )
     })?;
     entry.asked = Instant::now();

@@ -149,7 +149,7 @@ pub enum StoreRefusal {
     },
     /// Undo of an entry whose content was purged.
     #[error(
-        "entry {sequence} cannot be undone, since what it changed was removed for good; teach it \
+        "entry {sequence} cannot be undone, since the content it changed was permanently deleted; teach it \
          again"
     )]
     GoneForGood {

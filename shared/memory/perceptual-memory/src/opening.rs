@@ -105,7 +105,7 @@ impl fmt::Display for OpenReport {
                 set_aside,
             } => write!(
                 f,
-                "the store was made anew from what is whole; lost: {loss}; {}{}",
+                "the store was rebuilt from its intact records; lost: {loss}; {}{}",
                 kept(set_aside),
                 match findings.join("; ") {
                     none if none.is_empty() => none,
@@ -114,10 +114,10 @@ impl fmt::Display for OpenReport {
             )?,
             Condition::Migrated { schema, set_aside } => write!(
                 f,
-                "the store was brought from schema {schema} to {SCHEMA}; {}",
+                "the store was migrated from schema {schema} to {SCHEMA}; {}",
                 match set_aside {
                     Some(path) => format!("the old database is kept as {}", path.display()),
-                    None => "the old database is gone".to_owned(),
+                    None => "the old database was not kept".to_owned(),
                 }
             )?,
             Condition::Replaced {
@@ -126,7 +126,7 @@ impl fmt::Display for OpenReport {
                 set_aside,
             } => write!(
                 f,
-                "nothing in the store was whole and an empty one was begun; lost: {loss}; {} \
+                "the store had no intact record and was replaced by an empty one; lost: {loss}; {} \
                  ({reason})",
                 kept(set_aside)
             )?,

@@ -93,9 +93,7 @@ pub enum PortableError {
     #[error("it was exported by a newer version of this program; update this one")]
     Newer,
     /// Truncated or corrupted export file.
-    #[error(
-        "it is damaged at byte {offset}: {reason}; nothing of it was taken over, export it again"
-    )]
+    #[error("it is damaged at byte {offset}: {reason}; nothing was imported, export it again")]
     Damaged {
         /// Offset of the corruption, bytes from the beginning.
         offset: u64,

@@ -50,7 +50,7 @@ pub trait FrameExecutor {
     /// Detection contained in a finished detection result.
     fn detection(detected: &Self::Detected) -> &Detection;
 
-    /// Next track id, ascending; `None` while there are none.
+    /// Next track-id, ascending; `None` while there are none.
     fn next_track_id(&mut self) -> Option<u64>;
 
     /// Callback for each track that starts.

@@ -6,7 +6,7 @@
 //! that does not run backwards.
 //!
 //! Invariants: this crate never reads a clock, never does I/O, draws no random numbers
-//! and assigns no track ids. No input makes it panic or produce a number that is not
+//! and assigns no track-ids. No input makes it panic or produce a number that is not
 //! finite.
 //!
 //! # Example

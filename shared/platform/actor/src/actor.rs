@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::mailbox::Overflow;
 use crate::progress::Progress;
 
-/// Key of an actor within its supervisor, for instance a track id.
+/// Key of an actor within its supervisor, for instance a track-id.
 pub trait Identity: Ord + Clone + Debug + Send + Sync + 'static {}
 
 impl<T: Ord + Clone + Debug + Send + Sync + 'static> Identity for T {}

@@ -130,7 +130,7 @@ impl<I: fmt::Debug> fmt::Display for LifecycleEvent<I> {
                 id,
                 reason: StopReason::Failed { cause, tag },
             } => {
-                write!(f, "Actor {id:?} has stopped for good, because ")?;
+                write!(f, "Actor {id:?} has stopped permanently, because ")?;
                 write_failure(f, cause, *tag)
             }
             Self::Abandoned { id } => {

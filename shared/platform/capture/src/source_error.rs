@@ -16,7 +16,7 @@ pub enum SourceError {
         cause: String,
     },
     /// Recording has ended.
-    #[error("the recording has come to its end")]
+    #[error("the recording has ended")]
     EndOfRecording,
     /// The device is not connected; it may come back.
     #[error("{0}")]

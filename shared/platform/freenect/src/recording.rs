@@ -130,7 +130,7 @@ fn open_regular(path: &Path) -> Result<File, RecordingError> {
 /// Parses a line of the index, more strictly than fakenect's `sscanf`.
 fn parse_line(line: &str) -> Result<IndexEntry<'_>, &'static str> {
     if line.is_empty() {
-        return Err("an empty line, where fakenect would stop for good");
+        return Err("an empty line, at which fakenect would stop");
     }
     if line.contains(['/', '\0', '\r']) {
         return Err("a file name must not hold a slash, a carriage return or a null");

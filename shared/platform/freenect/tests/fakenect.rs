@@ -245,10 +245,7 @@ fn recording_with_a_fault_never_reaches_the_library() {
         || {
             let error = Kinect::open(load(), &Selector::Index(0)).unwrap_err();
             assert!(matches!(error, Error::Recording(_)), "{error}");
-            assert!(
-                error.to_string().contains(".pgm cannot be read"),
-                "{error}"
-            );
+            assert!(error.to_string().contains(".pgm cannot be read"), "{error}");
         },
     );
 }

@@ -206,11 +206,7 @@ fn model_file_without_an_object_is_rejected_with_a_message() {
         let cut = whole[..whole.len() * share / 4].to_vec();
         refused(&format!("cut{share}.ply"), cut, "cannot be read");
     }
-    refused(
-        "text.ply",
-        b"once upon a time\n".to_vec(),
-        "cannot be read",
-    );
+    refused("text.ply", b"once upon a time\n".to_vec(), "cannot be read");
     refused("empty.ply", Vec::new(), "cannot be read");
     refused("picture.jpg", whole, "cannot be read");
     refused("text.obj", b"once upon a time\n".to_vec(), "");

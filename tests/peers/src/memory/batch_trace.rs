@@ -25,7 +25,7 @@ pub fn write(workload: &Workload, path: &Path) -> io::Result<()> {
     let mut trace = BufWriter::new(File::create(path)?);
     let mut memory = tabula_store::open_new(folder.path());
     let mut log = LogTail::new(folder.path().join("database"));
-    // The first records of a new store and its lease of track ids are not part of the trace.
+    // The first records of a new store and its lease of track-ids are not part of the trace.
     log.next_batch()?;
     for step in 0..workload.n_steps() {
         tabula_store::apply(&mut memory, workload, step);

@@ -28,7 +28,7 @@ const LOADED_VIEWS_PER_TRACK: u32 = 10;
 /// Tracks stored by one mutation in the loading benchmark.
 const LOADED_TRACKS_PER_STEP: usize = 20;
 
-/// Opens a new store without its thread and leases the track ids of the workload.
+/// Opens a new store without its thread and leases the track-ids of the workload.
 pub fn open_new(folder: &Path) -> PerceptualMemory {
     let mut memory = open(folder);
     memory.lease_track_ids(MAX_LEASE).expect("a lease");
@@ -103,7 +103,7 @@ fn view(track_id: u64, view_id: u32, cloud_bytes: usize) -> CapturedView {
     }
 }
 
-/// Starts the store thread on a new folder and leases the track ids of the workload.
+/// Starts the store thread on a new folder and leases the track-ids of the workload.
 fn start_new(folder: &Path) -> (StoreThread, StoreHandle) {
     let (thread, handle) = start(folder);
     handle.lease_track_ids_and_wait(MAX_LEASE).expect("a lease");

@@ -34,7 +34,7 @@ pub struct RejectedCandidateReport {
     pub size_m: [f64; 3],
     /// Number of measured points of the candidate.
     pub n_points: u32,
-    /// Verdict of the rule: `false` or `unknown`; `true` while no track id is available.
+    /// Verdict of the rule: `false` or `unknown`; `true` while no track-id is available.
     pub verdict: String,
     /// Reasons that decided the verdict, as sentences.
     pub why: Vec<String>,

@@ -92,7 +92,7 @@ pub struct ObjectReport {
     /// Categories nearest in descriptor space, nearest first.
     #[serde(default)]
     pub categories: Vec<NearCategoryReport>,
-    /// Track id of the lost track that this object continues; null for none.
+    /// Track-id of the lost track that this object continues; null for none.
     #[serde(default)]
     pub linked_to: Option<u64>,
     /// Processing times of the newest view in the object's actor.

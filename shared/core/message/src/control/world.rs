@@ -261,7 +261,7 @@ pub struct EventReport {
     /// `corrected`, `forgot`, `action_succeeded`, `action_failed`, `action_cancelled`,
     /// `task_started`, `task_succeeded`, `task_failed` or `task_cancelled`.
     pub event: String,
-    /// Track id; null when no object is involved.
+    /// Track-id; null when no object is involved.
     pub track_id: Option<u64>,
     /// Task id; null when no task is involved.
     pub task_id: Option<u64>,

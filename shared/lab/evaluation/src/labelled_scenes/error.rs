@@ -46,6 +46,6 @@ pub enum Error {
     #[error("the frame has no mask; `tabula simulate scene` writes sequences with masks")]
     NoMask,
     /// The label does not fit into 16 bits.
-    #[error("the label {0} does not fit into 16 bits; number the objects anew")]
+    #[error("the label {0} does not fit into 16 bits; renumber the objects")]
     Label(u32),
 }
