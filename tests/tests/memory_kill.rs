@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 /// Number of concurrent clients.
 const N_TEACHERS: u64 = 4;
-/// Track-ids that each of them leases.
+/// Number of track-ids that each client leases.
 const N_LEASED: u32 = 1 << 16;
 const VIEWS_PER_TRACK: u32 = 3;
 /// Pause before a client repeats a request.

@@ -35,7 +35,7 @@ enum Verb {
     },
     /// Measure how good and how fast the kernels are; needs no daemon
     Evaluate {
-        /// Evaluation to run
+        /// Evaluation to perform
         #[command(subcommand)]
         verb: EvaluateVerb,
     },

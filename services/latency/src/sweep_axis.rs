@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 pub(crate) enum SweepAxis {
     /// Number of objects, 1 to 64, on a computed table
     Objects,
-    /// Points of each of six simulated cubes; values are their sides, millimetres
+    /// Points per object: six simulated cubes; values are their sides, millimetres
     Points,
     /// Number of stored views, 10 to 100000
     Views,

@@ -21,7 +21,7 @@ pub(crate) struct SceneFollower {
 }
 
 impl SceneFollower {
-    /// A follower that updates the world model once in `look_period`.
+    /// Scene follower that updates the world model once in `look_period`.
     pub(crate) fn new(
         domain: &Domain,
         health: Arc<HealthCounters>,

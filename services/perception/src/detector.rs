@@ -38,9 +38,9 @@ pub(crate) struct DetectedFrame {
 /// Reason why a frame has no detection.
 #[derive(Debug)]
 pub(crate) enum DetectionError {
-    /// The cloud cannot be searched, with the reason.
+    /// Failed detection: the cloud cannot be searched, with the reason.
     Unusable(String),
-    /// The job panicked or stalled; its buffers are lost with it.
+    /// Failed detection: the job panicked or stalled; its buffers are lost with it.
     Lost(JobLost),
 }
 

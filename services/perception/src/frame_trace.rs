@@ -17,7 +17,7 @@ pub(crate) struct FrameTrace {
     spans: Vec<Span>,
     /// Time span of publishing the trace of the previous frame.
     publishing: Option<Span>,
-    /// End of the chain so far, monotonic clock, nanoseconds.
+    /// End time of the stage chain so far, monotonic clock, nanoseconds.
     at_ns: u64,
 }
 
@@ -46,7 +46,7 @@ impl FrameTrace {
         self.end_wait(Stage::Transport, received.received_ns);
     }
 
-    /// End of the chain so far, monotonic clock, nanoseconds.
+    /// End time of the stage chain so far, monotonic clock, nanoseconds.
     pub(crate) fn at_ns(&self) -> u64 {
         self.at_ns
     }

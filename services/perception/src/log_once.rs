@@ -12,7 +12,7 @@ impl LogOnce {
         !std::mem::replace(&mut self.is_logged, true)
     }
 
-    /// Ends the condition; true if it was logged.
+    /// Ends the condition whose messages are logged once; true if it was logged.
     pub(crate) fn reset(&mut self) -> bool {
         std::mem::take(&mut self.is_logged)
     }

@@ -31,10 +31,10 @@ pub(crate) struct CategorySnapshot {
     index_sequence: u64,
 }
 
-/// A position in the history of a memory's store.
+/// Position in the history of a memory's store.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct HistoryPosition {
-    /// The store; `None` before any was loaded.
+    /// Identity of the store; `None` before any was loaded.
     pub(crate) store_id: Option<u128>,
     /// Sequence number in the history of the store.
     pub(crate) sequence: u64,
@@ -132,7 +132,7 @@ enum SyncError {
 }
 
 impl MemoryReplica {
-    /// A replica, and the barrier that waits for it.
+    /// Replica of the memory, and the barrier that waits for it.
     pub(crate) fn new(
         domain: &Domain,
         client: Arc<Client>,

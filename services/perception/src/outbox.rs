@@ -46,7 +46,7 @@ struct OutboxQueue {
     next: Option<QueuedView>,
 }
 
-/// A new outbox, and its delivery task.
+/// Outbox of key views and its delivery task.
 pub(crate) fn outbox(client: Arc<Client>) -> (Outbox, OutboxSender) {
     let (outbox, queue) = queue(CAPACITY_BYTES);
     (outbox, OutboxSender { queue, client })

@@ -102,7 +102,7 @@ pub(crate) enum Verb {
     },
     /// Show the present and past of the world model: objects, robot, events, tasks
     World(WorldArguments),
-    /// Move the arm, or show its state
+    /// Command the arm, or show its state
     Arm {
         /// Arm command
         #[command(subcommand)]

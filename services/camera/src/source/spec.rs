@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub(crate) enum SourceSpec {
     /// Synthetic table scene; the value is the number of its arrangement.
     Synthetic(u32),
-    /// The synthetic table with a number of small blocks.
+    /// Crowd: synthetic table with this number of small blocks.
     Crowd(u32),
     /// The synthetic table with a number of small blocks that come and go.
     Parade(u32),
@@ -17,7 +17,7 @@ pub(crate) enum SourceSpec {
     Kinect,
     /// A recording played by fakenect.
     Fakenect(PathBuf),
-    /// A folder of PCD scenes or of an RGB-D sequence.
+    /// Folder of PCD scenes or of an RGB-D sequence.
     Folder(PathBuf),
 }
 

@@ -32,7 +32,7 @@ struct SceneBody {
     parts: &'static [PaintedSurface],
 }
 
-/// The room and the objects in it.
+/// Synthetic scene: the room and the objects in it.
 #[derive(Debug)]
 pub(super) struct SyntheticScene {
     bodies: Vec<SceneBody>,

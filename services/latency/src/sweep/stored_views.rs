@@ -164,7 +164,7 @@ impl RandomSolid {
         points
     }
 
-    /// Random surface point with its outward normal.
+    /// Random point on the solid's surface with its outward normal.
     fn on_surface(&self, random: &mut Random) -> (Vector3<f64>, Vector3<f64>) {
         let mut direction = Vector3::from_fn(|_, _| 2.0 * random.unit() - 1.0);
         if self.is_round {

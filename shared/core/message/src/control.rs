@@ -146,7 +146,7 @@ pub enum Command {
         /// Store to which the sequence number `sequence` belongs.
         #[serde(with = "learning::hex_id")]
         store_id: u128,
-        /// The oldest history sequence that may answer.
+        /// Oldest history sequence that may answer.
         sequence: u64,
         /// Command to answer after that position.
         command: Box<Self>,
@@ -197,7 +197,7 @@ pub enum Reply {
     World(Box<WorldReply>),
     /// Reply to [`Command::LeaseTrackIds`]: the leased block.
     TrackIds {
-        /// First id of the block; the others follow consecutively.
+        /// First track-id of the leased block; the others follow consecutively.
         first: u64,
     },
     /// Reply to [`Command::StoreViews`]: the views are on disk.

@@ -135,7 +135,7 @@ pub struct Health {
     pub actors: u64,
     /// Progress counter for the watchdog; increases with each completed unit of work.
     pub abandoned: u64,
-    /// Bumped by each step of real progress; what the watchdog looks at.
+    /// Progress counter, incremented by each step of real work and read by the watchdog.
     pub progress: u64,
     /// Explanation of the state as a sentence; empty when nothing is wrong.
     pub note: Text,

@@ -68,7 +68,7 @@ pub struct RejectedCandidate {
     pub verdict: u32,
     /// Bits of the [`ConstraintSet`] that decided the verdict.
     pub decisive: u32,
-    /// Finding of each constraint, indexed by its number.
+    /// Findings of all constraints, indexed by constraint number.
     pub findings: [WireFinding; Constraint::N],
 }
 

@@ -12,7 +12,7 @@ pub const MAX_SCENE_OBJECTS: usize = 256;
 /// State of a track, as a code in [`SceneObject::state`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackState {
-    /// Not yet confirmed: measured in too few frames.
+    /// Track not yet confirmed: measured in too few frames.
     Tentative,
     /// Object measured in this frame.
     Tracked,
@@ -20,7 +20,7 @@ pub enum TrackState {
     Missing,
     /// Object not measured in this frame because it is occluded.
     Occluded,
-    /// Not measured in this frame: outside the image.
+    /// Object not measured in this frame because it is outside the image.
     OutOfView,
 }
 

@@ -63,7 +63,7 @@ stages! {
     GatherPriors = 12, "surroundings", StageScope::Frame;
     /// Time in which detection waits for a worker.
     DetectionQueue = 13, "detection_queue", StageScope::Frame;
-    /// Object detection.
+    /// Detection of table and candidates.
     Detection = 14, "detection", StageScope::Frame;
     /// Wait of the finished detection for the frame loop.
     DetectionAnswer = 15, "detection_answer", StageScope::Frame;

@@ -8,7 +8,7 @@ use detection::Detection;
 pub struct HypothesisImages {
     /// All hypotheses, numbered from 1 in detection order; 0 for no hypothesis.
     pub before_psi: Vec<u16>,
-    /// Only the hypotheses that satisfy ψ, with the same numbers.
+    /// Only hypotheses that satisfy the candidate rule ψ, with unchanged numbers.
     pub after_psi: Vec<u16>,
 }
 

@@ -26,7 +26,7 @@ const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 enum Paint {
     Nothing,
     Table,
-    /// Object or hypothesis, in its own colour.
+    /// Object or hypothesis, painted in its own colour.
     Object([u8; 3]),
     /// Hypothesis that the metric ψ ignores, drawn striped.
     Ignored([u8; 3]),

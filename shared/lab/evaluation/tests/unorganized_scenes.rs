@@ -55,7 +55,7 @@ fn segments(detection: &Detection, pixel_of: impl Fn(usize) -> usize, n_pixels: 
     segment_of
 }
 
-/// Mean best overlap of the segments of one result in another.
+/// Mean best overlap of the segments of one result with those of another.
 fn agreement(of: &[u16], with: &[u16]) -> f64 {
     // Labels of objects begin at 10; the rest counts as table.
     let as_labels: Vec<u16> = of.iter().map(|&segment| segment + 9).collect();

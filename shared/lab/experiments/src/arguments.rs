@@ -42,7 +42,7 @@ pub struct SceneArguments {
     /// Folder of PLY and OBJ models, or `generated` [default: generated]
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
-    /// The same seed gives the same files [default: 1, or the file's]
+    /// Random seed; the same seed gives the same files [default: 1, or the file's]
     #[arg(long, value_name = "S")]
     pub(crate) seed: Option<u64>,
     /// Number of frames to record

@@ -26,7 +26,7 @@ struct LabelledObject {
     category: CategoryName,
     /// Instance name within the category, if known.
     instance: Option<String>,
-    /// Indices of its views in the folder.
+    /// Indices of the object's views in the folder.
     views: Range<usize>,
 }
 

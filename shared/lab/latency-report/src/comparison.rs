@@ -20,11 +20,11 @@ const RELATIVE_DIFFERENCE_MIN: f64 = 0.03;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ComparisonVerdict {
-    /// The new report is significantly faster.
+    /// Faster: the new report has a significantly lower latency.
     Faster,
-    /// The new report is significantly slower.
+    /// Slower: the new report has a significantly higher latency.
     Slower,
-    /// The difference is not significant or below 3 %.
+    /// Undecided: the difference is not significant or below 3 %.
     Undecided,
 }
 

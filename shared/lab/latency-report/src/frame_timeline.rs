@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 /// Interval of one processing stage in one process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StageInterval {
-    /// Processing stage.
+    /// Processing stage that was executed.
     pub stage: Stage,
     /// Process that executed and recorded the stage.
     pub process: ProcessKind,

@@ -126,7 +126,7 @@ impl<'a> Axis<'a> {
 /// Curve of a diagram.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve<'a> {
-    /// Name in the legend; empty to leave the curve out of it.
+    /// Name of the curve in the legend; empty to leave the curve out of it.
     pub name: &'a str,
     /// Line colour of the curve.
     pub color: Color,

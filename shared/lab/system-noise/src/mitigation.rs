@@ -39,7 +39,7 @@ pub enum EffectVerdict {
     NoDifference,
     /// Clearly worse than the baseline measurement.
     Worse,
-    /// One percentile is clearly better and another clearly worse.
+    /// Mixed verdict: one percentile is clearly better and another clearly worse.
     Mixed,
 }
 

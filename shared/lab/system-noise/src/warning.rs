@@ -23,7 +23,7 @@ const FAST_CLOCK_SOURCES: [&str; 5] = [
 /// Condition that invalidates latency figures, with its remedy.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warning {
-    /// Condition and its effect on the figures: one sentence.
+    /// Condition and its effect on the figures, as one sentence.
     pub finding: String,
     /// Remedy for the problem, as one sentence.
     pub remedy: String,

@@ -22,7 +22,7 @@ impl IncrementalCrc {
         self.0 = crc32c_append(self.0, &[byte]);
     }
 
-    /// CRC-32C of all bytes so far and one more.
+    /// CRC-32C of all bytes so far and one more byte.
     pub(crate) fn with(&self, byte: u8) -> u32 {
         crc32c_append(self.0, &[byte])
     }

@@ -20,7 +20,7 @@ const MAX_AHEAD_NS: u64 = 24 * 3_600_000_000_000;
 pub enum ForeignView {
     /// Foreign view with its content.
     Present {
-        /// View; its id has no meaning here.
+        /// Foreign view; its id has no meaning in this memory.
         view: Box<CapturedView>,
         /// Provenance: memory and id under which the view was first stored.
         origin: Origin,

@@ -78,7 +78,7 @@ pub enum Operation {
         /// Sequence number of the undone entry.
         sequence: u64,
     },
-    /// Import of a part of another memory.
+    /// Import of a part of another memory's export.
     Import {
         /// Name of the source, as the requester gave it.
         source: String,

@@ -45,9 +45,9 @@ impl IndexedView {
 pub struct CategorySummary {
     /// Name of the category.
     pub name: CategoryName,
-    /// Number of its views, at least one.
+    /// Number of the category's views, at least one.
     pub n_views: u64,
-    /// Total size of their descriptors and point clouds, bytes.
+    /// Total size of the views' descriptors and point clouds, bytes.
     pub n_bytes: u64,
     /// Time of the last labelling, nanoseconds since 1970, UTC.
     pub last_taught_ns: u64,

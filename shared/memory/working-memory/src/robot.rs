@@ -34,7 +34,7 @@ pub struct Robot {
     pub activity: String,
     /// Number of the running or last command; zero before the first.
     pub command_id: u64,
-    /// Result of that command; `None` while it runs.
+    /// Result of the last command; `None` while it runs.
     pub outcome: Option<ActionOutcome>,
     /// Failure reason of the last command; empty otherwise.
     pub note: String,

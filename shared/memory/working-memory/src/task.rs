@@ -92,7 +92,7 @@ pub enum TaskRefusal {
         /// Number of the task that has ended.
         task: u64,
     },
-    /// Empty kind, or text above its length limit.
+    /// Task text that is empty or above its length limit.
     #[error("{}", text_sentence(what, *n_bytes, *most))]
     Text {
         /// Name of the text: kind, parameters, author or reason.

@@ -39,7 +39,7 @@ impl Table {
 /// Reason for the selection of a table. Two tables of one height count as two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableChoice {
-    /// Only surface that can be a table.
+    /// Table choice: the only surface that can be a table.
     Only,
     /// Dominant surface: it covers so much of the view that no other was searched.
     Most,

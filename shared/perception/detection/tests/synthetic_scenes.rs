@@ -260,7 +260,7 @@ fn workspace_reuse_keeps_no_state() {
     }
 }
 
-/// Floats of every kind, many of them near a table.
+/// Strategy for floats of every kind, many of them near a table.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         6 => -1.5..1.5_f32,

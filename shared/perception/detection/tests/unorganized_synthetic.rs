@@ -428,7 +428,7 @@ fn unorganized_detection_handles_ten_million_points() {
     }
 }
 
-/// Floats of every kind, many of them near a table.
+/// Strategy for floats of every kind, many of them near a table.
 fn coordinate() -> impl Strategy<Value = f32> {
     prop_oneof![
         6 => -1.5..1.5_f32,

@@ -90,7 +90,7 @@ pub enum Metric {
 }
 
 impl Metric {
-    /// All metrics, in the order of their declaration.
+    /// All distance metrics, in the order of their declaration.
     pub const ALL: [Self; 18] = [
         Self::HalfChiSquaredRoot,
         Self::ChiSquared,

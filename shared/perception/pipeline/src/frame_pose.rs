@@ -9,7 +9,7 @@ use tracking::DepthView;
 pub struct FramePose {
     /// Capture stamp of the frame, nanoseconds.
     pub capture_ns: u64,
-    /// Camera pose; the identity when it is unknown.
+    /// Camera pose of the frame; the identity when it is unknown.
     pub world_from_camera: RigidTransform,
     /// Camera intrinsics of an organised cloud; `None` disables occlusion tests.
     pub camera: Option<PinholeCamera>,

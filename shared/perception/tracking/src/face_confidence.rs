@@ -45,11 +45,11 @@ pub(crate) const UPRIGHT: usize = 2;
 /// Confidence in a face of the measured box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FaceConfidence {
-    /// The object ends at this face.
+    /// Reliable face: the object ends at this face.
     Reliable,
-    /// The object seems to end here, against earlier measurements.
+    /// Doubtful face: the object seems to end here, against earlier measurements.
     Doubtful,
-    /// The space beyond the face is occluded; the face carries no information.
+    /// Occluded face: the space beyond it is hidden, so it carries no information.
     Occluded,
 }
 

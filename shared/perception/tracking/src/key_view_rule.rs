@@ -41,7 +41,7 @@ const MOVED_ANGLE_RAD: f64 = 0.262;
 /// Motion phase of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionPhase {
-    /// At rest at the pose of its last key view.
+    /// Object at rest at the pose of its last key view.
     Static,
     /// Object in motion.
     Moving,

@@ -7,9 +7,9 @@ use nalgebra::{Unit, Vector3};
 pub enum HandContact {
     /// No hand is near the object.
     None,
-    /// A hand touches the object and may be moving it.
+    /// Hand that touches the object and may be moving it.
     Touching,
-    /// The points of object and hand overlap: some of them may be the hand's.
+    /// Hand whose points overlap the object's: some of them may be the hand's.
     Overlapping,
 }
 

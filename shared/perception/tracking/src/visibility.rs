@@ -3,14 +3,14 @@
 /// Occlusion state of the expected box of a track without a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OcclusionState {
-    /// Not tested, or a surface is there that may be the object.
+    /// Occlusion not tested, or a surface is there that may be the object.
     Unknown,
     /// Free space: the visible surface lies behind the expected box, so the object is
     /// gone.
     Empty,
-    /// A nearer surface covers the expected box.
+    /// Expected box covered by a nearer surface.
     Occluded,
-    /// The expected box lies outside the image.
+    /// Expected box outside the image.
     OutOfView,
 }
 
@@ -23,6 +23,6 @@ pub enum Visibility {
     Occluded,
     /// Object outside the image.
     OutOfView,
-    /// The object should be visible but was not detected.
+    /// Object that should be visible but was not detected.
     Missing,
 }

@@ -52,7 +52,7 @@ impl Arm {
         Self::new(ArmDimensions::JACO_LIKE, GripperGeometry::JACO_LIKE)
     }
 
-    /// Arm of the same structure with other dimensions.
+    /// Arm of the same structure with other link lengths.
     pub fn new(dimensions: ArmDimensions, gripper: GripperGeometry) -> Self {
         let d = &dimensions;
         let (large, small) = (36.0_f64.to_radians(), 48.0_f64.to_radians());

@@ -28,9 +28,9 @@ pub enum MotionState {
     Closing,
     /// Gripper fingers are opening.
     Opening,
-    /// Stopped by a command; the next command moves the arm again.
+    /// Arm stopped by a command; the next command moves the arm again.
     Stopped,
-    /// The last command failed; the next one may succeed.
+    /// Arm controller after a failed command; the next one may succeed.
     Failed(Error),
 }
 

@@ -26,7 +26,7 @@ pub enum Error {
         /// Upper limit of the quantity.
         max: f64,
     },
-    /// A joint angle lies outside the joint's limits.
+    /// Joint angle outside the joint's limits.
     #[error(
         "joint {joint} cannot turn to {}; give it an angle between {} and {}",
         Degrees(*angle_rad),
@@ -34,7 +34,7 @@ pub enum Error {
         Degrees(*max_rad)
     )]
     JointLimit {
-        /// The joint, counted from 1 at the base.
+        /// Number of the joint, counted from 1 at the base.
         joint: usize,
         /// Joint angle outside its limits, radians.
         angle_rad: f64,
@@ -58,7 +58,7 @@ pub enum Error {
         /// Number of solver iterations spent.
         n_iterations: usize,
     },
-    /// A straight line leaves the workspace of the arm.
+    /// Straight line that leaves the workspace of the arm.
     #[error(
         "the straight line leaves the arm's reach after {:.0} of {:.0} mm; move through the joints \
          or from another side",
@@ -71,7 +71,7 @@ pub enum Error {
         /// Length of the whole line, metres.
         length_m: f64,
     },
-    /// A straight line needs a sudden change of a joint (singularity).
+    /// Straight line that needs a sudden change of a joint (singularity).
     #[error(
         "the straight line makes joint {joint} jump after {:.0} of {:.0} mm; move through the \
          joints or from another side",
@@ -83,7 +83,7 @@ pub enum Error {
         reached_m: f64,
         /// Length of the whole line, metres.
         length_m: f64,
-        /// The joint that would jump, counted from 1 at the base.
+        /// Number of the joint that would jump, counted from 1 at the base.
         joint: usize,
     },
     /// The command queue is full.
@@ -92,7 +92,7 @@ pub enum Error {
         /// Capacity of the command queue.
         capacity: usize,
     },
-    /// A command with this identity exists already.
+    /// Repeated identity of an existing command.
     #[error("a command with the id {id} is known already; give each its own")]
     RepeatedId {
         /// Repeated command identity.

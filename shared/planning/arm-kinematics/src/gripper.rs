@@ -65,7 +65,7 @@ impl GripperGeometry {
         }
     }
 
-    /// Box of the finger with its pad, finger frame.
+    /// Bounding box of the finger with its pad, finger frame.
     pub fn finger_and_pad_in_finger(&self) -> OrientedBox {
         let mut body = self.finger_body_in_finger();
         body.half_sides_m.x += 0.5 * self.pad_thickness_m;

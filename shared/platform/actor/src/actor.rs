@@ -1,4 +1,4 @@
-//! The actor trait: state with a synchronous message handler.
+//! Actor trait: state with a synchronous message handler.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ impl<T: Ord + Clone + Debug + Send + Sync + 'static> Identity for T {}
 pub enum Flow<R = ()> {
     /// Keep running and wait for the next message.
     Continue(R),
-    /// Stop the actor: its work is done.
+    /// Stop the actor because its work is done.
     Stop(R),
 }
 
@@ -26,7 +26,7 @@ pub enum Flow<R = ()> {
 /// notified before it is discarded after a failure: clean up in `Drop`, and in `stop`
 /// only what needs an orderly end.
 pub trait Actor: Sized + Send + 'static {
-    /// Type of its messages; one enum when there are several kinds.
+    /// Message type of the actor; one enum when there are several kinds.
     type Message: Send + 'static;
     /// Type of the answer to each handled message; `()` for none.
     type Reply: Send + 'static;

@@ -37,11 +37,11 @@ pub(crate) struct ActorLoop<A: Actor> {
 
 /// Exit of one run of the loop.
 pub(crate) enum LoopExit {
-    /// A stop was requested by closing the mailbox.
+    /// Stop requested by closing the mailbox.
     StopRequested,
     Finished,
     Failed(ActorFailure),
-    /// A stop was requested, and the handler exceeded the time limit.
+    /// Stop requested, and the handler exceeded the time limit.
     StopTimedOut,
 }
 

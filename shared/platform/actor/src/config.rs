@@ -24,7 +24,7 @@ pub enum Placement {
     /// Inline, in the actor's own task: for handlers of microseconds. A handler that
     /// hangs there keeps the thread for ever.
     Inline,
-    /// On a worker pool, whose watchdog abandons a handler that hangs.
+    /// Handlers run on a worker pool, whose watchdog abandons a handler that hangs.
     Pool(WorkerPool),
 }
 

@@ -4,7 +4,7 @@ use std::io;
 
 use thiserror::Error;
 
-/// A pool, restart policy or actor that could not be set up.
+/// Error of setting up a pool, restart policy or actor.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -25,7 +25,7 @@ pub enum Error {
         /// Rule that the restart policy violates.
         rule: &'static str,
     },
-    /// An actor with this id is running or still stopping.
+    /// Repeated id: an actor with this id is running or still stopping.
     #[error(
         "The actor {id} was not spawned, because one with this id is alive or still \
          stopping; await its stop or use a new id."
@@ -34,7 +34,7 @@ pub enum Error {
         /// Id of that actor, in `Debug` format.
         id: String,
     },
-    /// The supervisor has escalated or has stopped all actors.
+    /// Spawn refused, because the supervisor has escalated or has stopped all actors.
     #[error(
         "The actor {id} was not spawned, because its supervisor has ended; look for \
          the escalation among its events and start a new supervisor."

@@ -16,12 +16,12 @@ pub type Events<I> = Receiver<LifecycleEvent<I>, DropOldest>;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum LifecycleEvent<I> {
-    /// The actor is ready for messages, for the first time or after a restart.
+    /// Actor is ready for messages, for the first time or after a restart.
     Started {
         /// Id of the started actor.
         id: I,
     },
-    /// The actor failed and restarts after the back-off.
+    /// Actor failed and restarts after the back-off.
     Restarting {
         /// Id of the restarting actor.
         id: I,
@@ -32,14 +32,14 @@ pub enum LifecycleEvent<I> {
         /// Back-off delay before the restart.
         after: Duration,
     },
-    /// The actor stopped and is not restarted.
+    /// Actor stopped and is not restarted.
     Stopped {
         /// Id of the stopped actor.
         id: I,
         /// Reason for the actor's stop.
         reason: StopReason,
     },
-    /// The actor did not stop within the time limit and was abandoned.
+    /// Actor did not stop within the time limit and was abandoned.
     Abandoned {
         /// Id of the abandoned actor.
         id: I,
@@ -72,7 +72,7 @@ pub enum Cause {
     Panicked(String),
     /// Error that the actor returned.
     Failed(Arc<dyn std::error::Error + Send + Sync>),
-    /// The worker pool lost the job: stalled, or the pool is exhausted.
+    /// Job lost by the worker pool: it stalled, or the pool is exhausted.
     ReplyLost(JobLost),
     /// A permanent actor stopped itself.
     Finished,
@@ -82,7 +82,7 @@ pub enum Cause {
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum StopReason {
-    /// A stop was requested, for this actor or for all.
+    /// Stop requested for this actor or for all.
     Requested,
     /// Actor stopped itself.
     Finished,

@@ -22,7 +22,7 @@ pub enum JobLost {
          thread; shorten it or let it tick."
     )]
     Stalled,
-    /// The pool has abandoned too many workers and takes no more work.
+    /// Pool that has abandoned too many workers and takes no more work.
     #[error(
         "The job was not run, because too many workers of the pool have stalled; \
          end the process and let its supervisor start it again."

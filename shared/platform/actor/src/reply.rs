@@ -11,7 +11,7 @@ use tokio::sync::oneshot;
 #[must_use = "an answer nobody awaits should be a `tell`"]
 pub struct PendingReply<R>(oneshot::Receiver<R>);
 
-/// A message that was lost before it was answered.
+/// Error of a message that was lost before it was answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "The message was lost before it was answered; the actor's events say whether it \

@@ -22,7 +22,7 @@ pub(crate) struct Lockstep {
 pub(crate) enum LockstepOutcome {
     /// All followers have finished the frame.
     Finished,
-    /// A follower has not finished in time; send the frame again.
+    /// Timeout of a follower; the frame is sent again.
     TimedOut,
     /// Shutdown was requested while waiting.
     Stop,

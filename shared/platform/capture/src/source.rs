@@ -99,7 +99,7 @@ pub trait Source {
 /// Result of waiting: a rewritten frame and the time of the next call.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct IdleUpdate {
-    /// Metadata of the frame, if it was rewritten.
+    /// Metadata of the frame if the source rewrote it.
     pub rewritten: Option<FrameInfo>,
     /// Time of the next call wanted by the source, monotonic, nanoseconds; it may
     /// come earlier.

@@ -18,7 +18,7 @@ pub enum SourceError {
     /// Recording has ended.
     #[error("the recording has ended")]
     EndOfRecording,
-    /// The device is not connected; it may come back.
+    /// Camera device that is not connected; it may come back.
     #[error("{0}")]
     Disconnected(String),
 }

@@ -38,7 +38,7 @@ pub enum Error {
         /// User id of the folder's owner.
         owner: u32,
     },
-    /// The exclusive role is taken by a running process.
+    /// Exclusive role that is taken by a running process.
     #[error(
         "{role} is running in the domain {domain:?} already{}; stop it first, or choose \
          another domain with --domain NAME",
@@ -49,7 +49,7 @@ pub enum Error {
         role: String,
         /// Name of the domain in which the role is taken.
         domain: String,
-        /// Id of the running process, when it could be read.
+        /// Id of the process that has the role, when it could be read.
         pid: Option<u32>,
     },
     /// Insufficient shared memory for the daemon.
@@ -63,10 +63,10 @@ pub enum Error {
     SharedMemory {
         /// Upper bound of the domain's use, bytes.
         needed: u64,
-        /// Bytes that are free and not reserved by others.
+        /// Shared memory that is free and not reserved by others, bytes.
         available: u64,
     },
-    /// The service exists with other types or limits.
+    /// Service that exists with other types or limits.
     #[error(
         "the service {service} of the domain {domain:?} was made by another version of \
          tabula; stop all its processes and start them from one build"
@@ -93,7 +93,7 @@ pub enum Error {
         /// Name of the iceoryx2 service.
         service: &'static str,
     },
-    /// A receiver's queue is full; the message was not delivered to it.
+    /// Receiver with a full queue; the message was not delivered to it.
     #[error("a receiver of {service} does not keep up, its queue is full")]
     QueueFull {
         /// Name of the iceoryx2 service.

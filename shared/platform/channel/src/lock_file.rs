@@ -68,7 +68,7 @@ impl LockFile {
         write(&mut self.file).map_err(|source| self.failed("write", source))
     }
 
-    /// The process id in a lock file; `None` when there is none.
+    /// Process id in a lock file; `None` when there is none.
     pub(crate) fn read_pid(folder: &TrustedFolder, name: &str) -> Option<u32> {
         let mut digits = String::new();
         let file = folder.open_file(name, false).ok()?;

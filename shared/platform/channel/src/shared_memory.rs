@@ -113,7 +113,7 @@ mod tests {
     use super::*;
     use std::os::unix::fs::{chown, symlink};
 
-    /// A name in `/dev/shm` that is removed at the end.
+    /// Name in `/dev/shm` that is removed at the end of the test.
     struct Taken(PathBuf);
 
     impl Drop for Taken {

@@ -33,7 +33,7 @@ pub enum ImportError {
     /// The memory refuses the content of the file.
     #[error("{0}")]
     RefusedFile(String),
-    /// The file cannot be read, or the memory does not answer.
+    /// File that cannot be read, or memory that does not answer.
     #[error(transparent)]
     Failure(#[from] Failure),
 }

@@ -28,7 +28,7 @@ pub struct Calibration {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InvalidCalibration {
-    /// The intrinsics of a camera are invalid.
+    /// Invalid intrinsics of a camera.
     #[error("the calibration's {which} camera is impossible: {source}")]
     Camera {
         /// Name of the camera: `depth` or `colour`.

@@ -19,7 +19,7 @@ pub enum Error {
         /// Each place with the loader's error message.
         tried: Vec<(PathBuf, String)>,
     },
-    /// A library was found, but it is not libfreenect 0.5.
+    /// Library file that is not libfreenect 0.5.
     #[error(
         "{} is not libfreenect 0.5: it has no function {symbol}; install the Debian package \
          libfreenect0.5",
@@ -42,7 +42,7 @@ pub enum Error {
          recording's folder, or choose the real Kinect"
     )]
     NoRecording,
-    /// Another fakenect player is active in this process.
+    /// Second fakenect player in one process.
     #[error(
         "fakenect already plays a recording in this process, and it can play only one; close the \
          other camera first"
@@ -63,7 +63,7 @@ pub enum Error {
         /// State of the USB bus, with the remedy.
         advice: String,
     },
-    /// A Kinect was found but cannot be opened.
+    /// Kinect that was found but cannot be opened.
     #[error(
         "the Kinect with {wanted} cannot be opened (code {code}{}){}; {advice}",
         said_clause(.said),
@@ -81,7 +81,7 @@ pub enum Error {
         /// State of the USB bus, with the remedy.
         advice: String,
     },
-    /// The library offers no 640x480 image in the required format.
+    /// Library without a 640x480 image in the required format.
     #[error(
         "the library offers no {stream} image of 640x480 in the format needed; install the Debian \
          package libfreenect0.5"
@@ -103,7 +103,7 @@ pub enum Error {
         /// Log messages of libfreenect.
         said: String,
     },
-    /// The library rejected a buffer, or wrote a frame outside of it.
+    /// Library that rejected a buffer, or wrote a frame outside of it.
     #[error(
         "the library does not write frames into the buffers it is given; install the Debian \
          package libfreenect0.5"

@@ -172,7 +172,7 @@ impl Library {
 
 /// Reason for rejecting a library file.
 enum LoadError {
-    /// Not found or not a library: the next place is tried.
+    /// Library that was not found or is not a library: the next place is tried.
     NotLoaded(libloading::Error),
     /// Library that was found but is unusable.
     Unusable(Error),

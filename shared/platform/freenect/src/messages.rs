@@ -22,9 +22,9 @@ thread_local! {
 /// Severity of a log message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogLevel {
-    /// The requested operation failed (levels fatal and error).
+    /// Log level of a failed operation (levels fatal and error).
     Error,
-    /// The library continues with a loss (level warning).
+    /// Log level of a continued operation with a loss (level warning).
     Warning,
 }
 

@@ -8,7 +8,7 @@ pub mod exit_code {
     pub const FAILURE: u8 = 1;
     /// Exit code of wrong arguments or configuration.
     pub const USAGE: u8 = 2;
-    /// No daemon is running in the domain.
+    /// Exit code: no daemon is running in the domain.
     pub const NO_DAEMON: u8 = 3;
     /// Exit code: the daemon refused the command.
     pub const REFUSED: u8 = 4;

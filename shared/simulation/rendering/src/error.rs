@@ -9,10 +9,10 @@ pub enum Error {
     /// The camera intrinsics are invalid.
     #[error("nothing can be rendered without a valid camera")]
     Camera(#[from] InvalidIntrinsics),
-    /// The camera pose contains a number that is not finite.
+    /// Camera pose with a number that is not finite.
     #[error("the camera's pose has a number that is not finite; give a rigid transform")]
     Pose,
-    /// The point buffer does not have the size of the image.
+    /// Point buffer whose size is not that of the image.
     #[error(
         "a buffer of {n_points} points cannot take an image of {n_pixels} pixels; \
          give one point for each pixel"
@@ -23,13 +23,13 @@ pub enum Error {
         /// Number of pixels of the image.
         n_pixels: usize,
     },
-    /// The image was rendered with a camera other than the sensor's.
+    /// Image rendered with a camera other than the sensor's.
     #[error(
         "the image was rendered with another camera than the sensor's; \
          make both from the same intrinsics"
     )]
     ForeignImage,
-    /// A parameter of the sensor model is out of its range.
+    /// Sensor model parameter outside of its range.
     #[error("the sensor parameter {name} is {value} but must lie between {min} and {max}")]
     SensorModel {
         /// Name of the rendering parameter.

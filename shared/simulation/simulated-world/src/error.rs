@@ -14,7 +14,7 @@ pub enum Error {
         /// Reason why the file cannot be read.
         cause: String,
     },
-    /// A value of a scene is invalid.
+    /// Invalid value in a scene.
     #[error("the scene's {place}: {rule}")]
     Scene {
         /// Key of the value in the scene file: `[table] size_m`.
@@ -39,7 +39,7 @@ pub enum Error {
         /// Requested category of generated objects.
         category: String,
     },
-    /// Not all objects fit onto the table.
+    /// Scene whose objects do not all fit onto the table.
     #[error(
         "only {n_placed} of {n_objects} objects find a place apart from each other; \
          ask for fewer, for a larger table, or for a pile"

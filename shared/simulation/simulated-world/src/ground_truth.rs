@@ -13,7 +13,7 @@ pub const PERSON_ID: u16 = u16::MAX - 1;
 /// Ground truth of one object in a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectTruth {
-    /// Number in the scene, from 1; its mask value.
+    /// Object number in the scene, from 1; its value in the mask.
     pub id: u16,
     /// Unique name of the object instance: `mug-3`.
     pub name: String,

@@ -329,7 +329,7 @@ pub struct DocumentReport {
     pub author: String,
     /// Time at which the document was stored, nanoseconds since 1970.
     pub decided_ns: u64,
-    /// Sequence of the history entry that stored it.
+    /// Sequence number of the history entry that stored the document.
     pub sequence: u64,
 }
 
@@ -442,7 +442,7 @@ pub enum JobOutcome {
     Exported(ExportReport),
     /// Result of [`JobKind::Import`].
     Imported(ImportReport),
-    /// Failure, with its reason; no data was lost.
+    /// Job failed, with the reason; no data was lost.
     Failed(String),
 }
 

@@ -11,7 +11,7 @@ pub enum RefusalKind {
     NotFound,
     /// Invalid argument, such as a label with control characters.
     Invalid,
-    /// Conflict with existing data, such as another label of the track.
+    /// Refusal by conflict with existing data, such as another label of the track.
     Conflict,
     /// Responsible process absent or not ready; a retry may succeed.
     Unavailable,

@@ -109,7 +109,7 @@ pub struct CovarianceReport {
     pub rotation_rad2: [f64; 6],
 }
 
-/// Candidate category of an object with its distance.
+/// Candidate category of an object with its descriptor distance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NearCategoryReport {
     /// Name of the nearby category.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The folder contains neither scenes nor folders of scenes.
+    /// Folder that contains neither scenes nor folders of scenes.
     #[error("{0}")]
     Kind(#[from] recording_kind::Error),
     /// Folder of scenes that could not be listed.
@@ -18,7 +18,7 @@ pub enum Error {
         /// Cause reported by the operating system.
         source: std::io::Error,
     },
-    /// The folder is a fakenect recording, which has no ground truth.
+    /// Folder that is a fakenect recording, which has no ground truth.
     #[error(
         "{} is a fakenect recording, of which no truth is known; name labelled PCD scenes or a \
          simulated sequence",
@@ -36,7 +36,7 @@ pub enum Error {
     /// Malformed PCD file.
     #[error("{0}")]
     Pcd(#[from] dataset::pcd::Error),
-    /// A sequence or one of its frames could not be read.
+    /// RGB-D sequence or frame that could not be read.
     #[error("{0}")]
     Sequence(#[from] rgbd_sequence::Error),
     /// PCD file without labels.
@@ -45,7 +45,7 @@ pub enum Error {
     /// Frame without instance mask.
     #[error("the frame has no mask; `tabula simulate scene` writes sequences with masks")]
     NoMask,
-    /// The label does not fit into 16 bits.
+    /// Label that does not fit into 16 bits.
     #[error("the label {0} does not fit into 16 bits; renumber the objects")]
     Label(u32),
 }

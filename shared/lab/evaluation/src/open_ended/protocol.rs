@@ -48,15 +48,15 @@ impl Default for Protocol {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The threshold is not in 0 to 1.
+    /// Accuracy threshold outside of 0 to 1.
     #[error(
         "the accuracy at which a category is learned cannot be {0}: choose from 0 to 1, 0.67 usually"
     )]
     Tau(f64),
-    /// The share of open-set questions is not in 0 to 0.9.
+    /// Share of open-set questions outside of 0 to 0.9.
     #[error("the share of open-set questions cannot be {0}: choose from 0 to 0.9")]
     OpenSetShare(f64),
-    /// No view at the start, or an empty window.
+    /// Protocol without views at the start, or with an empty window.
     #[error(
         "a category must be introduced with at least one view, and the window must have at least \
          one pass: raise them"

@@ -35,9 +35,9 @@ impl Question {
 pub enum StopReason {
     /// All categories were learned successfully.
     AllLearned,
-    /// The accuracy stayed below the threshold for too long.
+    /// Run stopped because the accuracy stayed below the threshold for too long.
     Stalled,
-    /// A category has no unused view.
+    /// Run stopped because a category has no unused view.
     LackOfData,
 }
 

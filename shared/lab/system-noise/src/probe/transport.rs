@@ -29,7 +29,7 @@ pub enum TransportError {
     /// Failure of the shared-memory channel.
     #[error("the hop could not be measured: {0}")]
     Channel(#[from] Error),
-    /// A thread could not be started, or shared memory has no folder.
+    /// Thread that could not be started, or shared memory without a folder.
     #[error("the hop could not be measured, {attempt} failed: {source}")]
     System {
         /// Action that failed.

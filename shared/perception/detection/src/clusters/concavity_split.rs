@@ -41,7 +41,7 @@ pub(crate) struct ConcavitySplit {
     adjacency: RegionAdjacency,
     /// Union-find forest, per part label: the parent label.
     parents: Vec<u32>,
-    /// Per label: its number of pixels, then the number of its part.
+    /// Per label: number of its pixels, then the number of its part.
     number_of: Vec<u32>,
     /// Growth front of the region, as patch indices.
     front: Vec<u32>,

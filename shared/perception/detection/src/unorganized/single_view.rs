@@ -55,9 +55,9 @@ const SIDE_PX_MAX: f64 = 8192.0;
 /// Evidence that a cloud is a single view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ViewEvidence {
-    /// The points are on the rows and columns of an image.
+    /// Unorganised points that lie on the rows and columns of an image.
     Lattice,
-    /// The points cover the viewing directions with uniform density.
+    /// Unorganised points that cover the viewing directions with uniform density.
     UniformDensity,
 }
 

@@ -5,7 +5,7 @@ use crate::synthetic_scene::{OBJECT, PlacedShape, SyntheticScene, TABLE};
 use crate::{HIGH, objects};
 use detection::TableChoice;
 
-/// Rectangular table with its centre at a point.
+/// Rectangular test table with its centre at a point.
 fn table_at(sides: [f64; 2], [x, y]: [f64; 2], z: f64) -> PlacedShape {
     let [a, b] = sides.map(|side| 0.5 * side);
     PlacedShape::polygon(

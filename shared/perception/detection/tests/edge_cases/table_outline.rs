@@ -5,7 +5,7 @@ use crate::synthetic_scene::{FLOOR, OBJECT, PlacedShape, SyntheticScene, TABLE};
 use crate::{HIGH, objects, on_table, room, view};
 use nalgebra::Point2;
 
-/// L-shaped table without its far right quarter.
+/// L-shaped test table without its far right quarter.
 const L_CORNERS: [[f64; 2]; 6] = [
     [-0.4, -0.35],
     [0.4, -0.35],

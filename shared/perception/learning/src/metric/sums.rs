@@ -16,7 +16,7 @@ pub(super) const DENOMINATOR_MIN: f32 = 1e-12;
 /// Lower limit of arguments of a logarithm: the share of one point in a million.
 pub(super) const LOGARITHM_ARGUMENT_MIN: f32 = 1e-6;
 
-/// Sum of the terms; `None` when it exceeds `bound`.
+/// Sum of the distance terms; `None` when it exceeds `bound`.
 #[inline]
 pub(super) fn bounded_sum(
     a: &[f32],

@@ -1,4 +1,4 @@
-//! Actor of the benchmarks: it adds numbers.
+//! Benchmark actor that adds numbers.
 
 use std::convert::Infallible;
 use std::num::NonZeroUsize;

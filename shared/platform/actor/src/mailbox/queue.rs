@@ -21,9 +21,9 @@ pub(crate) struct Queue<T> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum QueueState {
     Open,
-    /// No sender is left; queued messages can still be received.
+    /// Mailbox without senders; queued messages can still be received.
     Disconnected,
-    /// Closed: no message is received any more.
+    /// Closed mailbox: no message is received any more.
     Closed,
 }
 

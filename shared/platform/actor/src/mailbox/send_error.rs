@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-/// A message that was not accepted; it is returned inside.
+/// Error with the message that the mailbox did not accept.
 #[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SendError<T> {
-    /// The mailbox is full and its policy is to refuse.
+    /// Full mailbox whose policy is to refuse.
     #[error("The message was refused, because the mailbox is full; try again later or slow down.")]
     Full(T),
     /// Receiver of the mailbox is gone.

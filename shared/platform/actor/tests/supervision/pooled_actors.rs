@@ -49,7 +49,7 @@ fn hang() -> (Order, mpsc::Receiver<()>, mpsc::Sender<()>) {
     (Order::Hang(tell, opened), begun, gate)
 }
 
-/// Awaits a begin without blocking the thread of the actors' tasks.
+/// Awaits the start of a handler without blocking the thread of the actors' tasks.
 async fn begun(signal: mpsc::Receiver<()>) {
     let waiting = tokio::task::spawn_blocking(move || signal.recv_timeout(WATCHDOG));
     waiting

@@ -16,7 +16,7 @@ pub enum CallError {
         /// Name of the domain without a daemon.
         domain: String,
     },
-    /// The process does not run, or ended before it answered.
+    /// Process that does not run, or ended before it answered.
     #[error(
         "tabula-{process} is not running just now; it is restarted if the daemon runs, try again"
     )]
@@ -34,7 +34,7 @@ pub enum CallError {
         /// Time limit that the reply exceeded.
         after: Duration,
     },
-    /// The request is too large, or too many requests are open.
+    /// Request that is too large, or too many open requests.
     #[error("{0}")]
     Refused(String),
     /// Failure of the shared memory or socket transport.

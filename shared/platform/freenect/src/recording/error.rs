@@ -27,7 +27,7 @@ pub enum RecordingError {
         /// Cause reported by the operating system.
         source: io::Error,
     },
-    /// A line of the index names no playable file.
+    /// Index line that names no playable file.
     #[error(
         "the recording cannot be played: line {line_number} of {}: {rule}; correct the line",
         .index.display()
@@ -40,7 +40,7 @@ pub enum RecordingError {
         /// Rule that the index line violates.
         rule: &'static str,
     },
-    /// The contents of a file do not match its name.
+    /// File whose contents do not match its name.
     #[error(
         "the recording cannot be played: {} is damaged or cut short: {rule}; take its name out of \
          INDEX.txt",

@@ -39,7 +39,7 @@ enum Scenario {
     Misplaced,
     /// Video stream that fails to start.
     NoVideo,
-    /// A frame arrives during the reading of the accelerometer.
+    /// Frame that arrives while the accelerometer is read.
     FrameDuringTilt,
     /// No motor: can only be opened as a camera.
     NoMotor,

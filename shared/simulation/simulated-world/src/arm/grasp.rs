@@ -26,7 +26,7 @@ pub(super) enum GraspFailure {
     Different,
     /// Too little overlap of a pad with the named object; the smaller share of both pads.
     Overlap(String, f64),
-    /// The surfaces under the pads are slanted, and the named object slips.
+    /// Slanted surfaces under the pads, from which the named object slips.
     Slanted(String),
 }
 

@@ -22,13 +22,13 @@ const RELEASE_GAP_M: f64 = 0.002;
 /// Event of the hand on an object along its path.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum HandEvent {
-    /// A new object appears in the hand.
+    /// New object that appears in the hand.
     Brought(ModelChoice),
     /// Hand has grasped an object.
     Grasped(u16),
     /// Hand has released the held object.
     Released,
-    /// The held object leaves the scene with the hand.
+    /// Held object that leaves the scene with the hand.
     Removed,
     /// Scripted action that cannot be performed.
     Impossible(Action),

@@ -96,7 +96,7 @@ proptest! {
         check(&views, &queries);
     }
 
-    /// The distances differ by less than the rounding errors of the bounds.
+    /// Undecided comparison: the distances differ by less than the rounding errors of the bounds.
     #[test]
     fn search_is_exact_for_close_views_far_from_the_origin(
         seeds in prop::collection::vec((0_u64..60, 0_u8..6), 0..200),
