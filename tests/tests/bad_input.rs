@@ -534,7 +534,7 @@ fn control_socket_survives_hostile_bytes() {
         "not understood",
     );
     is_refused(&u32::MAX.to_le_bytes(), "at most");
-    // What only the daemon's own processes may ask.
+    // Commands that only the daemon's own processes may send.
     let snapshot = b"\xa1\x68snapshot\xa1\x65after\xf6";
     is_refused(&framed(&request(OURS, snapshot)), "own processes");
     // Cut off in the middle: no answer, and no harm.

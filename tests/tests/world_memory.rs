@@ -284,7 +284,7 @@ fn task_is_recorded_once_and_survives_the_memory_process() {
     drop(memory);
     let mut memory = start_memory(&sandbox);
     let mut client = connect(&sandbox);
-    // What was answered is on disk: a retry is still answered, not done again.
+    // Acknowledged changes are on disk: a retry is answered, not executed again.
     assert_eq!(task(&mut client, end_task(2, 1)), Ok(ended));
     assert_eq!(
         task(&mut client, end_task(3, 1)),

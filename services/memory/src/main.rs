@@ -24,15 +24,15 @@ use std::process::ExitCode;
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// Keeps what was taught, and answers people and the daemon's other processes.
+/// Stores views, labels and the world model, and answers clients and the daemon's other processes.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-memory", version)]
 struct MemoryArguments {
     #[command(flatten)]
     process: ProcessArguments,
 
-    /// Answer requests about the stored memory on standard input, without a daemon; `tabula
-    /// memory` does this when no daemon runs
+    /// Serve requests about the stored memory on standard input without a daemon; used by `tabula
+    /// memory` when no daemon runs
     #[arg(long)]
     offline: bool,
 }

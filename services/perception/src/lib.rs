@@ -41,7 +41,7 @@ use std::process::ExitCode;
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// Finds the objects in the camera's clouds, follows and recognises them.
+/// Detects, tracks and recognises the objects in the camera's clouds.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-perception", version)]
 struct PerceptionArguments {

@@ -17,8 +17,8 @@ use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, exit_code};
 use std::ffi::OsString;
 
-/// The perception daemon of a service robot: finds the objects on a table,
-/// follows them, and learns their names from people.
+/// The perception daemon of a service robot: detects and tracks the objects on a table,
+/// and learns their categories from people.
 #[derive(Debug, Parser)]
 #[command(name = "tabula", version, propagate_version = true)]
 pub(crate) struct CliArguments {

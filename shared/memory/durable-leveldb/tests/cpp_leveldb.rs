@@ -201,7 +201,7 @@ fn check_ours_reads_cpp(compression: &str) {
     assert!(expected.len() > 10_000);
     let mut engine = Database::open(folder.path(), WRITE_BUFFER_BYTES).unwrap();
     check_same(&records(&mut engine), &expected, "opened by ours");
-    // What ours makes of it C++ reads in turn.
+    // The C++ library reads the result of this engine in turn.
     engine.accept().unwrap();
     let mut batch = WriteBatch::default();
     let first = expected[0].split(' ').next().unwrap();

@@ -160,7 +160,7 @@ fn import_does_not_revive_purged_views() {
     assert_eq!(ours.categories(), []);
     let answer = apply(&mut ours, &[import(702, &early)]).remove(0);
     assert_eq!((answer.n_views, ours.categories()), (0, vec![]));
-    // Unless somebody decided so later.
+    // Unless a later decision says so.
     let folder = fast_folder();
     let (mut other, _) = open(&folder);
     apply(&mut other, &[import(1, &early)]);

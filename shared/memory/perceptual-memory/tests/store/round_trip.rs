@@ -225,7 +225,7 @@ fn clock_set_back_is_reported_and_loses_nothing() {
         report.to_string().contains("the clock is 10800 s behind"),
         "{report}"
     );
-    // What is decided now is later than what was, whatever the clock says.
+    // A new decision is later than earlier ones, independent of the clock.
     let mut late = correct(3, 1, "Cup");
     late.wall_ns = early;
     apply(&mut memory, &[late]);

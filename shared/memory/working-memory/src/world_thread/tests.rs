@@ -21,7 +21,7 @@ fn start(folder: &TempDir) -> (WorldThread, WorldHandle, Receiver<u64>, Trouble)
         period: Duration::from_millis(5),
         wall_clock: || NOW_NS,
         on_written: Box::new(move |version| {
-            // The last ones may come when nobody listens any more.
+            // The last ones may arrive after the receiver has gone.
             let _ = written.send(version);
         }),
         on_trouble: Box::new(move |told| {

@@ -71,7 +71,7 @@ pub(crate) fn write_points(path: &Path, points: &[Point]) {
 fn json(out: &Path) -> Value {
     let bytes = fs::read(out.join("open-ended.json")).unwrap();
     let mut document: Value = serde_json::from_slice(&bytes).unwrap();
-    // What differs from time to time, and from folder to folder.
+    // Values that differ between runs and folders.
     for key in ["timing", "page", "file"] {
         document.as_object_mut().unwrap().remove(key).unwrap();
     }

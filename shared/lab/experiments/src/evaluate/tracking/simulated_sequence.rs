@@ -117,7 +117,7 @@ mod tests {
                 "{n_counted} in {} from {seed}",
                 scenario.name
             );
-            // What is seen of an object lies within the whole of it.
+            // The seen part of an object lies within its whole box.
             for object in &objects {
                 let seen_m3 = object.seen_box.map_or(0.0, |seen_box| seen_box.volume_m3());
                 let whole_m3 = object.whole_box.volume_m3();
