@@ -144,7 +144,7 @@ pub(crate) fn refusal<T: std::fmt::Debug>(result: Result<T, Error>) -> StoreRefu
 pub(crate) fn lesson<T: std::fmt::Debug>(result: Result<T, Error>) -> learning::TeachingError {
     match refusal(result) {
         StoreRefusal::Teaching(refusal) => refusal,
-        other => panic!("expected a lesson refused, got {other:?}"),
+        other => panic!("expected a teaching refusal, got {other:?}"),
     }
 }
 

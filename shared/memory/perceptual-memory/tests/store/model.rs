@@ -252,8 +252,8 @@ impl ReferenceModel {
         let mut state = self.state.clone();
         for view in &entry.touched_views {
             let before = entry.before.views.get(view).map(|(_, s)| s.clone());
-            // What was not there before is forgotten; what was forgotten before is
-            // forgotten again, from now on.
+            // Views that did not exist before are forgotten; forgotten views are
+            // forgotten again, with the new time stamp.
             let forgotten = Forgotten { stamp_ns: wall_ns };
             let standing = before.unwrap_or(Err(forgotten));
             state.set(*view, standing.map_err(|_| forgotten));
