@@ -123,7 +123,7 @@ fn wait_until_known(
         if Instant::now() > deadline {
             return Err(Failure::new(
                 exit_code::TIMED_OUT,
-                "the daemon sees no objects that are compared with what was taught",
+                "the daemon reports no objects compared with the taught views",
             ));
         }
         stop.sleep(POLL_PERIOD);

@@ -22,7 +22,7 @@ pub(crate) async fn run(store: StoreHandle, forgotten_kept: Duration) {
                 answer.n_views,
                 forgotten_kept.as_secs() / (24 * 3600)
             ),
-            Err(error) => tracing::warn!("what was forgotten is not removed today: {error}"),
+            Err(error) => tracing::warn!("forgotten content is not purged today: {error}"),
         }
     }
 }

@@ -125,7 +125,7 @@ impl SyncBarrier {
 /// Error of synchronising categories with the memory.
 #[derive(Debug, thiserror::Error)]
 enum SyncError {
-    #[error("what is taught is not followed for now: {0}")]
+    #[error("taught labels are not synchronised for now: {0}")]
     Call(CallError),
     #[error("the memory answered something else: {0}")]
     Unexpected(String),

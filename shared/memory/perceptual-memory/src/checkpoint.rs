@@ -260,7 +260,7 @@ impl CheckpointReader {
             }
             Ok(_) => {
                 let view = view_phrase(view);
-                let finding = || format!("the content of {view} is not what its digest says");
+                let finding = || format!("the content of {view} does not match its digest");
                 self.findings.add(finding);
                 Ok(None)
             }
@@ -278,7 +278,7 @@ impl CheckpointReader {
             Ok(content) if Digest::of(&content) == digest => Ok(()),
             Ok(_) => {
                 self.findings
-                    .add(|| format!("the content of {document} is not what its digest says"));
+                    .add(|| format!("the content of {document} does not match its digest"));
                 Ok(())
             }
             Err(Error::Storage(StorageError::Damaged { what })) => {

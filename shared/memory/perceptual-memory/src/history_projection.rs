@@ -151,9 +151,8 @@ impl HistoryProjection {
             .map(|(document, sequence, ..)| (document.clone(), sequence))
             .collect();
         for (document, sequence) in present.symmetric_difference(&self.versions) {
-            findings.add(|| {
-                format!("{document}, as of entry {sequence}, is not what the history says")
-            });
+            findings
+                .add(|| format!("{document}, as of entry {sequence}, does not match the history"));
         }
         let n_differing = self
             .tombstones

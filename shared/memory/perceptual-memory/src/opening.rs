@@ -187,7 +187,7 @@ pub(crate) fn open(
     let mut notes = Vec::new();
     let mark = mark.unwrap_or_else(|wrong| {
         notes.push(format!(
-            "the note of what was acknowledged is unreadable: {wrong}"
+            "the watermark of acknowledged changes is unreadable: {wrong}"
         ));
         None
     });

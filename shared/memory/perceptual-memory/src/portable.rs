@@ -415,7 +415,7 @@ fn view_of(body: ViewBody) -> Result<ForeignView, &'static str> {
         points: body.points.map(ByteBuf::into_vec),
     };
     if !parts.is_what_it_says() || !parts.descriptor.len().is_multiple_of(size_of::<f32>()) {
-        return Err("the content of a view is not what its digest says");
+        return Err("the content of a view does not match its digest");
     }
     if body.standing == LabelStatus::Forgotten {
         return Err("a forgotten view has content");

@@ -112,7 +112,7 @@ pub enum TaskRefusal {
 
 fn text_sentence(what: &str, n_bytes: usize, most: usize) -> String {
     match n_bytes {
-        0 => format!("a task's {what} is empty; say what it is"),
+        0 => format!("a task's {what} is empty; give one"),
         _ => format!("a task's {what} has {n_bytes} bytes; use at most {most}"),
     }
 }

@@ -63,7 +63,7 @@ impl fmt::Display for TableChoice {
         match *self {
             Self::Only => write!(f, "the only surface that can be a table"),
             Self::Around => write!(f, "around the top of an object that covers most of it"),
-            Self::Most => write!(f, "most of what is in range"),
+            Self::Most => write!(f, "most of the points in range"),
             Self::Largest { n_others: n } => {
                 write!(f, "larger than {n} other {} that can be a table", others(n))
             }

@@ -38,7 +38,7 @@ pub enum Error {
         n_views: usize,
     },
     /// View without the requested images or points.
-    #[error("the view {name} of the data set has no {what}; ask for what it has")]
+    #[error("the view {name} of the data set has no {what}; request the part that it has")]
     MissingPart {
         /// Name of the Washington view.
         name: String,

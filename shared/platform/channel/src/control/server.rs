@@ -70,7 +70,9 @@ async fn answer(request: IoxRequest, handler: Handler, replies: Arc<WakeNotifier
         Err(refusal) => Reply::Refused(refusal),
     };
     if let Err(error) = respond(&request, &reply) {
-        tracing::warn!("a reply was lost: {error}; its client will time out and may ask again");
+        tracing::warn!(
+            "a reply was lost: {error}; its client will time out and may repeat the request"
+        );
     }
     drop(request);
     replies.wake();

@@ -44,7 +44,9 @@ pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> String 
     };
     let scenes = data.scenes.iter().flat_map(|scenes| &scenes.pictures);
     let scenes = scenes.map(|(name, picture)| PageFigure {
-        caption: format!("{name}: colour, truth and what is found; what is striped is ignored"),
+        caption: format!(
+            "{name}: colour, ground truth and detection; striped regions are rejected"
+        ),
         picture: picture.clone(),
     });
     let figures: Vec<PageFigure> = std::iter::once(confusion).chain(scenes).collect();
