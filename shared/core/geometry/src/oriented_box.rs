@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 pub struct OrientedBox {
     /// Pose of the box in its reference frame: `frame_from_box`.
     pub frame_from_box: Isometry3<f64>,
-    /// Half side lengths, metres, all >= 0.
+    /// Half side lengths of the box, metres, all >= 0.
     pub half_sides_m: Vector3<f64>,
 }
 

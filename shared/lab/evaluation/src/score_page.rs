@@ -3,10 +3,10 @@
 use crate::segmentation_score::{MEASURE_NAMES, SegmentationScore};
 use plot::html_page::{self, escaped, linked_picture};
 
-const LEGEND: &str = "<h2>Scenes, worst first</h2>\n<p>Left the colour image, in the middle the \
-    truth, on the right the result. A hypothesis has the colour of the object that it is matched \
-    with. Green is the table, in the truth whatever is labelled and no object; striped is what ψ \
-    ignores, grey what is too small to count, dark what has no depth.</p>";
+const LEGEND: &str = "<h2>Scenes, worst first</h2>\n<p>Left: colour image; middle: \
+    ground truth; right: result. A hypothesis has the colour of the object that it is matched \
+    with. Green: the table, in the ground truth all labelled background. Striped: hypotheses \
+    rejected by ψ. Grey: hypotheses too small to count. Dark: pixels without depth.</p>";
 
 /// Row of a score table: name, number of scenes, mean scores.
 #[derive(Debug, Clone, PartialEq)]

@@ -15,7 +15,7 @@ pub enum Error {
     IndexLine {
         /// Line number in `INDEX.txt`, from 1.
         line: usize,
-        /// Reason, as a clause of a sentence.
+        /// Reason why the content is invalid, as a clause.
         problem: String,
     },
     /// Index without a depth frame.

@@ -19,7 +19,7 @@ pub enum Error {
     Line {
         /// Line number, from 1; the first one of a continued line.
         line: usize,
-        /// Reason, as a clause of a sentence.
+        /// Reason why the content is invalid, as a clause.
         problem: String,
     },
     /// More vertices or triangles than the limits.

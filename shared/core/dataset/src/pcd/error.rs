@@ -23,7 +23,7 @@ pub enum Error {
     HeaderLine {
         /// Line number in the PCD file, from 1.
         line: usize,
-        /// Reason, as a clause of a sentence.
+        /// Reason why the content is invalid, as a clause.
         problem: String,
     },
     /// Field list that does not describe points.
@@ -67,7 +67,7 @@ pub enum Error {
     PointLine {
         /// Line number within the data, from 1.
         line: usize,
-        /// Reason, as a clause of a sentence.
+        /// Reason why the content is invalid, as a clause.
         problem: String,
     },
     /// Label that is not an integer from 0 to 2^32 - 1.

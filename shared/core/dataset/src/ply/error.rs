@@ -21,7 +21,7 @@ pub enum Error {
     HeaderLine {
         /// Line number in the PLY header, from 1.
         line: usize,
-        /// Reason, as a clause of a sentence.
+        /// Reason why the content is invalid, as a clause.
         problem: String,
     },
     /// Elements that do not describe a mesh.
@@ -48,7 +48,7 @@ pub enum Error {
         element: String,
         /// Row number within the PLY element, from 0.
         row: usize,
-        /// Reason, as a clause of a sentence.
+        /// Reason why the content is invalid, as a clause.
         problem: String,
     },
     /// Unexpected data after the last PLY element.

@@ -13,7 +13,7 @@ use std::f32::consts::FRAC_PI_2;
 /// inclined surface the published axial noise already contains its effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LateralNoise {
-    /// Factor on the published law; 0 to 4.
+    /// Factor on the published noise law; 0 to 4.
     pub strength: f32,
 }
 
