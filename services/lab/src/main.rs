@@ -46,13 +46,7 @@ enum Verb {
 fn main() -> ExitCode {
     let arguments = LabArguments::parse();
     let output = Output::new(arguments.json);
-    match execute(&arguments, &output) {
-        Ok(code) => code,
-        Err(failure) => {
-            output.failure(&failure);
-            ExitCode::from(failure.code)
-        }
-    }
+    output.exit_code(execute(&arguments, &output))
 }
 
 fn execute(arguments: &LabArguments, output: &Output) -> Result<ExitCode, Failure> {

@@ -26,11 +26,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = LatencyArguments::checked();
     let output = Output::new(arguments.as_ref().is_ok_and(|given| given.json));
-    let outcome = arguments.and_then(|arguments| execute(&arguments, &output));
-    outcome.unwrap_or_else(|failure| {
-        output.failure(&failure);
-        ExitCode::from(failure.code)
-    })
+    output.exit_code(arguments.and_then(|arguments| execute(&arguments, &output)))
 }
 
 fn execute(arguments: &LatencyArguments, output: &Output) -> Result<ExitCode, Failure> {

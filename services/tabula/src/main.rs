@@ -24,13 +24,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let arguments = CliArguments::parse();
     let output = Output::new(arguments.json);
-    match execute(&arguments, &output) {
-        Ok(code) => code,
-        Err(failure) => {
-            output.failure(&failure);
-            ExitCode::from(failure.code)
-        }
-    }
+    output.exit_code(execute(&arguments, &output))
 }
 
 fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failure> {

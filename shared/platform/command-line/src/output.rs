@@ -7,6 +7,7 @@
 use serde::Serialize;
 use service::Failure;
 use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
 
 /// Output format: text, or one JSON document on standard output.
 #[derive(Debug, Clone, Copy)]
@@ -59,9 +60,16 @@ impl Output {
         }
     }
 
-    /// Prints the failure of a command: on standard error, in JSON output also as a
-    /// document.
-    pub fn failure(self, failure: &Failure) {
+    /// Exit code of a command; its failure is printed on standard error, in JSON output
+    /// also as a document.
+    pub fn exit_code(self, outcome: Result<ExitCode, Failure>) -> ExitCode {
+        outcome.unwrap_or_else(|failure| {
+            self.print_failure(&failure);
+            ExitCode::from(failure.code)
+        })
+    }
+
+    fn print_failure(self, failure: &Failure) {
         eprintln!("tabula: {failure}");
         if self.json {
             let document = ErrorDocument {

@@ -51,7 +51,8 @@ fn support_plane_growth_adds_the_base_and_no_table() {
             outcome.assert_objects(&objects(3), 0.95);
             for object in objects(3) {
                 let share = outcome.labelled_share(object);
-                // The steepest face is seen nearly edge-on and loses a few pixels.
+                // Regression bound: the steepest face is seen nearly edge-on and loses a
+                // few pixels.
                 assert!(share > 0.965, "{share} of {object}, stepped: {is_stepped}");
             }
             let width = outcome.scene.camera.width as usize;
