@@ -41,7 +41,7 @@ pub(crate) fn run(
     run: &RunArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let sensor = Sensor::choose(common, run)?;
+    let sensor = Sensor::choose(common, run.source())?;
     let for_sensor = run.for_sensor(&sensor)?;
     let arguments = |process| {
         let mut all = child::common_arguments(common);

@@ -1,6 +1,5 @@
 //! Sensor process: camera or simulator.
 
-use crate::arguments::RunArguments;
 use message::ProcessKind;
 use serde::Deserialize;
 use service::{CommonArguments, ConfigFile, Failure, exit_code};
@@ -28,12 +27,12 @@ struct RawCamera {
 }
 
 impl Sensor {
-    /// Sensor of the arguments, else of the configuration, else the simulator.
+    /// Sensor of the `source` argument, else of the configuration, else the simulator.
     ///
     /// # Errors
     /// When the configuration cannot be read.
-    pub(crate) fn choose(common: &CommonArguments, run: &RunArguments) -> Result<Self, Failure> {
-        if let Some(source) = run.source() {
+    pub(crate) fn choose(common: &CommonArguments, source: Option<&str>) -> Result<Self, Failure> {
+        if let Some(source) = source {
             return Self::named(source);
         }
         let home = common.home();

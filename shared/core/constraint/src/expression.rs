@@ -1,30 +1,16 @@
 //! Boolean expression over constraints, in postfix order and ternary logic.
 
 use crate::parser::parse;
+use crate::postfix_op::{N_NAMES_MAX, PostfixOp};
 use crate::{Constraint, ConstraintSet, Findings, InvalidExpression, Ternary};
 use std::fmt;
 use std::str::FromStr;
-
-/// Greatest number of constraint names in a rule; it bounds the evaluation stack.
-pub(crate) const N_NAMES_MAX: usize = 32;
-
-/// Postfix operation of a rule.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum PostfixOp {
-    /// Push the value of a constraint.
-    Is(Constraint),
-    /// Negate the topmost value of the stack.
-    Not,
-    /// Conjunction of the two topmost stack values.
-    And,
-    /// Disjunction of the two topmost stack values.
-    Or,
-}
 
 /// Boolean expression over constraints, evaluated in Kleene's ternary logic. The default is
 /// the rule of the paper, `C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Expression {
+    /// Postfix operations, which leave one value and hold at most [`N_NAMES_MAX`] names.
     ops: Vec<PostfixOp>,
 }
 
@@ -89,12 +75,6 @@ impl DecidedValue {
 }
 
 impl Expression {
-    /// Expression of postfix operations, which must leave one value and hold at most
-    /// [`N_NAMES_MAX`] names.
-    pub(crate) fn from_ops(ops: Vec<PostfixOp>) -> Self {
-        Self { ops }
-    }
-
     /// Evaluate the rule for the findings of a candidate. Allocates nothing.
     pub fn evaluate(&self, findings: &Findings) -> Ternary {
         self.value(findings).truth
@@ -152,7 +132,7 @@ impl FromStr for Expression {
     ///
     /// Quotes the rule and names the character at which it is invalid.
     fn from_str(text: &str) -> Result<Self, InvalidExpression> {
-        parse(text)
+        parse(text).map(|ops| Self { ops })
     }
 }
 

@@ -1,8 +1,8 @@
 //! Recursive-descent parser of constraint rules.
 
 use crate::Constraint;
-use crate::expression::{Expression, N_NAMES_MAX, PostfixOp};
 use crate::invalid_expression::{InvalidExpression, SyntaxFault};
+use crate::postfix_op::{N_NAMES_MAX, PostfixOp};
 
 /// Greatest length of a rule, bytes.
 const N_BYTES_MAX: usize = 1024;
@@ -29,8 +29,9 @@ struct Parser<'a> {
     n_names: usize,
 }
 
-/// Parse a constraint rule.
-pub(crate) fn parse(text: &str) -> Result<Expression, InvalidExpression> {
+/// Parse a constraint rule into postfix operations, which leave one value and hold at
+/// most [`N_NAMES_MAX`] names.
+pub(crate) fn parse(text: &str) -> Result<Vec<PostfixOp>, InvalidExpression> {
     let mut parser = Parser {
         text,
         next: 0,
@@ -46,7 +47,7 @@ pub(crate) fn parse(text: &str) -> Result<Expression, InvalidExpression> {
     }
     parser.parse_or(0)?;
     match parser.peek()? {
-        None => Ok(Expression::from_ops(parser.ops)),
+        None => Ok(parser.ops),
         Some((at, _, end)) => {
             Err(parser.error(at, SyntaxFault::OperatorMissing(text[at..end].to_owned())))
         }

@@ -5,6 +5,7 @@ use crate::frame::KinectFrame;
 use crate::messages::{self, LogMessage};
 use crate::recording::check_recording;
 use crate::restart::FOLDER_VARIABLE;
+use crate::selector::Selector;
 use crate::session::{Context, Device};
 use crate::{Acceleration, Error, Library, LibraryKind, PairingStatistics, Presence, raw};
 use std::cell::RefCell;
@@ -17,24 +18,6 @@ use std::{env, fmt};
 
 /// `LIBUSB_ERROR_INTERRUPTED`: interrupted by a signal; no data was lost.
 const INTERRUPTED: i32 = -10;
-
-/// Selector of one of several Kinects.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Selector {
-    /// Index on the bus, from 0; may change when devices are replugged.
-    Index(u32),
-    /// Selects by the permanent serial number of the camera.
-    Serial(String),
-}
-
-impl fmt::Display for Selector {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Index(index) => write!(f, "index {index}"),
-            Self::Serial(serial) => write!(f, "serial {serial}"),
-        }
-    }
-}
 
 /// Open, streaming Kinect, or fakenect playing a recording.
 ///

@@ -186,7 +186,7 @@ proptest! {
     fn display_round_trips_through_parsing(ops in ops()) {
         let n_names = ops.iter().filter(|step| matches!(step, PostfixOp::Is(_))).count();
         prop_assume!(n_names <= N_NAMES_MAX);
-        let rule = Expression::from_ops(ops);
+        let rule = Expression { ops };
         prop_assume!(rule.to_string().len() <= 1024);
         prop_assert_eq!(rule.to_string().parse::<Expression>(), Ok(rule));
     }
