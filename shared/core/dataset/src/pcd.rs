@@ -53,7 +53,7 @@ pub struct PcdCloud {
 }
 
 impl PcdCloud {
-    /// Borrows the content for writing.
+    /// Borrowed view of the cloud, as [`write`] takes it.
     pub fn view(&self) -> PcdView<'_> {
         PcdView {
             points: &self.points,

@@ -7,7 +7,7 @@
 use random::Random;
 use serde::Serialize;
 
-/// Random stream of the resampling.
+/// Number of the random stream for bootstrap resampling.
 const RESAMPLING_STREAM: u64 = 7;
 /// Number of bootstrap resamples.
 pub const N_RESAMPLES: usize = 2000;

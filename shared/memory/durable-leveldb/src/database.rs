@@ -197,7 +197,8 @@ impl Database {
         self.health.note_damage(what);
     }
 
-    /// Calls `observer` before every further file operation, instead of an earlier observer.
+    /// Installs a fault-injection hook, which is called before every file operation and can
+    /// make it fail; it replaces an earlier one.
     pub fn set_observer(&self, observer: Observer) {
         self.health.set_observer(observer);
     }

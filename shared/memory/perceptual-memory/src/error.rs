@@ -104,7 +104,7 @@ pub enum StoreRefusal {
     InvalidDocument {
         /// Key of the invalid document.
         document: DocumentKey,
-        /// Constraint that the document violates.
+        /// Reason why the document is invalid.
         reason: &'static str,
     },
     /// Document that is not stored.

@@ -121,7 +121,7 @@ impl HistoryProjection {
         }
     }
 
-    /// Reports differences between the projection and the stored records.
+    /// Reports differences between the projection of the history and the stored records.
     pub(crate) fn compare(&self, index: &StoreIndex, findings: &mut Findings) {
         for (&view, projected) in &self.views {
             match index.get(view) {

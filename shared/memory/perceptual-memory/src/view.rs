@@ -61,7 +61,7 @@ pub struct Origin {
 pub struct StoredView {
     /// Captured view with its content.
     pub view: CapturedView,
-    /// Provenance of the view.
+    /// Memory that first stored the view, and the id of the view there.
     pub origin: Origin,
     /// Label status of the view.
     pub standing: LabelStatus,

@@ -30,9 +30,9 @@ pub struct NewTask {
 pub struct TaskEnd {
     /// Idempotency key of the request.
     pub id: MutationId,
-    /// Number of the task.
+    /// Number of the robot task that ends.
     pub task: u64,
-    /// Outcome of the task.
+    /// Outcome of the robot task.
     pub outcome: ActionOutcome,
     /// Reason for the outcome, at most 2048 bytes.
     pub reason: String,

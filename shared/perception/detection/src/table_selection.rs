@@ -201,8 +201,8 @@ fn likelihood(plane: &Plane, up_in_camera: Option<Unit<Vector3<f64>>>) -> TableL
     }
 }
 
-/// Most table-like plane; among equals the largest, unless a fairly large one is over it
-/// as a table over a floor.
+/// Selects the table among the planes: the most table-like, then the largest; a parallel
+/// plane above it with enough samples takes its place, as a table over a floor does.
 fn choose_table(found: &[PlaneCandidate], n_min: usize) -> Option<(PlaneCandidate, TableChoice)> {
     let large = || found.iter().filter(|plane| plane.n_samples >= n_min);
     let likelihood = large().map(|plane| plane.likelihood).max()?;

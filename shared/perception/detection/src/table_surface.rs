@@ -1,4 +1,5 @@
-//! Table surface map: occupancy cells of the table with see-through gaps.
+//! Table surface map: grid of the cells that belong to the table, without gaps through
+//! which farther points are visible.
 
 use crate::affine_form::AffineForm;
 use crate::samples::Samples;
@@ -10,7 +11,8 @@ use nalgebra::Point2;
 /// `tabula-lab sweep`.
 const CELL_M: f64 = 0.02;
 
-/// Greatest number of grid cells per side.
+/// Greatest number of cells per side of the table surface map; a larger table has larger
+/// cells.
 const CELLS_MAX: usize = 256;
 
 /// Margin by which the polygon is grown, metres: the visible table ends half a sample

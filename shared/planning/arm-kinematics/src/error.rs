@@ -51,9 +51,10 @@ pub enum Error {
         Degrees(*angle_rad)
     )]
     Unreachable {
-        /// Distance of the nearest solution from the pose.
+        /// Distance from the requested tool position to the nearest reachable one, metres.
         distance_m: f64,
-        /// Rotation angle of the nearest solution from the pose.
+        /// Rotation angle from the requested tool orientation to that of the nearest
+        /// reachable pose, radians.
         angle_rad: f64,
         /// Number of solver iterations spent.
         n_iterations: usize,

@@ -146,7 +146,7 @@ topics! {
     /// Topic of the robot arm's state.
     ArmStates { ARM_STATE, ArmState, [WireCapsule; MAX_CAPSULES], DropOldest,
         Limits { publishers: 1, subscribers: 6, buffer: 8, borrowed: 2, history: 1, loaned: 2 } }
-    /// Bodies of the people around the table.
+    /// Topic of the bodies of people around the table, as capsules.
     PersonBodies { PERSON_BODY, PersonBody, [WireCapsule; MAX_CAPSULES], DropOldest, STATE }
     /// Topic of the ground-truth objects of simulated frames.
     TrueObjects { TRUTH_OBJECTS, TruthHeader, [TrueObject; MAX_TRUE_OBJECTS], DropOldest,

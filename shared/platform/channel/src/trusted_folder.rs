@@ -119,7 +119,7 @@ impl TrustedFolder {
         Ok(File::from(descriptor))
     }
 
-    /// `true` when a name in this folder denotes the open file.
+    /// `true` when `name` in this folder is the open file: same device and inode.
     pub(crate) fn names(&self, name: &str, file: &File) -> bool {
         let by_name = statat(&self.descriptor, name, AtFlags::SYMLINK_NOFOLLOW);
         match (by_name, fstat(file)) {

@@ -109,7 +109,7 @@ fn play_in_child(test: &str, folder: impl FnOnce() -> Option<Folder>, body: fn()
     );
 }
 
-/// Output of a child; a hung child is killed.
+/// Standard output of a child process, which is killed when it exceeds [`WATCHDOG`].
 fn output_of(mut child: Child) -> String {
     let start = Instant::now();
     while child.try_wait().expect("the child is ours").is_none() {

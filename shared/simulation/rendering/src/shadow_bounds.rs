@@ -33,7 +33,7 @@ impl ShadowBounds {
         spread(&self.own_high, &mut self.high, f32::max);
     }
 
-    /// Minimum and maximum shadow-map value around a cell.
+    /// Conservative bounds, by blocks, of the shadow-map values that the filter reads at a cell.
     #[inline]
     pub(crate) fn around(&self, column: usize, row: usize) -> (f32, f32) {
         let block = row / BLOCK * N_BLOCKS + column / BLOCK;

@@ -59,11 +59,11 @@ fn set_damping(body: &mut RigidBody, (linear, angular): (f32, f32)) {
 /// Collision group of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum CollisionGroup {
-    /// Fixed body: table, floor, walls.
+    /// Collision group of fixed bodies: table, floor, walls.
     Fixture,
     /// Collision group of dynamic objects.
     Object,
-    /// Kinematic body that pushes objects: the arm.
+    /// Collision group of kinematic bodies that push objects: the arm.
     Arm,
 }
 

@@ -17,7 +17,7 @@ pub enum WorkloadStep {
     StoreTracks(Range<u64>),
     /// Labels a track.
     Teach(u64),
-    /// Stores one view with its cloud.
+    /// Step that stores one view with its cloud.
     StoreView { track_id: u64, view_id: u32 },
 }
 

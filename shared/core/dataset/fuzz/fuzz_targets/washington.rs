@@ -37,7 +37,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// Decodes a colour image and round-trips the points of its view.
+/// Decodes a colour image; round-trips a view of it with constant depth through PCD.
 fn color(file: &[u8]) -> Result<(), ContentError> {
     let mut view = CroppedView::default();
     view.size = decode_color(file, &mut view.color)?;

@@ -31,8 +31,8 @@ const PIXEL_WIDENING: f64 = 1.5;
 /// empty. Chosen; sensitivity: see `tabula-lab sweep`.
 const SPARSE_SPACING_PX: f64 = 1.2;
 
-/// Least distance of a point behind its pixel's surface that makes it another surface,
-/// metres at 1 m, growing with squared depth. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least distance behind a pixel's surface at which a point belongs to another surface,
+/// metres; constant up to 1 m depth, then growing with squared depth. Chosen; sensitivity: see `tabula-lab sweep`.
 const BEHIND_M: f32 = 0.02;
 
 /// Pixel pitch of a Kinect v1, tangent. Thresholds of the image path count such pixels;

@@ -6,7 +6,7 @@
 
 use random::{mix64, unit_f32};
 
-/// Number of table positions at which a block may start.
+/// Number of positions in a noise table at which a block of values may start.
 const N_STARTS: usize = 1 << 14;
 /// Greatest length of a block of noise values.
 pub(super) const BLOCK_MAX: usize = 192;
