@@ -12,7 +12,7 @@
 //!
 //! let solid = rounded_box([0.1, 0.2, 0.3], 0.0, 0.05);
 //! assert!((solid.mesh.signed_volume() - 0.006).abs() < 1e-6);
-//! assert!(solid.mesh.examination().is_sound());
+//! assert!(solid.mesh.diagnostics().is_sound());
 //! assert_eq!(solid.convex_parts.len(), 1);
 //! ```
 
