@@ -121,7 +121,7 @@ impl ObjectActors {
         }
     }
 
-    /// Returns the buffers of answers for reuse.
+    /// Recycles the descriptor buffers of answers.
     pub(crate) fn recycle(&mut self, outcomes: &mut Vec<SightingOutcome>) {
         let observed = outcomes.drain(..).filter_map(|(_, observed)| observed);
         self.spare_descriptors

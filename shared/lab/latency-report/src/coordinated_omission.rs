@@ -1,6 +1,6 @@
 //! Correction of coordinated omission: frames that never came count until the next labels.
 
-/// Schedule and publication of a completed frame, monotonic clock.
+/// Scheduled and published time of a completed frame, monotonic clock, nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct FrameCompletion {
     pub(crate) session: u64,

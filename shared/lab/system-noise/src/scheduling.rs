@@ -102,7 +102,7 @@ pub(crate) fn timer_slack_ns() -> Option<u64> {
 pub(crate) struct MemoryLockGuard(());
 
 impl MemoryLockGuard {
-    /// Fails if memory is already locked: unlocking affects the whole process and would revert
+    /// Locks all memory of the process. Fails if memory is already locked: unlocking affects the whole process and would revert
     /// locks of others.
     pub(crate) fn begin() -> io::Result<Self> {
         if locked_bytes() != Some(0) {

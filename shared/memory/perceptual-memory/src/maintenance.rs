@@ -21,7 +21,7 @@ const OTHER_TABLES: [u8; 6] = [
     keys::VIEW,
 ];
 
-/// Statistics of a store.
+/// Statistics of the perceptual memory: sizes and counts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stats {
     /// Id of the perceptual store.

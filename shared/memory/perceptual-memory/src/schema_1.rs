@@ -75,7 +75,8 @@ struct Entry1 {
     changes: Vec<(u64, u32, Option<u32>, Option<u32>)>,
 }
 
-/// Reads all intact records; returns the totals in the metadata record.
+/// Reads the intact records of a schema-1 database into `recovered`; returns the totals
+/// that its metadata record states.
 pub(crate) fn read_records(
     raw: &RawDatabase,
     recovered: &mut RecoveredRecords,

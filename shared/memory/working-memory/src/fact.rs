@@ -38,7 +38,7 @@ pub enum Value {
     State(String),
     /// Value of [`Property::Label`].
     Label(String),
-    /// Value of [`Property::Place`].
+    /// Value of [`Property::BoxPose`].
     BoxPose(BoxPose),
     /// Value of [`Property::Activity`].
     Activity(String),

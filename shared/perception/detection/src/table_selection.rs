@@ -55,7 +55,7 @@ pub(crate) struct TableSelectionBuffers {
 }
 
 impl TableSelectionBuffers {
-    /// Take back the memory of a table.
+    /// Recycle the buffers of a table for the next frame.
     pub(crate) fn recycle(&mut self, table: Option<Table>) {
         self.spare = table.or(self.spare.take());
     }

@@ -46,10 +46,6 @@ impl CategoryName {
     /// # Errors
     /// When nothing or more than 64 bytes remain after removing surplus white space, or
     /// when the text contains a control character or an invisible one.
-    ///
-    /// # Errors
-    /// When nothing or more than 64 bytes remain without surplus white space, or
-    /// when there is a control character or an invisible one.
     pub fn new(text: &str) -> Result<Self, InvalidCategoryName> {
         let text = text.trim();
         if let Some(character) = text.chars().find(|&c| is_invisible(c)) {

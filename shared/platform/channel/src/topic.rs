@@ -37,7 +37,7 @@ impl Overflow for Refuse {
     const DROPS_OLDEST: bool = false;
 }
 
-/// Limits of a service; their product is the shared memory it reserves.
+/// Limits of a service; they determine the shared memory that it reserves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Largest number of publishers of the topic.

@@ -31,7 +31,8 @@ impl ConfusionMatrix {
         }
     }
 
-    /// Counts an answer; `None` is "unknown". Both must be category numbers.
+    /// Counts one answer to a view of a true category; `None` is "unknown". `truth` and
+    /// `answer` are category numbers.
     pub fn count(&mut self, truth: u32, answer: Option<u32>) {
         let column = answer.map_or(self.n_categories, |answer| answer as usize);
         self.counts[truth as usize * (self.n_categories + 1) + column] += 1;

@@ -17,7 +17,7 @@ const CELL_PX: i32 = 18;
 const FEW_CATEGORIES: usize = 25;
 /// Space for names and titles, pixels.
 const NAMES_PX: i32 = 190;
-/// Font size of the figure, pixels.
+/// Font size of names, and of percentages in large cells, pixels.
 const FONT_PX: i32 = 12;
 
 /// Row-normalised confusion matrix as SVG: a row per true category, a column per answer and one

@@ -232,7 +232,7 @@ fn the_last_handle_lets_queued_jobs_finish() {
     }
 }
 
-/// Counts to a number on all threads; returns how many threads took part.
+/// Counts to a number in a fork-join; returns how many threads took part.
 fn count_together(team: &ForkJoin, n_steps: usize) -> usize {
     let (next, threads) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     team.run(&|| {
