@@ -2,7 +2,7 @@
 //!
 //! | layout | category | instance |
 //! |---|---|---|
-//! | of [`washington`](crate::washington) | from the view's name | from the view's name |
+//! | of [`crate::washington`] | from the view's name | from the view's name |
 //! | a folder of PCD files for each category | the folder's name | unknown |
 //!
 //! A data set with at least one name of a Washington view has that layout.

@@ -53,7 +53,7 @@ pub struct PcdCloud {
 }
 
 impl PcdCloud {
-    /// Borrowed view of the cloud, as [`write`] takes it.
+    /// Borrowed view of the cloud, as [`write()`] takes it.
     pub fn view(&self) -> PcdView<'_> {
         PcdView {
             points: &self.points,
