@@ -429,6 +429,25 @@ pub(crate) fn with_mounts(command: &Command, mounts: &str) -> Command {
     wrapped
 }
 
+/// Suspends a process with SIGSTOP. Waits until all of its threads are stopped: on a busy
+/// computer the others run on until one of them has received the signal.
+pub(crate) fn suspend(pid: u32) {
+    kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), Signal::STOP).unwrap();
+    let is_stopped = |stat: String| {
+        let state = stat
+            .rsplit_once(") ")
+            .map(|(_, fields)| fields.as_bytes()[0]);
+        matches!(state, Some(b'T' | b'Z'))
+    };
+    eventually("all threads are stopped", || {
+        let threads = std::fs::read_dir(format!("/proc/{pid}/task")).unwrap();
+        let stats =
+            threads.map(|thread| std::fs::read_to_string(thread.unwrap().path().join("stat")));
+        // A thread that has ended meanwhile has no file.
+        stats.flatten().all(is_stopped)
+    });
+}
+
 /// Polls until a condition holds, or the watchdog time is over.
 pub(crate) fn eventually(what: &str, mut is_so: impl FnMut() -> bool) {
     let deadline = Instant::now() + WATCHDOG;

@@ -2,7 +2,7 @@
 //! changes survive, the daemon recovers, and nothing is left behind.
 
 use crate::daemon::{
-    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest, run_to_end, wait_for_end,
+    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest, run_to_end, suspend, wait_for_end,
 };
 use crate::skeleton::{id, place_of, wait_for_all};
 use message::ProcessKind;
@@ -211,7 +211,7 @@ fn shared_memory_of_a_crash_is_removed_at_the_next_start() {
     let children = sandbox.processes();
     assert_eq!(children.len(), WITH_CAMERA.len());
     for pid in &children {
-        signal_pid(*pid, Signal::STOP);
+        suspend(*pid);
     }
     daemon.signal_parent(Signal::KILL);
     children.into_iter().for_each(kill_pid);
@@ -365,8 +365,7 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory() {
     teach_two(&daemon);
     let mug = id(nearest(&daemon.objects(), place_of(0, "mug")));
     let perception = daemon.pid(ProcessKind::Perception).unwrap();
-    let perception = Pid::from_raw(perception.cast_signed()).unwrap();
-    kill_process(perception, Signal::STOP).unwrap();
+    suspend(perception);
     wait_for_frames(&daemon, ProcessKind::Camera);
     let report = daemon.ask(&["correct", &mug, "cup"]);
     assert_eq!(report["category"], "cup");
@@ -374,18 +373,14 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory() {
     let (_, sentence) = daemon.refused(&["objects"]);
     assert!(sentence.contains("no answer within"), "{sentence}");
     wait_for_frames(&daemon, ProcessKind::Camera);
-    kill_process(perception, Signal::CONT).unwrap();
+    signal_pid(perception, Signal::CONT);
     wait_for_frames(&daemon, ProcessKind::Perception);
     daemon.wait_for(
         "perception goes on with what was taught meanwhile",
         |objects| !objects.is_empty() && nearest(objects, place_of(0, "mug"))["label"] == "cup",
     );
     let pid = daemon.pid(ProcessKind::Perception).unwrap();
-    assert_eq!(
-        pid,
-        perception.as_raw_nonzero().get().cast_unsigned(),
-        "it was not restarted"
-    );
+    assert_eq!(pid, perception, "it was not restarted");
     daemon.stop();
 }
 
@@ -395,12 +390,11 @@ fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let memory = daemon.pid(ProcessKind::Memory).unwrap();
-    let memory = Pid::from_raw(memory.cast_signed()).unwrap();
-    kill_process(memory, Signal::STOP).unwrap();
+    suspend(memory);
     let (code, sentence) = daemon.refused(&["categories"]);
     assert_eq!(code, 5, "{sentence}");
     assert!(sentence.contains("no answer within"), "{sentence}");
-    kill_process(memory, Signal::CONT).unwrap();
+    signal_pid(memory, Signal::CONT);
     wait_for_frames(&daemon, ProcessKind::Memory);
     wait_for_names(&daemon);
     daemon.stop();
@@ -489,7 +483,7 @@ fn a_stopped_child_does_not_keep_the_daemon_from_ending() {
         let sandbox = Sandbox::new();
         let daemon = sandbox.start(&TABLE);
         wait_for_all(&daemon, 0);
-        daemon.signal(process, Signal::STOP);
+        suspend(daemon.pid(process).unwrap());
         daemon.stop();
     }
 }
