@@ -312,7 +312,7 @@ impl Daemon<'_> {
     /// Sends a signal to one of the daemon's processes.
     pub(crate) fn signal(&self, process: ProcessKind, signal: Signal) {
         let pid = self.pid(process).expect("the process reports its id");
-        kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), signal).unwrap();
+        send_signal(pid, signal).unwrap();
     }
 
     /// Log text of the daemon.
@@ -347,11 +347,7 @@ impl Daemon<'_> {
 
     /// Sends a signal to `tabula run` itself.
     pub(crate) fn signal_parent(&self, signal: Signal) {
-        kill_process(
-            Pid::from_raw(self.child.id().cast_signed()).unwrap(),
-            signal,
-        )
-        .unwrap();
+        send_signal(self.child.id(), signal).unwrap();
     }
 }
 
@@ -429,10 +425,18 @@ pub(crate) fn with_mounts(command: &Command, mounts: &str) -> Command {
     wrapped
 }
 
+/// Sends a signal to a process.
+///
+/// # Errors
+/// When the process has ended.
+pub(crate) fn send_signal(pid: u32, signal: Signal) -> rustix::io::Result<()> {
+    kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), signal)
+}
+
 /// Suspends a process with SIGSTOP. Waits until all of its threads are stopped: on a busy
 /// computer the others run on until one of them has received the signal.
 pub(crate) fn suspend(pid: u32) {
-    kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), Signal::STOP).unwrap();
+    send_signal(pid, Signal::STOP).unwrap();
     let is_stopped = |stat: String| {
         let state = stat
             .rsplit_once(") ")

@@ -2,7 +2,8 @@
 //! changes survive, the daemon recovers, and nothing is left behind.
 
 use crate::daemon::{
-    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest, run_to_end, suspend, wait_for_end,
+    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest, run_to_end, send_signal, suspend,
+    wait_for_end,
 };
 use crate::skeleton::{id, place_of, wait_for_all};
 use message::ProcessKind;
@@ -72,11 +73,7 @@ fn kill(daemon: &Daemon<'_>, process: ProcessKind) {
 
 /// Kills a process that may have ended already.
 fn kill_pid(pid: u32) {
-    signal_pid(pid, Signal::KILL);
-}
-
-fn signal_pid(pid: u32, signal: Signal) {
-    let _ = kill_process(Pid::from_raw(pid.cast_signed()).unwrap(), signal);
+    let _ = send_signal(pid, Signal::KILL);
 }
 
 /// Number of stored views of each category.
@@ -373,7 +370,7 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory() {
     let (_, sentence) = daemon.refused(&["objects"]);
     assert!(sentence.contains("no answer within"), "{sentence}");
     wait_for_frames(&daemon, ProcessKind::Camera);
-    signal_pid(perception, Signal::CONT);
+    send_signal(perception, Signal::CONT).unwrap();
     wait_for_frames(&daemon, ProcessKind::Perception);
     daemon.wait_for(
         "perception goes on with what was taught meanwhile",
@@ -394,7 +391,7 @@ fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
     let (code, sentence) = daemon.refused(&["categories"]);
     assert_eq!(code, 5, "{sentence}");
     assert!(sentence.contains("no answer within"), "{sentence}");
-    signal_pid(memory, Signal::CONT);
+    send_signal(memory, Signal::CONT).unwrap();
     wait_for_frames(&daemon, ProcessKind::Memory);
     wait_for_names(&daemon);
     daemon.stop();

@@ -1,6 +1,7 @@
 //! Record of an open-ended run: questions, stages, metrics.
 
 use crate::recogniser::Answer;
+use serde::Serialize;
 
 /// Question of an open-ended run with its answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +54,7 @@ pub struct StageRecord {
 }
 
 /// Metrics of an open-ended run.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Metrics {
     /// Question/correction iterations (QCI): number of questions.
     pub qci: u32,

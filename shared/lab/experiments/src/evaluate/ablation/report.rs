@@ -42,11 +42,8 @@ pub(super) struct VariantFigures {
 #[derive(Debug, Serialize)]
 struct RunFigures {
     seed: u64,
-    qci: u32,
-    tlc: u32,
-    aic: f64,
-    gca: f64,
-    apa: Option<f64>,
+    #[serde(flatten)]
+    metrics: Metrics,
 }
 
 /// Settings of the ablation study.
@@ -117,27 +114,9 @@ impl VariantFigures {
             apa: mean(|run| run.apa),
             gca_difference: of_others(difference),
             error_ratio: of_others(ratio),
-            runs: runs.map(|(seed, run)| RunFigures::of(seed, run)).collect(),
-        }
-    }
-}
-
-impl RunFigures {
-    fn of(seed: u64, run: &Metrics) -> Self {
-        let Metrics {
-            qci,
-            tlc,
-            aic,
-            gca,
-            apa,
-        } = *run;
-        Self {
-            seed,
-            qci,
-            tlc,
-            aic,
-            gca,
-            apa,
+            runs: runs
+                .map(|(seed, &metrics)| RunFigures { seed, metrics })
+                .collect(),
         }
     }
 }

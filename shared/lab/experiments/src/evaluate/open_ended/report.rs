@@ -45,11 +45,8 @@ pub(super) struct Figures {
 #[derive(Debug, Serialize)]
 pub(super) struct RunFigures {
     pub(super) seed: u64,
-    pub(super) qci: u32,
-    pub(super) tlc: u32,
-    pub(super) aic: f64,
-    pub(super) gca: f64,
-    pub(super) apa: Option<f64>,
+    #[serde(flatten)]
+    pub(super) metrics: Metrics,
     pub(super) corrections: u32,
     pub(super) stop: &'static str,
     pub(super) picture: String,
@@ -120,20 +117,9 @@ impl Figures {
 
 impl RunFigures {
     fn of(run: &OpenEndedRun) -> Self {
-        let Metrics {
-            qci,
-            tlc,
-            aic,
-            gca,
-            apa,
-        } = run.metrics();
         Self {
             seed: run.seed,
-            qci,
-            tlc,
-            aic,
-            gca,
-            apa,
+            metrics: run.metrics(),
             corrections: run.n_corrections(),
             stop: match run.stop {
                 StopReason::AllLearned => "all-learned",

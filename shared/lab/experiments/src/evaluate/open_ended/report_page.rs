@@ -39,13 +39,16 @@ fn rows(document: &OpenEndedReport) -> Vec<Vec<String>> {
 }
 
 fn cells(run: &RunFigures) -> Vec<String> {
-    let apa = run.apa.map_or("-".to_owned(), |apa| format!("{apa:.3}"));
+    let metrics = &run.metrics;
+    let apa = metrics
+        .apa
+        .map_or("-".to_owned(), |apa| format!("{apa:.3}"));
     vec![
         run.seed.to_string(),
-        run.qci.to_string(),
-        run.tlc.to_string(),
-        format!("{:.2}", run.aic),
-        format!("{:.3}", run.gca),
+        metrics.qci.to_string(),
+        metrics.tlc.to_string(),
+        format!("{:.2}", metrics.aic),
+        format!("{:.3}", metrics.gca),
         apa,
         run.stop.to_owned(),
     ]
