@@ -3,7 +3,7 @@
 use crate::arguments::CameraArguments;
 use crate::source::{Playback, SourceSpec};
 use serde::Deserialize;
-use service::{ConfigFile, Failure, exit_code};
+use service::{ConfigFile, Failure};
 
 /// Valid frame rates, hertz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
@@ -48,7 +48,7 @@ impl Config {
             source: given.source.clone().or(written).ok_or_else(|| {
                 let sentence = "no camera is named; say --source kinect, or start the simulated \
                                 table with `tabula run`";
-                Failure::new(exit_code::USAGE, sentence)
+                Failure::usage(sentence)
             })?,
             playback: Playback {
                 rate_hz: given.rate.or(raw.rate_hz),
@@ -58,9 +58,7 @@ impl Config {
             },
             lockstep: given.lockstep || raw.lockstep,
         };
-        config
-            .check()
-            .map_err(|rule| Failure::new(exit_code::USAGE, rule))?;
+        config.check().map_err(Failure::usage)?;
         Ok(config)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::config::Config;
 use crate::source::SourceSpec;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
@@ -15,11 +15,10 @@ pub fn restart_with_recording(config: &Config) -> Result<(), Failure> {
     let SourceSpec::Fakenect(folder) = &config.source else {
         return Ok(());
     };
-    let failed = |error: &dyn std::fmt::Display| Failure::new(exit_code::FAILURE, error);
-    freenect::check_recording(folder).map_err(|e| failed(&e))?;
-    match freenect::restart_with_recording(folder).map_err(|e| failed(&e))? {
+    freenect::check_recording(folder).map_err(Failure::general)?;
+    match freenect::restart_with_recording(folder).map_err(Failure::general)? {
         None => Ok(()),
-        Some(mut command) => Err(failed(&format!(
+        Some(mut command) => Err(Failure::general(format!(
             "could not start again to play {}: {}",
             folder.display(),
             command.exec()
@@ -36,8 +35,5 @@ pub(crate) fn play_again() -> Failure {
             .exec()
     });
     let (Ok(error) | Err(error)) = started;
-    Failure::new(
-        exit_code::FAILURE,
-        format!("could not start again to play on: {error}"),
-    )
+    Failure::general(format!("could not start again to play on: {error}"))
 }

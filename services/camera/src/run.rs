@@ -5,7 +5,7 @@ use crate::fakenect_restart;
 use crate::source::{self, SourceSpec};
 use ::capture::{CaptureEnd, CaptureLoop};
 use message::ProcessState;
-use service::{Context, Failure, exit_code};
+use service::{Context, Failure};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -74,7 +74,7 @@ pub fn check_source(config: &Config) -> Result<(), Failure> {
             .map(drop)
             .map_err(|e| e.to_string()),
     };
-    checked.map_err(|sentence| Failure::new(exit_code::USAGE, sentence))
+    checked.map_err(Failure::usage)
 }
 
 /// Captures on a dedicated thread: devices block, and a Kinect stays on the thread that
@@ -87,16 +87,17 @@ async fn capture(context: Context, config: &Config) -> Result<CaptureEnd, Failur
         .spawn(move || {
             let _ = sender.send(play(context, &config, runtime));
         });
-    let failed = |sentence: String| Failure::new(exit_code::FAILURE, sentence);
-    spawned.map_err(|error| failed(format!("could not start the capture thread: {error}")))?;
+    spawned.map_err(|error| {
+        Failure::general(format!("could not start the capture thread: {error}"))
+    })?;
     ended
         .await
-        .map_err(|_| failed("the capture thread has panicked".into()))?
+        .map_err(|_| Failure::general("the capture thread has panicked"))?
 }
 
 fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd, Failure> {
     let opened = source::open(&config.source, &config.playback);
-    let source = opened.map_err(|error| Failure::new(exit_code::USAGE, error))?;
+    let source = opened.map_err(Failure::usage)?;
     let rate = match source.rate_hz() {
         _ if config.lockstep => "in lockstep".into(),
         Some(rate_hz) => format!("at {rate_hz} Hz"),

@@ -2,7 +2,7 @@
 
 use crate::sweep_axis::SweepAxis;
 use clap::{Args, Parser, Subcommand};
-use service::{CommonArguments, Failure, exit_code};
+use service::{CommonArguments, Failure};
 use std::path::{Path, PathBuf};
 
 /// Default number of measured frames.
@@ -185,8 +185,7 @@ impl LatencyArguments {
             ..defaults
         };
         if arguments.command.is_some() && arguments.measure != defaults {
-            return Err(Failure::new(
-                exit_code::USAGE,
+            return Err(Failure::usage(
                 "options before a subcommand are those of a measurement; put the subcommand's own options after it",
             ));
         }

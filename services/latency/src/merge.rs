@@ -4,7 +4,7 @@ use crate::results::read;
 use command_line::{Output, format_table};
 use latency_report::Histograms;
 use serde::Serialize;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -27,7 +27,7 @@ pub(crate) fn run(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let failed = |path: &Path, error: &dyn std::fmt::Display| {
-        Failure::new(exit_code::USAGE, format!("{}: {error}", path.display()))
+        Failure::usage(format!("{}: {error}", path.display()))
     };
     let mut merged = Histograms::default();
     for path in files {

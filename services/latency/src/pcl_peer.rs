@@ -9,7 +9,7 @@ use dataset::pcd;
 use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
 use point_cloud::OrganizedCloud;
 use serde::Serialize;
-use service::{Failure, exit_code};
+use service::Failure;
 use statistics::spread::Spread;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -89,7 +89,7 @@ pub(crate) fn run(
 
 fn failed(harness: &Path, error: &dyn std::fmt::Display) -> Failure {
     let sentence = format!("the PCL harness {} failed: {error}", harness.display());
-    Failure::new(exit_code::FAILURE, sentence)
+    Failure::general(sentence)
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -107,9 +107,8 @@ fn ours_ms(scenes: &[PathBuf], n_repetitions: usize) -> Result<f64, Failure> {
     let mut detection = Detection::default();
     let mut of_scenes = Vec::with_capacity(scenes.len());
     for path in scenes {
-        let unusable = |error: &dyn std::fmt::Display| {
-            Failure::new(exit_code::USAGE, format!("{}: {error}", path.display()))
-        };
+        let unusable =
+            |error: &dyn std::fmt::Display| Failure::usage(format!("{}: {error}", path.display()));
         let scene = pcd::open(path).map_err(|error| unusable(&error))?;
         let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height)
             .map_err(|error| unusable(&error))?;

@@ -6,7 +6,7 @@ use latency_report::{
     LatencyReport, chrome_trace, compare, percentile_figure, time_figure,
 };
 use serde::Serialize;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -86,7 +86,7 @@ impl AcceptanceResult {
 
 fn unusable(path: &Path, kind: &str, error: impl Display) -> Failure {
     let sentence = format!("{} is no {kind}: {error}", path.display());
-    Failure::new(exit_code::USAGE, sentence)
+    Failure::usage(sentence)
 }
 
 /// Reads a file's text.
@@ -96,7 +96,7 @@ fn unusable(path: &Path, kind: &str, error: impl Display) -> Failure {
 pub(crate) fn read(path: &Path) -> Result<String, Failure> {
     std::fs::read_to_string(path).map_err(|error| {
         let sentence = format!("{} cannot be read: {error}", path.display());
-        Failure::new(exit_code::USAGE, sentence)
+        Failure::usage(sentence)
     })
 }
 
@@ -140,7 +140,7 @@ pub(crate) fn write(
 /// Failure: measurement results could not be written.
 pub(crate) fn not_written(error: impl Display) -> Failure {
     let sentence = format!("the results could not be written: {error}");
-    Failure::new(exit_code::FAILURE, sentence)
+    Failure::general(sentence)
 }
 
 fn histograms(

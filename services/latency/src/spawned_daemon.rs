@@ -31,18 +31,15 @@ pub(crate) struct SpawnedDaemon {
     folder: TempDir,
 }
 
-fn failed(sentence: impl std::fmt::Display) -> Failure {
-    Failure::new(exit_code::FAILURE, sentence)
-}
-
 impl SpawnedDaemon {
     /// Creates a temporary home folder for a daemon.
     ///
     /// # Errors
     /// If it cannot be created.
     pub(crate) fn home() -> Result<TempDir, Failure> {
-        TempDir::with_prefix("tabula-latency-")
-            .map_err(|error| failed(format!("no folder for the daemon could be made: {error}")))
+        TempDir::with_prefix("tabula-latency-").map_err(|error| {
+            Failure::general(format!("no folder for the daemon could be made: {error}"))
+        })
     }
 
     /// Spawns `tabula run` with the given arguments in a home folder, on the first `n_cores`
@@ -57,7 +54,7 @@ impl SpawnedDaemon {
     ) -> Result<Self, Failure> {
         // Short, because it is part of a socket's path.
         let name = format!("lat-{}", std::process::id());
-        let domain = name.parse::<DomainName>().map_err(failed)?;
+        let domain = name.parse::<DomainName>().map_err(Failure::general)?;
         let affinity = n_cores.map(AffinityGuard::first).transpose()?;
         let mut child = spawn(&domain, folder.path(), arguments)?;
         drop(affinity);
@@ -124,11 +121,11 @@ struct AffinityGuard {
 
 impl AffinityGuard {
     fn first(n_cores: usize) -> Result<Self, Failure> {
-        let before = sched_getaffinity(None).map_err(failed)?;
+        let before = sched_getaffinity(None).map_err(Failure::general)?;
         let allowed = (0..CpuSet::MAX_CPU).filter(|core| before.is_set(*core));
         let mut chosen = CpuSet::new();
         allowed.take(n_cores).for_each(|core| chosen.set(core));
-        sched_setaffinity(None, &chosen).map_err(failed)?;
+        sched_setaffinity(None, &chosen).map_err(Failure::general)?;
         Ok(Self { before })
     }
 }
@@ -146,8 +143,8 @@ fn log_file(folder: &Path) -> std::path::PathBuf {
 fn spawn(domain: &DomainName, folder: &Path, arguments: &[String]) -> Result<Child, Failure> {
     let program = std::env::current_exe()
         .map(|own| own.with_file_name("tabula"))
-        .map_err(failed)?;
-    let log = File::create(log_file(folder)).map_err(failed)?;
+        .map_err(Failure::general)?;
+    let log = File::create(log_file(folder)).map_err(Failure::general)?;
     Command::new(&program)
         .args(["run", "--json"])
         .arg(format!("--domain={domain}"))
@@ -161,7 +158,7 @@ fn spawn(domain: &DomainName, folder: &Path, arguments: &[String]) -> Result<Chi
         .process_group(0)
         .spawn()
         .map_err(|error| {
-            failed(format!(
+            Failure::general(format!(
                 "{} could not be started: {error}; build all programs with: \
                  cargo build --release --workspace --bins",
                 program.display()

@@ -103,8 +103,7 @@ impl TraceReader {
 }
 
 fn no_schedule() -> Failure {
-    Failure::new(
-        exit_code::USAGE,
+    Failure::usage(
         "this daemon's frames wait for each other (lockstep), so that there is no schedule to be \
          late for; start it without --lockstep",
     )

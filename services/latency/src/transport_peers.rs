@@ -4,7 +4,7 @@
 //! that is built on demand.
 
 use command_line::Output;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -14,13 +14,10 @@ const MANIFEST: &str = "tests/peers/Cargo.toml";
 /// Builds and runs the transport benchmark, which prints its result.
 pub(crate) fn run(short: bool, output: &Output) -> Result<ExitCode, Failure> {
     let manifest = find(&starting_points()).ok_or_else(|| {
-        Failure::new(
-            exit_code::USAGE,
-            format!(
-                "the peers are not here: {MANIFEST} is in the project's folder; change into it, \
+        Failure::usage(format!(
+            "the peers are not here: {MANIFEST} is in the project's folder; change into it, \
                  or run the program that was built there"
-            ),
-        )
+        ))
     })?;
     let status = Command::new("cargo")
         .args(["run", "--release", "--quiet", "--bin", "transport"])
@@ -32,13 +29,13 @@ pub(crate) fn run(short: bool, output: &Output) -> Result<ExitCode, Failure> {
         .status()
         .map_err(|error| {
             let sentence = format!("cargo, which builds the peers, could not be started: {error}");
-            Failure::new(exit_code::FAILURE, sentence)
+            Failure::general(sentence)
         })?;
     if status.success() {
         return Ok(ExitCode::SUCCESS);
     }
     let sentence = format!("the comparison with the peers has ended with {status}, see above");
-    Err(Failure::new(exit_code::FAILURE, sentence))
+    Err(Failure::general(sentence))
 }
 
 fn starting_points() -> Vec<PathBuf> {

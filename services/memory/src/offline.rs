@@ -14,7 +14,7 @@ use message::control::{
     Command, JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply,
 };
 use perceptual_memory::{RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
-use service::{CommonArguments, Failure, exit_code, wall_clock_ns};
+use service::{CommonArguments, Failure, wall_clock_ns};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -39,7 +39,7 @@ pub(crate) fn run(common: &CommonArguments) -> Result<(), Failure> {
             "--offline serves a client on standard input, which must be a socket ({error}); use \
              `tabula memory` instead"
         );
-        Failure::new(exit_code::USAGE, sentence)
+        Failure::usage(sentence)
     };
     let stream = UnixStream::from(
         std::io::stdin()

@@ -13,8 +13,7 @@ use channel::control::Client;
 use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 use message::{ProcessKind, ProcessState};
 use perceptual_memory::{OpenReport, StoreConfig, StoreHandle, StoreThread};
-use service::{Context, Failure, HealthCounters, TaskGroup, exit_code, wall_clock_ns};
-use std::fmt::Display;
+use service::{Context, Failure, HealthCounters, TaskGroup, wall_clock_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -72,8 +71,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     };
     let outcome = tasks.run(shutdown).await;
     let world_stopped = world_thread.stop();
-    let world_stopped = world_stopped.map_err(failed);
-    let stopped = thread.stop().map_err(failed).and(world_stopped);
+    let world_stopped = world_stopped.map_err(Failure::general);
+    let stopped = thread.stop().map_err(Failure::general).and(world_stopped);
     outcome.and(stopped)
 }
 
@@ -95,11 +94,7 @@ fn open_store(
             }
         }),
     })
-    .map_err(failed)
-}
-
-fn failed(error: impl Display) -> Failure {
-    Failure::new(exit_code::FAILURE, error)
+    .map_err(Failure::general)
 }
 
 /// Logs the result of opening the store; a loss degrades the health.

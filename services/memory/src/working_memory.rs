@@ -4,7 +4,7 @@
 use crate::config::Config;
 use message::ProcessState;
 use parking_lot::Mutex;
-use service::{Context, Failure, HealthCounters, exit_code, wall_clock_ns};
+use service::{Context, Failure, HealthCounters, wall_clock_ns};
 use std::sync::Arc;
 use tokio::sync::watch;
 use working_memory::{
@@ -43,7 +43,7 @@ impl WorkingMemory {
             }),
             on_trouble: on_trouble(context.health.clone()),
         })
-        .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
+        .map_err(Failure::general)?;
         log_report(&context.health, &report);
         let newest_event = handle.with(|model| model.newest_event());
         let world = Self {

@@ -14,8 +14,7 @@ use crate::track_ids::TrackIds;
 use actor::{Events, Placement, PoolConfig, Restart, RestartPolicy, Supervisor, WorkerPool};
 use channel::control::{Client, Server};
 use message::{ProcessKind, ProcessState};
-use service::{Context, Failure, TaskGroup, exit_code};
-use std::fmt::Display;
+use service::{Context, Failure, TaskGroup};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Duration;
@@ -32,10 +31,6 @@ const MAX_ABANDONED: NonZeroUsize = NonZeroUsize::new(3).unwrap();
 const MAILBOX: NonZeroUsize = NonZeroUsize::new(1).unwrap();
 /// Capacity of the event queue: all actors may start and stop in one frame.
 const EVENTS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
-
-fn failed(error: impl Display) -> Failure {
-    Failure::new(exit_code::FAILURE, error)
-}
 
 /// Runs the service until shutdown.
 ///
@@ -84,8 +79,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
             biased;
             () = context.shutdown.requested() => Ok(()),
             outcome = work => outcome,
-            () = pool.exhausted() => Err(failed("too many worker threads have stalled")),
-            escalated = event_publisher.watch() => Err(failed(escalated)),
+            () = pool.exhausted() => Err(Failure::general("too many worker threads have stalled")),
+            escalated = event_publisher.watch() => Err(Failure::general(escalated)),
         }
     };
     let outcome = tasks.run(Box::pin(main)).await;
@@ -115,8 +110,8 @@ fn start_pool(config: &Config) -> Result<WorkerPool, Failure> {
         stall_after: config.worker_stall,
         max_abandoned: MAX_ABANDONED,
     })
-    .map_err(failed)?;
-    pool.start_watchdog().map_err(failed)?;
+    .map_err(Failure::general)?;
+    pool.start_watchdog().map_err(Failure::general)?;
     Ok(pool)
 }
 
@@ -131,7 +126,7 @@ fn start_supervisor(
         FIRST_BACKOFF,
         LONGEST_BACKOFF,
     )
-    .map_err(failed)?;
+    .map_err(Failure::general)?;
     let supervision = actor::Config {
         restart: Restart::Transient,
         policy,

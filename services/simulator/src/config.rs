@@ -2,7 +2,7 @@
 
 use crate::arguments::SimulatorArguments;
 use serde::Deserialize;
-use service::{ConfigFile, Failure, exit_code};
+use service::{ConfigFile, Failure};
 use simulated_world::{ArmMount, MAX_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
 use std::path::{Path, PathBuf};
 
@@ -53,10 +53,9 @@ impl Config {
     pub(crate) fn new(arguments: &SimulatorArguments, file: &ConfigFile) -> Result<Self, Failure> {
         let raw: RawConfig = file.section("simulator")?;
         let given = &arguments.scene;
-        let usage = |rule: String| Failure::new(exit_code::USAGE, rule);
         let scene = given.scene.clone().or(raw.scene);
         let config = Self {
-            plan: plan(scene.as_deref()).map_err(usage)?,
+            plan: plan(scene.as_deref()).map_err(Failure::usage)?,
             n_objects: given.objects.or(raw.objects),
             seed: given.seed.or(raw.seed),
             models: raw
@@ -65,9 +64,11 @@ impl Config {
             rate_hz: given.rate.or(raw.rate_hz).unwrap_or(30.0),
             lockstep: given.lockstep || raw.lockstep,
         };
-        config.check().map_err(usage)?;
+        config.check().map_err(Failure::usage)?;
         if arguments.process.check_config {
-            config.scene().map_err(|error| usage(error.to_string()))?;
+            config
+                .scene()
+                .map_err(|error| Failure::usage(error.to_string()))?;
         }
         Ok(config)
     }

@@ -7,14 +7,10 @@ use crate::world_publishers::WorldPublishers;
 use capture::{CaptureEnd, CaptureLoop};
 use channel::control::Server;
 use message::ProcessKind;
-use service::{Context, Failure, TaskGroup, exit_code};
+use service::{Context, Failure, TaskGroup};
 use simulated_world::World;
 use tokio::runtime::Handle;
 use tokio::sync::oneshot;
-
-fn failed(error: impl std::fmt::Display) -> Failure {
-    Failure::new(exit_code::FAILURE, error)
-}
 
 /// Runs the simulation until shutdown.
 ///
@@ -30,10 +26,12 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         .spawn(move || {
             let _ = sender.send(play(context, &config, requests, runtime));
         });
-    spawned.map_err(|error| failed(format!("could not start the simulation's thread: {error}")))?;
+    spawned.map_err(|error| {
+        Failure::general(format!("could not start the simulation's thread: {error}"))
+    })?;
     let simulation = async {
         let ended = ended.await;
-        outcome(ended.map_err(|_| failed("the simulation's thread has panicked"))?)
+        outcome(ended.map_err(|_| Failure::general("the simulation's thread has panicked"))?)
     };
     let mut tasks = TaskGroup::default();
     tasks.spawn("the control server", server.run());
@@ -44,7 +42,9 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
 fn outcome(ended: Result<CaptureEnd, Failure>) -> Result<(), Failure> {
     match ended? {
         CaptureEnd::Stopped => Ok(()),
-        CaptureEnd::EndOfRecording => Err(failed("the simulation has ended unexpectedly")),
+        CaptureEnd::EndOfRecording => {
+            Err(Failure::general("the simulation has ended unexpectedly"))
+        }
     }
 }
 
@@ -54,14 +54,13 @@ fn play(
     requests: ArmCommandQueue,
     runtime: Handle,
 ) -> Result<CaptureEnd, Failure> {
-    let unusable = |error: simulated_world::Error| Failure::new(exit_code::USAGE, error);
-    let (scene, library) = config.scene().map_err(unusable)?;
+    let (scene, library) = config.scene().map_err(Failure::usage)?;
     tracing::info!(
         "setting up {} with {} objects",
         config.name(),
         scene.objects.len()
     );
-    let mut world = World::new(scene, library).map_err(unusable)?;
+    let mut world = World::new(scene, library).map_err(Failure::usage)?;
     for note in world.take_notes() {
         tracing::warn!("{note}");
     }
@@ -82,7 +81,7 @@ fn play(
         requests,
         world_publishers,
     )
-    .map_err(unusable)?;
+    .map_err(Failure::usage)?;
     let health = context.health.clone();
     let capture = CaptureLoop::new(context, Box::new(source), config.lockstep, runtime)?;
     health
@@ -94,6 +93,7 @@ fn play(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use service::exit_code;
 
     #[test]
     fn a_simulation_that_ends_by_itself_is_a_failure() {

@@ -14,7 +14,7 @@ pub(crate) use world::{
 
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
-use service::{CommonArguments, Failure, exit_code};
+use service::{CommonArguments, Failure};
 use std::ffi::OsString;
 
 /// The perception daemon of a service robot: detects and tracks the objects on a table,
@@ -269,7 +269,7 @@ impl RunArguments {
             };
             if is_given && is_for_camera != is_camera {
                 let sentence = format!("{name} has no meaning for {other}; leave it out");
-                return Err(Failure::new(exit_code::USAGE, sentence));
+                return Err(Failure::usage(sentence));
             }
             Ok(())
         };

@@ -51,10 +51,9 @@ fn ask(common: &CommonArguments, command: ArmCommand) -> Result<ArmReport, Failu
     let mut client = connect(common)?;
     match call(&mut client, Command::Arm(command))? {
         Reply::Arm(report) => Ok(report),
-        other => Err(Failure::new(
-            exit_code::FAILURE,
-            format!("the daemon answered the arm's command with {other:?}"),
-        )),
+        other => Err(Failure::general(format!(
+            "the daemon answered the arm's command with {other:?}"
+        ))),
     }
 }
 
@@ -68,8 +67,7 @@ fn move_to(to: &ArmMove) -> Result<ArmCommand, Failure> {
     let position_m = [to.x, to.y, to.z];
     let numbers = position_m.iter().chain([&to.tilt, &to.yaw]);
     if !numbers.copied().all(f64::is_finite) {
-        return Err(Failure::new(
-            exit_code::USAGE,
+        return Err(Failure::usage(
             "position, tilt and yaw must be finite numbers",
         ));
     }

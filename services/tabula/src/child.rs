@@ -33,7 +33,7 @@ impl Child {
     /// Starts a child process.
     pub(crate) fn start(process: ProcessKind, arguments: Vec<String>) -> Result<Self, Failure> {
         let policy = RestartPolicy::new(MAX_RESTARTS, WINDOW, FIRST_BACKOFF, LONGEST_BACKOFF)
-            .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
+            .map_err(Failure::general)?;
         let state = ChildState::Running(spawn(process, &arguments)?);
         Ok(Self {
             process,
@@ -95,14 +95,11 @@ impl Child {
                 };
                 Ok(())
             }
-            RestartDecision::Escalate => Err(Failure::new(
-                exit_code::FAILURE,
-                format!(
-                    "{program} has ended more than {MAX_RESTARTS} times within {} s ({status}); \
+            RestartDecision::Escalate => Err(Failure::general(format!(
+                "{program} has ended more than {MAX_RESTARTS} times within {} s ({status}); \
                      see its messages above, and try: tabula doctor",
-                    WINDOW.as_secs()
-                ),
-            )),
+                WINDOW.as_secs()
+            ))),
         }
     }
 
@@ -187,16 +184,13 @@ fn program(process: ProcessKind) -> Result<PathBuf, Failure> {
     if program.exists() {
         return Ok(program);
     }
-    Err(Failure::new(
-        exit_code::FAILURE,
-        format!(
-            "{} is not there; build all programs with: cargo build --release --workspace --bins",
-            program.display()
-        ),
-    ))
+    Err(Failure::general(format!(
+        "{} is not there; build all programs with: cargo build --release --workspace --bins",
+        program.display()
+    )))
 }
 
 fn start_failure(process: ProcessKind, error: &std::io::Error) -> Failure {
     let sentence = format!("{} could not be started: {error}", process.program());
-    Failure::new(exit_code::FAILURE, sentence)
+    Failure::general(sentence)
 }

@@ -164,12 +164,7 @@ fn read(arguments: &PutArguments) -> Result<Vec<u8>, Failure> {
             .take(MAX_BYTES + 1)
             .read_to_end(&mut content),
     };
-    result.map_err(|error| {
-        Failure::new(
-            exit_code::FAILURE,
-            format!("{from} could not be read: {error}"),
-        )
-    })?;
+    result.map_err(|error| Failure::general(format!("{from} could not be read: {error}")))?;
     if content.len() as u64 > MAX_BYTES {
         let sentence = format!("{from} is too long: store at most {MAX_BYTES} bytes under a name");
         return Err(Failure::new(exit_code::REFUSED, sentence));

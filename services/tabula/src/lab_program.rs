@@ -1,7 +1,7 @@
 //! Subcommands executed by another program: `tabula-lab` and `tabula-latency`.
 
 use crate::arguments::CliArguments;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::ffi::{OsStr, OsString};
 use std::os::unix::process::CommandExt;
 use std::process::{Command, ExitCode};
@@ -35,7 +35,7 @@ fn become_program(
             "{program} could not be started: {error}; build it with: \
              cargo build --release -p {package}"
         );
-        Failure::new(exit_code::FAILURE, sentence)
+        Failure::general(sentence)
     };
     let own = std::env::current_exe().map_err(not_there)?;
     let common = &arguments.common;

@@ -2,7 +2,7 @@
 
 use message::ProcessKind;
 use serde::Deserialize;
-use service::{CommonArguments, ConfigFile, Failure, exit_code};
+use service::{CommonArguments, ConfigFile, Failure};
 
 /// Source name of the simulator.
 const SIMULATION: &str = "simulation";
@@ -43,8 +43,7 @@ impl Sensor {
 
     fn named(source: &str) -> Result<Self, Failure> {
         match source.split_once(':') {
-            Some((SIMULATION, "")) => Err(Failure::new(
-                exit_code::USAGE,
+            Some((SIMULATION, "")) => Err(Failure::usage(
                 "simulation: needs a scene, for example simulation:pile, or no colon",
             )),
             Some((SIMULATION, scene)) => Ok(Self::Simulator {

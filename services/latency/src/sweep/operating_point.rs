@@ -2,7 +2,7 @@
 
 use crate::arguments::SourceArguments;
 use crate::sweep_axis::SweepAxis;
-use service::{Failure, exit_code};
+use service::Failure;
 
 /// Operating point of a sweep: the conditions of one measurement.
 #[derive(Debug, Clone)]
@@ -44,13 +44,10 @@ pub(super) fn operating_points(
     let possible = axis.permitted_values();
     if let Some(value) = values.iter().find(|value| !possible.contains(value)) {
         let (least, most) = (possible.start(), possible.end());
-        return Err(Failure::new(
-            exit_code::USAGE,
-            format!(
-                "a value of {} is from {least} to {most}, not {value}",
-                axis.word()
-            ),
-        ));
+        return Err(Failure::usage(format!(
+            "a value of {} is from {least} to {most}, not {value}",
+            axis.word()
+        )));
     }
     let values = if values.is_empty() {
         axis.default_values()

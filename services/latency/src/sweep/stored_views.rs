@@ -14,7 +14,7 @@ use perceptual_memory::{
 use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
 use random::Random;
-use service::{Failure, Home, exit_code};
+use service::{Failure, Home};
 use std::f64::consts::TAU;
 use std::fmt::Display;
 use std::path::Path;
@@ -32,7 +32,7 @@ const QUEUE: usize = 16;
 
 fn failed(error: impl Display) -> Failure {
     let sentence = format!("the views to be compared with could not be stored: {error}");
-    Failure::new(exit_code::FAILURE, sentence)
+    Failure::general(sentence)
 }
 
 /// Stores and teaches `n_views` views in a daemon's home; returns the last sequence number of the

@@ -73,7 +73,7 @@ fn partial(file: &Path) -> PathBuf {
 
 fn file_failed(doing: &str, file: &Path, error: &io::Error) -> Failure {
     let sentence = format!("{} could not be {doing}: {error}", file.display());
-    Failure::new(exit_code::FAILURE, sentence)
+    Failure::general(sentence)
 }
 
 fn write_export(
@@ -102,7 +102,7 @@ fn write_export(
         offset += bytes.len() as u64;
         match report.outcome {
             Some(JobOutcome::Exported(report)) if offset == report.bytes => break report,
-            Some(JobOutcome::Failed(why)) => return Err(Failure::new(exit_code::FAILURE, why)),
+            Some(JobOutcome::Failed(why)) => return Err(Failure::general(why)),
             _ if bytes.is_empty() => std::thread::sleep(POLL_PERIOD),
             _ => {}
         }
@@ -123,7 +123,7 @@ pub(super) fn import(
         let pair = pair.map(|(from, to)| (from.to_owned(), to.to_owned()));
         pair.ok_or_else(|| {
             let sentence = format!("{text:?} renames nothing: write it as FROM=TO");
-            Failure::new(exit_code::USAGE, sentence)
+            Failure::usage(sentence)
         })
     });
     let renames = renames.collect::<Result<Vec<_>, _>>()?;

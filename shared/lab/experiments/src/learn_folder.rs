@@ -3,7 +3,6 @@
 mod folder_describer;
 
 use crate::arguments::{LearnArguments, UpAxis};
-use crate::failure::failed;
 use crate::parallel;
 use command_line::{Output, progress_bar};
 use control_client::{ImportError, ImportRequest, MemoryClient, author_or_user, connect, import};
@@ -13,7 +12,7 @@ use folder_describer::FolderDescriber;
 use learning::CategoryName;
 use perceptual_memory::{DecisionStamp, PortableWriter};
 use serde::Serialize;
-use service::{CommonArguments, Failure, exit_code, wall_clock_ns};
+use service::{CommonArguments, Failure, wall_clock_ns};
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{BufWriter, Seek};
@@ -53,8 +52,7 @@ pub fn run(
     arguments: &LearnArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let views = ObjectViews::open(&arguments.folder)
-        .map_err(|error| Failure::new(exit_code::USAGE, error))?;
+    let views = ObjectViews::open(&arguments.folder).map_err(Failure::usage)?;
     let up = arguments.up.and_then(UpAxis::direction);
     if up.is_none() && (arguments.up.is_some() || !views.is_up_known()) {
         return Err(up_unknown(&arguments.folder));
@@ -83,7 +81,7 @@ pub fn run(
         let mut memory = MemoryClient::from(connect(common)?);
         let imported = import(&mut memory, &mut file, request, output);
         let imported = imported.map_err(|error| match error {
-            ImportError::RefusedFile(reason) => failed(reason),
+            ImportError::RefusedFile(reason) => Failure::general(reason),
             ImportError::Failure(failure) => failure,
         })?;
         report.n_views_changed = imported.n_views_changed;
@@ -96,14 +94,11 @@ pub fn run(
 }
 
 fn up_unknown(folder: &Path) -> Failure {
-    Failure::new(
-        exit_code::USAGE,
-        format!(
-            "objects are described upright, but the views in {} do not tell what is up: say it by \
+    Failure::usage(format!(
+        "objects are described upright, but the views in {} do not tell what is up: say it by \
              --up, as in --up z",
-            folder.display()
-        ),
-    )
+        folder.display()
+    ))
 }
 
 /// Name of the folder in the history: the last component of its path.
@@ -137,13 +132,14 @@ fn write(
 ) -> Result<File, Failure> {
     let unwritable = |error: std::io::Error| {
         let place = std::env::temp_dir();
-        failed(format!(
+        Failure::general(format!(
             "the described views could not be written to {}: {error}; name a folder with more \
              room by the variable TMPDIR",
             place.display()
         ))
     };
-    let appearance = AppearanceDescriptor::new(AppearanceWeights::default()).map_err(failed)?;
+    let appearance =
+        AppearanceDescriptor::new(AppearanceWeights::default()).map_err(Failure::general)?;
     let mut file = tempfile::tempfile().map_err(unwritable)?;
     let mut writer = PortableWriter::new(BufWriter::new(&file)).map_err(unwritable)?;
     let bar = progress_bar(folder.views.files().len() as u64, "views", output);

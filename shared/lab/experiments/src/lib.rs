@@ -25,7 +25,6 @@ pub mod simulate;
 pub mod sweep;
 
 mod csv;
-mod failure;
 mod output_files;
 mod parallel;
 mod timing;

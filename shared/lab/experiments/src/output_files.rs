@@ -1,16 +1,15 @@
 //! Output files and folders: atomic writes whose errors are command-line failures.
 
-use crate::failure::failed;
 use service::Failure;
 use std::path::Path;
 
 /// Writes a file atomically: a partial file and a rename, so that an interruption leaves no half
 /// file under that name.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    dataset::write_atomic(path, bytes).map_err(failed)
+    dataset::write_atomic(path, bytes).map_err(Failure::general)
 }
 
 /// Creates a folder and its parents, if missing.
 pub(crate) fn create_folder(path: &Path) -> Result<(), Failure> {
-    dataset::create_folder(path).map_err(failed)
+    dataset::create_folder(path).map_err(Failure::general)
 }

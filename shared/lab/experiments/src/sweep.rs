@@ -11,14 +11,13 @@ mod report;
 mod scratch_workspace;
 
 use crate::arguments::SweepArguments;
-use crate::failure::failed;
 use crate::output_files::create_folder;
 use command_line::{Output, progress_bar};
 use constant::Constant;
 use measurement::Measurement;
 use report::{SweepReport, SweepRow};
 use scratch_workspace::ScratchWorkspace;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -57,7 +56,7 @@ pub fn run(arguments: &SweepArguments, output: &Output) -> Result<ExitCode, Fail
 
 /// Root of the workspace that contains the current folder.
 fn workspace_root() -> Result<PathBuf, Failure> {
-    let here = std::env::current_dir().map_err(failed)?;
+    let here = std::env::current_dir().map_err(Failure::general)?;
     let is_root = |folder: &&Path| {
         let manifest = std::fs::read_to_string(folder.join("Cargo.toml"));
         manifest.is_ok_and(|text| text.contains("[workspace]")) && folder.join("shared").is_dir()
@@ -65,13 +64,12 @@ fn workspace_root() -> Result<PathBuf, Failure> {
     let root = here.ancestors().find(is_root).map(Path::to_owned);
     root.ok_or_else(|| {
         let sentence = "a sweep builds the kernels: call it in the source tree of tabula";
-        Failure::new(exit_code::USAGE, sentence)
+        Failure::usage(sentence)
     })
 }
 
 /// Constants that the arguments name as `FILE:NAME` or `FILE`, in their order.
 fn named_constants(root: &Path, names: &[String]) -> Result<Vec<Constant>, Failure> {
-    let usage = |sentence: String| Failure::new(exit_code::USAGE, sentence);
     let mut constants = Vec::new();
     for name in names {
         let (file, wanted) = match name.split_once(':') {
@@ -79,13 +77,15 @@ fn named_constants(root: &Path, names: &[String]) -> Result<Vec<Constant>, Failu
             None => (name.as_str(), None),
         };
         let text = std::fs::read_to_string(root.join(file))
-            .map_err(|error| usage(format!("{file} cannot be read: {error}")))?;
+            .map_err(|error| Failure::usage(format!("{file} cannot be read: {error}")))?;
         let found = constant::all(Path::new(file), &text);
         let before = constants.len();
         let is_wanted = |constant: &Constant| wanted.is_none_or(|wanted| constant.name == wanted);
         constants.extend(found.into_iter().filter(is_wanted));
         if constants.len() == before {
-            return Err(usage(format!("{name}: no number constant of that name")));
+            return Err(Failure::usage(format!(
+                "{name}: no number constant of that name"
+            )));
         }
     }
     Ok(constants)

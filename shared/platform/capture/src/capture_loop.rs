@@ -8,9 +8,7 @@ use crate::source_error::SourceError;
 use channel::topic::CameraCloud;
 use channel::{Loan, Publisher};
 use message::{FrameHeader, ProcessState, Stage, Text, WireTransform, frame_flag, points_mut};
-use service::{
-    Context, Failure, Stopwatch, TracePublisher, exit_code, monotonic_ns, wall_clock_offset_ns,
-};
+use service::{Context, Failure, Stopwatch, TracePublisher, monotonic_ns, wall_clock_offset_ns};
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -113,7 +111,7 @@ impl CaptureLoop {
                     return Ok(CaptureEnd::EndOfRecording);
                 }
                 Err(SourceError::Unusable(sentence)) => {
-                    return Err(Failure::new(exit_code::USAGE, sentence));
+                    return Err(Failure::usage(sentence));
                 }
                 Err(error @ SourceError::Frame { .. }) => {
                     // A looped recording repeats its bad frames in every round.

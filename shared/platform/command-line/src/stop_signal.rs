@@ -1,7 +1,7 @@
 //! Stop signal of a program without an async runtime.
 
 use parking_lot::{Condvar, Mutex};
-use service::{Failure, exit_code};
+use service::Failure;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
@@ -16,12 +16,7 @@ impl StopSignal {
     /// # Errors
     /// When the signal handlers cannot be installed.
     pub fn install() -> Result<Self, Failure> {
-        let failed = |error| {
-            Failure::new(
-                exit_code::FAILURE,
-                format!("could not listen for signals: {error}"),
-            )
-        };
+        let failed = |error| Failure::general(format!("could not listen for signals: {error}"));
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_io()
             .build()

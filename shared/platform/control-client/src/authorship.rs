@@ -1,7 +1,7 @@
 //! Author and idempotency key of a change.
 
 use message::control::MutationId;
-use service::{Failure, exit_code};
+use service::Failure;
 
 /// Author of a change: the given name, else the user's name, else the user id.
 pub fn author_or_user(author: Option<&str>) -> String {
@@ -15,5 +15,5 @@ pub fn author_or_user(author: Option<&str>) -> String {
 /// # Errors
 /// If the operating system provides no random numbers.
 pub fn mutation_id() -> Result<MutationId, Failure> {
-    MutationId::random().map_err(|error| Failure::new(exit_code::FAILURE, error))
+    MutationId::random().map_err(Failure::general)
 }

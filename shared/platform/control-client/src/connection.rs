@@ -50,8 +50,5 @@ fn call_failure(error: &CallError) -> Failure {
 
 /// Failure of a reply that does not fit its command.
 pub fn unexpected_reply(reply: &Reply) -> Failure {
-    Failure::new(
-        exit_code::FAILURE,
-        format!("the daemon answered something else: {reply:?}"),
-    )
+    Failure::general(format!("the daemon answered something else: {reply:?}"))
 }

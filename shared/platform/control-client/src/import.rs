@@ -7,7 +7,7 @@ use command_line::{Output, progress_bar};
 use message::control::{
     ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MAX_MESSAGE_BYTES, Reply,
 };
-use service::{Failure, exit_code};
+use service::Failure;
 use std::fs::File;
 use std::io::{self, Read};
 
@@ -81,7 +81,7 @@ pub fn import(
 fn upload(memory: &mut MemoryClient, file: &mut File, output: &Output) -> Result<u64, Failure> {
     let failed = |error: io::Error| {
         let sentence = format!("the file to be imported could not be read: {error}");
-        Failure::new(exit_code::FAILURE, sentence)
+        Failure::general(sentence)
     };
     let n_bytes = file.metadata().map_err(failed)?.len();
     let job = memory.start_job(JobKind::Import)?.job;

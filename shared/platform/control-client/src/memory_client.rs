@@ -112,7 +112,7 @@ impl MemoryClient {
                 "tabula-memory could not be started: {error}; it belongs into the folder of this \
                  program"
             );
-            Failure::new(exit_code::FAILURE, sentence)
+            Failure::general(sentence)
         };
         let (socket, child_socket) = UnixStream::pair().map_err(not_started)?;
         let own = std::env::current_exe().map_err(not_started)?;
@@ -125,8 +125,8 @@ impl MemoryClient {
             .spawn()
             .map_err(not_started)?;
         let offline = OfflineProcess(child);
-        let client = SocketClient::from_stream(socket, OFFLINE_DEADLINE)
-            .map_err(|error| Failure::new(exit_code::FAILURE, error))?;
+        let client =
+            SocketClient::from_stream(socket, OFFLINE_DEADLINE).map_err(Failure::general)?;
         Ok(Self {
             client,
             _offline: Some(offline),
@@ -170,7 +170,7 @@ impl MemoryClient {
         on_progress: impl FnMut(&JobReport),
     ) -> Result<JobOutcome, Failure> {
         match self.job_outcome(job, on_progress)? {
-            JobOutcome::Failed(reason) => Err(Failure::new(exit_code::FAILURE, reason)),
+            JobOutcome::Failed(reason) => Err(Failure::general(reason)),
             outcome => Ok(outcome),
         }
     }

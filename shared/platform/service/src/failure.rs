@@ -38,6 +38,16 @@ impl Failure {
             sentence: sentence.to_string(),
         }
     }
+
+    /// Creates a failure with the general exit code.
+    pub fn general(sentence: impl fmt::Display) -> Self {
+        Self::new(exit_code::FAILURE, sentence)
+    }
+
+    /// Creates a failure with the exit code of wrong usage.
+    pub fn usage(sentence: impl fmt::Display) -> Self {
+        Self::new(exit_code::USAGE, sentence)
+    }
 }
 
 impl From<channel::Error> for Failure {
@@ -53,6 +63,6 @@ impl From<channel::Error> for Failure {
 
 impl From<crate::ConfigError> for Failure {
     fn from(error: crate::ConfigError) -> Self {
-        Self::new(exit_code::USAGE, error)
+        Self::usage(error)
     }
 }

@@ -4,7 +4,7 @@ use crate::health_reporter::HealthReporter;
 use crate::shutdown::on_signals;
 use crate::{
     CommonArguments, ConfigFile, Context, Failure, HealthCounters, Home, ProcessArguments,
-    Shutdown, exit_code, log,
+    Shutdown, log,
 };
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
@@ -73,12 +73,7 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
         .thread_name(process.name())
         .enable_all()
         .build()
-        .map_err(|error| {
-            Failure::new(
-                exit_code::FAILURE,
-                format!("could not start the runtime: {error}"),
-            )
-        })?;
+        .map_err(|error| Failure::general(format!("could not start the runtime: {error}")))?;
     let outcome = runtime.block_on(async {
         let program = process.program();
         let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Only(&program))?;
@@ -92,12 +87,8 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
                 .map_or("built in".into(), |path| path.display().to_string()),
         );
         let (trigger, shutdown) = Shutdown::new();
-        on_signals(trigger.clone()).map_err(|error| {
-            Failure::new(
-                exit_code::FAILURE,
-                format!("could not listen for signals: {error}"),
-            )
-        })?;
+        on_signals(trigger.clone())
+            .map_err(|error| Failure::general(format!("could not listen for signals: {error}")))?;
         let health = Arc::new(HealthCounters::default());
         let reporter = HealthReporter::new(&domain, process, health.clone())?;
         let reporter = tokio::spawn(reporter.run(shutdown.clone()));

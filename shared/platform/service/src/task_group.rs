@@ -4,7 +4,7 @@
 //! panic, the group stops the others and returns a [`Failure`] that names the task:
 //! the process ends with a non-zero exit code, and the service manager starts it again.
 
-use crate::{Failure, exit_code};
+use crate::Failure;
 use std::any::Any;
 use std::collections::HashMap;
 use std::future::Future;
@@ -61,7 +61,7 @@ impl TaskGroup {
             Err(error) => (error.id(), manner_of(error)),
         };
         let name = self.names.get(&id).copied().unwrap_or("a task");
-        Failure::new(exit_code::FAILURE, format!("{name} {manner}"))
+        Failure::general(format!("{name} {manner}"))
     }
 }
 
@@ -83,6 +83,7 @@ fn message_of(panic: &(dyn Any + Send)) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exit_code;
     use std::future::{pending, ready};
     use std::sync::Arc;
 

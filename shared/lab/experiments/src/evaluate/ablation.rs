@@ -9,7 +9,6 @@ use super::recognition::{RecogniserFactory, RecognitionMethod};
 use super::view_selection::ViewSelection;
 use super::view_table::ViewTable;
 use crate::arguments::{AblationArguments, AblationVariant};
-use crate::failure::failed;
 use crate::output_files::{create_folder, write};
 use crate::parallel;
 use clap::ValueEnum;
@@ -86,7 +85,7 @@ fn play_all(
             let mut recogniser = factories[job / n_runs].recogniser();
             let seed = arguments.seed.wrapping_add((job % n_runs) as u64);
             let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
-            run.map(|run| run.metrics()).map_err(failed)
+            run.map(|run| run.metrics()).map_err(Failure::general)
         },
     );
     bar.finish_and_clear();
@@ -111,9 +110,9 @@ fn write_all(
     let out = &arguments.out;
     write(
         &out.join(report_page::PICTURE),
-        svg.map_err(failed)?.as_bytes(),
+        svg.map_err(Failure::general)?.as_bytes(),
     )?;
-    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
     write(&out.join("ablation.json"), json.as_bytes())?;
     write(
         &out.join("index.html"),

@@ -9,7 +9,6 @@ mod report_page;
 
 use super::scene_views;
 use crate::arguments::CrossValidationArguments;
-use crate::failure::failed;
 use crate::output_files::{create_folder, write};
 use crate::parallel;
 use command_line::{Output, progress_bar};
@@ -53,14 +52,14 @@ fn write_all(
     for (view, answer) in results.iter().flat_map(|result| &result.answers) {
         confusion.count(views.labels[*view].category, answer.category);
     }
-    let svg = confusion_matrix_svg(&confusion, &views.categories).map_err(failed)?;
+    let svg = confusion_matrix_svg(&confusion, &views.categories).map_err(Failure::general)?;
     write(&out.join("confusion.svg"), svg.as_bytes())?;
     if let Some(path) = &arguments.log {
         write(path, question_log::csv(results, data).as_bytes())?;
     }
     let document = CrossValidationReport::of(arguments, data, results, &confusion)
-        .ok_or_else(|| failed("no view of a taught category was asked"))?;
-    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+        .ok_or_else(|| Failure::general("no view of a taught category was asked"))?;
+    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
     write(&out.join("cross-validation.json"), json.as_bytes())?;
     let page = report_page::page(&document, data);
     write(&out.join("index.html"), page.as_bytes())?;

@@ -5,7 +5,6 @@ mod report_page;
 mod scene_result;
 
 use crate::arguments::DetectionArguments;
-use crate::failure::{failed, usage};
 use crate::output_files::{create_folder, write};
 use crate::timing::durations_ms;
 use command_line::{Output, progress_bar};
@@ -47,7 +46,7 @@ fn scene_error(error: impl std::fmt::Display) -> SceneError {
 
 /// Scores, times and draws all scenes; the worst scene comes first in the report.
 pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let scenes = LabelledScenes::open(&arguments.dataset).map_err(usage)?;
+    let scenes = LabelledScenes::open(&arguments.dataset).map_err(Failure::usage)?;
     create_folder(&arguments.out.join(PICTURES))?;
     if let Some(labels) = &arguments.labels {
         create_folder(labels)?;
@@ -77,7 +76,7 @@ pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<Exi
     let Some(document) = DetectionReport::of(&results, &skipped, arguments) else {
         return Err(nothing_scored(arguments, &skipped));
     };
-    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
     let page = report_page::page(&document, &results);
     write(&arguments.out.join("index.html"), page.as_bytes())?;
     write(&arguments.out.join("detection.json"), json.as_bytes())?;
@@ -90,7 +89,7 @@ fn nothing_scored(arguments: &DetectionArguments, skipped: &[SkippedScene]) -> F
     let first = first.map_or(String::new(), |SkippedScene { name, reason }| {
         format!("; the first, {name}: {reason}")
     });
-    failed(format!(
+    Failure::general(format!(
         "none of the scenes of {} could be scored{first}",
         arguments.dataset.display()
     ))
@@ -142,7 +141,10 @@ impl<'a> SceneEvaluator<'a> {
         })?;
         let picture = format!("{PICTURES}/{}.png", entry.name);
         let image = scene_picture::draw(&scene, self.detection.table.as_ref(), &found, &overlaps);
-        write(&self.arguments.out.join(&picture), &image.map_err(failed)?)?;
+        write(
+            &self.arguments.out.join(&picture),
+            &image.map_err(Failure::general)?,
+        )?;
         let repeats = self.arguments.repeats;
         let detection_ms = durations_ms(repeats, || self.detect(&frame)).map_err(scene_error)?;
         let Ok(pass_ms) = durations_ms(repeats, || {

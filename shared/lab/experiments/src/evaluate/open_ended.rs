@@ -8,7 +8,6 @@ use super::recognition::RecogniserFactory;
 use super::view_selection::read_and_describe;
 use crate::arguments::{OpenEndedArguments, ViewProtocol};
 use crate::evaluate::view_table::ViewTable;
-use crate::failure::failed;
 use crate::output_files::{create_folder, write};
 use crate::parallel;
 use command_line::{Output, progress_bar};
@@ -16,7 +15,7 @@ use evaluation::open_ended::{
     self as teacher, LessonSplit, OpenEndedRun, Protocol, overview_svg, run_svg,
 };
 use report::OpenEndedReport;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -46,7 +45,7 @@ pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<Exi
         write(path, question_log::csv(&runs, &views).as_bytes())?;
     }
     let document = OpenEndedReport::of(arguments, &protocol, &views, &runs, ask_ms);
-    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
     write(&arguments.out.join("open-ended.json"), json.as_bytes())?;
     let page = report_page::page(&document);
     write(&arguments.out.join("index.html"), page.as_bytes())?;
@@ -73,8 +72,7 @@ pub(super) fn lesson_split(protocol: ViewProtocol) -> LessonSplit {
 
 /// Records the categories that the protocol excludes as omissions.
 pub(super) fn record_exclusions(protocol: &Protocol, views: &mut ViewTable) -> Result<(), Failure> {
-    let categories = teacher::usable_categories(protocol, &views.labels)
-        .map_err(|error| Failure::new(exit_code::USAGE, error))?;
+    let categories = teacher::usable_categories(protocol, &views.labels).map_err(Failure::usage)?;
     for (category, reason) in categories {
         let Some(reason) = reason else { continue };
         let of_category = views.labels.iter().filter(|view| view.category == category);
@@ -112,7 +110,8 @@ fn play_all(
             let mut recogniser = factory.recogniser();
             let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
             let play_ms = begin.elapsed().as_secs_f64() * 1e3;
-            run.map(|run| TimedRun { run, play_ms }).map_err(failed)
+            run.map(|run| TimedRun { run, play_ms })
+                .map_err(Failure::general)
         },
     );
     bar.finish_and_clear();
@@ -126,10 +125,10 @@ fn draw(
     views: &ViewTable,
     runs: &[OpenEndedRun],
 ) -> Result<(), Failure> {
-    let overview = overview_svg(runs).map_err(failed)?;
+    let overview = overview_svg(runs).map_err(Failure::general)?;
     write(&arguments.out.join("overview.svg"), overview.as_bytes())?;
     for run in runs {
-        let svg = run_svg(run, &views.categories, protocol.tau).map_err(failed)?;
+        let svg = run_svg(run, &views.categories, protocol.tau).map_err(Failure::general)?;
         write(&arguments.out.join(picture(run.seed)), svg.as_bytes())?;
     }
     Ok(())

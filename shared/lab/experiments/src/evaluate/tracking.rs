@@ -12,7 +12,6 @@ mod tracking_pipeline;
 mod tracking_run;
 
 use crate::arguments::TrackingArguments;
-use crate::failure::failed;
 use crate::output_files::{create_folder, write};
 use crate::parallel;
 use command_line::{Output, progress_bar};
@@ -22,7 +21,7 @@ use indicatif::ProgressBar;
 use recorded_sequence::RecordedSequence;
 use report::TrackingReport;
 use scenario::Scenario;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::path::Path;
 use std::process::ExitCode;
 use tracking_run::{TrackedSequence, TrackingRun};
@@ -40,8 +39,7 @@ pub(super) fn run(arguments: &TrackingArguments, output: &Output) -> Result<Exit
     };
     match &arguments.dataset {
         Some(folder) if scenarios.is_empty() => run_recording(folder, arguments, output),
-        _ if arguments.labels.is_some() => Err(Failure::new(
-            exit_code::USAGE,
+        _ if arguments.labels.is_some() => Err(Failure::usage(
             "--labels names the objects of a recording without truth; the objects of scenes are \
              known",
         )),
@@ -94,7 +92,7 @@ fn finish(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let document = TrackingReport::of(runs, arguments);
-    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
     write(&arguments.out.join("tracking.json"), json.as_bytes())?;
     let page = report_page::page(&document);
     write(&arguments.out.join("index.html"), page.as_bytes())?;
@@ -136,7 +134,7 @@ fn scored(
     let picture = format!("{PICTURES}/{stem}.svg");
     let figure =
         track_figure::figure_with_ground_truth(&title, &sequence.frames, &matches, &sequence.names);
-    let svg = figure.svg().map_err(failed)?;
+    let svg = figure.svg().map_err(Failure::general)?;
     write(&arguments.out.join(&picture), svg.as_bytes())?;
     Ok(TrackingRun {
         scene,

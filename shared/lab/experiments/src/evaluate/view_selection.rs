@@ -5,7 +5,6 @@ use super::recognition::{
 };
 use super::view_table::{Omissions, ViewTable};
 use crate::arguments::DescriptionArguments;
-use crate::failure::{failed, usage};
 use crate::parallel;
 use command_line::{Output, progress_bar};
 use dataset::object_views::{ObjectView, ObjectViews, ViewFile};
@@ -26,7 +25,7 @@ pub(super) struct ViewSelection {
 impl ViewSelection {
     /// Lists a data set and selects at most `views_max` views of each category.
     pub(super) fn open(dataset: &Path, views_max: Option<u32>) -> Result<Self, Failure> {
-        let views = ObjectViews::open(dataset).map_err(usage)?;
+        let views = ObjectViews::open(dataset).map_err(Failure::usage)?;
         let most = views_max.map_or(usize::MAX, |n| n as usize);
         Ok(Self {
             selected: selected(views.files(), most),
@@ -90,7 +89,7 @@ impl ViewSelection {
         }
         if files.is_empty() {
             let first = left_out.reasons.first().map_or("", String::as_str);
-            return Err(failed(format!(
+            return Err(Failure::general(format!(
                 "none of the {} views can be used; the first: {first}",
                 left_out.n
             )));

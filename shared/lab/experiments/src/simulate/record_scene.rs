@@ -1,7 +1,6 @@
 //! `tabula-lab simulate scene`: RGB-D sequence of a simulated scene with ground truth.
 
 use crate::arguments::SceneArguments;
-use crate::failure::{failed, usage};
 use command_line::{Output, progress_bar};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use dataset::rgbd_sequence::{FrameView, SequenceWriter};
@@ -42,7 +41,8 @@ pub(super) fn run(arguments: &SceneArguments, output: &Output) -> Result<ExitCod
     let n_objects = world.objects().len();
     let down = -Vector3::z_axis();
     let camera = PinholeCamera::KINECT_V1;
-    let writer = SequenceWriter::create(&arguments.out, &camera, Some(down)).map_err(failed)?;
+    let writer =
+        SequenceWriter::create(&arguments.out, &camera, Some(down)).map_err(Failure::general)?;
     let bar = progress_bar(arguments.frames, "frames", output);
     let (sender, receiver) = bounded(FRAMES_AHEAD);
     let (rendered, written) = std::thread::scope(|scope| {
@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &SceneArguments, output: &Output) -> Result<ExitCod
     });
     bar.finish_and_clear();
     written?;
-    let notes = rendered.map_err(|_| failed("the renderer has panicked"))??;
+    let notes = rendered.map_err(|_| Failure::general("the renderer has panicked"))??;
     let folder = arguments.out.display().to_string();
     let document = RecordedSceneReport {
         folder: &folder,
@@ -81,20 +81,20 @@ fn text(document: &RecordedSceneReport<'_>) -> String {
 fn set_up(arguments: &SceneArguments) -> Result<World, Failure> {
     if !(0.1..=f64::from(STEPS_PER_SECOND)).contains(&arguments.rate) {
         let rule = "--rate must lie between 0.1 and 120 frames per second";
-        return Err(usage(rule));
+        return Err(Failure::usage(rule));
     }
     let (scene, library) = match (&arguments.file, &arguments.kind) {
         (Some(file), None) if arguments.objects.is_none() && arguments.models.is_none() => {
-            Scene::open(file, arguments.seed).map_err(usage)?
+            Scene::open(file, arguments.seed).map_err(Failure::usage)?
         }
         (Some(_), _) => {
             let rule = "a scene file says itself what kind of scene it is, how many objects it \
                         has and of which models; leave --kind, --objects and --models out";
-            return Err(usage(rule));
+            return Err(Failure::usage(rule));
         }
         (None, kind) => generated(kind.as_deref(), arguments)?,
     };
-    World::new(scene, library).map_err(usage)
+    World::new(scene, library).map_err(Failure::usage)
 }
 
 fn generated(
@@ -102,11 +102,11 @@ fn generated(
     arguments: &SceneArguments,
 ) -> Result<(Scene, ModelLibrary), Failure> {
     let kind = kind.map_or(Ok(SceneKind::Isolated), str::parse);
-    let kind: SceneKind = kind.map_err(usage)?;
-    let mut library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
+    let kind: SceneKind = kind.map_err(Failure::usage)?;
+    let mut library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
     let n_objects = arguments.objects.unwrap_or(kind.default_n_objects());
     let seed = arguments.seed.unwrap_or(1);
-    let scene = Scene::generate(kind, n_objects, seed, &mut library).map_err(usage)?;
+    let scene = Scene::generate(kind, n_objects, seed, &mut library).map_err(Failure::usage)?;
     Ok((scene, library))
 }
 
@@ -117,14 +117,16 @@ fn render(
     frames: &Sender<RenderedFrame>,
 ) -> Result<Vec<String>, Failure> {
     let camera = PinholeCamera::KINECT_V1;
-    let mut kinect = SimulatedKinect::new(&world, camera).map_err(failed)?;
+    let mut kinect = SimulatedKinect::new(&world, camera).map_err(Failure::general)?;
     let mut points = vec![Point::default(); camera.n_pixels()];
     let mut notes = world.take_notes();
     for frame in 0..arguments.frames {
         while world.time_s() * arguments.rate + 1e-6 < frame as f64 {
             world.step();
         }
-        let truth = kinect.look(&world, frame, &mut points).map_err(failed)?;
+        let truth = kinect
+            .look(&world, frame, &mut points)
+            .map_err(Failure::general)?;
         notes.append(&mut world.take_notes());
         let frame = RenderedFrame {
             color: kinect.sensor().color().as_flattened().to_vec(),
@@ -154,7 +156,7 @@ fn write(
                 world_from_camera: Some(frame.world_from_camera),
                 truth: Some(frame.truth.as_bytes()),
             })
-            .map_err(failed)?;
+            .map_err(Failure::general)?;
         bar.inc(1);
     }
     Ok(())

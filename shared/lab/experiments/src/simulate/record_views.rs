@@ -3,7 +3,6 @@
 
 use super::turntable::{ELEVATIONS, SegmentedView, Turntable};
 use crate::arguments::ViewsArguments;
-use crate::failure::{failed, usage};
 use command_line::{Output, progress_bar};
 use dataset::washington::{CAMERA, CroppedView, ViewName, write_view};
 use indicatif::ProgressBar;
@@ -43,7 +42,7 @@ struct ViewsReport {
 
 /// Renders, segments and writes the views of all objects, on all cores.
 pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let library = ModelLibrary::open(&arguments.models()).map_err(usage)?;
+    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
     let jobs = jobs(arguments, &library)?;
     let n_views = jobs.len() as u64 * u64::from(arguments.views);
     let bar = progress_bar(n_views, "views", output);
@@ -123,7 +122,9 @@ fn jobs(arguments: &ViewsArguments, library: &ModelLibrary) -> Result<Vec<Render
                 ModelSource::Generated => "`tabula simulate categories` lists those there are",
                 ModelSource::Folder(_) => "the folder has no such model",
             };
-            return Err(usage(format!("there is no category `{wanted}`; {source}")));
+            return Err(Failure::usage(format!(
+                "there is no category `{wanted}`; {source}"
+            )));
         }
     }
     Ok(jobs)
@@ -163,12 +164,14 @@ fn record(
     for index in 0..n_views {
         let (height, turn) = (index % ELEVATIONS.len(), index / ELEVATIONS.len());
         let cut_out = turntable.view(height, turn as f64 / n_turns as f64);
-        if let Some(cut_out) = cut_out.map_err(failed)? {
+        if let Some(cut_out) = cut_out.map_err(Failure::general)? {
             let (sequence, frame) = (ELEVATIONS[height].0, turn as u32 + 1);
-            let name = ViewName::new(&job.category, job.instance, sequence, frame)
-                .ok_or_else(|| failed(format!("`{}` is no category's name", job.category)))?;
+            let name =
+                ViewName::new(&job.category, job.instance, sequence, frame).ok_or_else(|| {
+                    Failure::general(format!("`{}` is no category's name", job.category))
+                })?;
             let view = washington_view(&cut_out);
-            write_view(&arguments.out, &name, &view, Some(&CAMERA)).map_err(failed)?;
+            write_view(&arguments.out, &name, &view, Some(&CAMERA)).map_err(Failure::general)?;
             report.views += 1;
             report.overlap_ppm += (cut_out.overlap * 1e6) as u64;
         } else {

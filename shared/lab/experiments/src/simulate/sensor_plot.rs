@@ -1,7 +1,6 @@
 //! `tabula-lab simulate sensor`: depth noise of the simulated Kinect against the published noise
 //! model.
 
-use crate::failure::failed;
 use crate::output_files::{create_folder, write};
 use command_line::{Output, progress_bar};
 use evaluation::sensor_error;
@@ -21,12 +20,12 @@ struct SensorNoiseReport {
 /// Measures the depth noise; writes the table and the plot.
 pub(super) fn run(out: &Path, output: &Output) -> Result<ExitCode, Failure> {
     let bar = progress_bar(sensor_error::N_PLACEMENTS as u64, "placements", output);
-    let figures = sensor_error::measure(|| bar.inc(1)).map_err(failed)?;
+    let figures = sensor_error::measure(|| bar.inc(1)).map_err(Failure::general)?;
     bar.finish_and_clear();
     let (table, plot) = (out.join("sensor-error.csv"), out.join("sensor-error.svg"));
     create_folder(out)?;
     write(&table, figures.csv().as_bytes())?;
-    write(&plot, figures.svg().map_err(failed)?.as_bytes())?;
+    write(&plot, figures.svg().map_err(Failure::general)?.as_bytes())?;
     let rows = figures.by_distance.iter().chain(&figures.by_angle);
     let ratios: Vec<f64> = rows.map(|row| row.measured_m / row.published_m).collect();
     let document = SensorNoiseReport {

@@ -1,6 +1,5 @@
 //! Number constants in a source file, and their definitions scaled by a factor.
 
-use crate::failure::failed;
 use service::Failure;
 use std::path::{Path, PathBuf};
 
@@ -101,7 +100,7 @@ impl Constant {
     /// When the factor is no positive number.
     pub(super) fn scaled(&self, factor: f64) -> Result<String, Failure> {
         if !(factor.is_finite() && factor > 0.0) {
-            return Err(failed(format!("{factor} is no positive factor")));
+            return Err(Failure::general(format!("{factor} is no positive factor")));
         }
         let defined = &self.text[self.at.clone()];
         let expression = defined.trim();

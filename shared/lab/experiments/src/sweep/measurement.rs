@@ -1,9 +1,8 @@
 //! Scores of one build: an evaluation of `tabula-lab` and the figures read from it.
 
 use crate::arguments::{SweepArguments, SweepScore};
-use crate::failure::failed;
 use serde_json::Value;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
@@ -49,11 +48,15 @@ impl Measurement {
         let mut words: Vec<OsString> = vec!["--json".into(), "evaluate".into(), kind.into()];
         match &arguments.dataset {
             // Absolute, since each run has another current folder.
-            Some(dataset) => words.push(std::path::absolute(dataset).map_err(failed)?.into()),
+            Some(dataset) => words.push(
+                std::path::absolute(dataset)
+                    .map_err(Failure::general)?
+                    .into(),
+            ),
             None if arguments.score == SweepScore::Tracking => {}
             None => {
                 let sentence = format!("a sweep of {kind} needs a data set: name it by --dataset");
-                return Err(Failure::new(exit_code::USAGE, sentence));
+                return Err(Failure::usage(sentence));
             }
         }
         words.extend(options.iter().map(OsString::from));
@@ -70,23 +73,25 @@ impl Measurement {
     /// # Errors
     /// When it fails, or a figure is missing.
     pub(super) fn scores(&self, program: &Path, out: &Path) -> Result<Scores, Failure> {
-        let out = std::path::absolute(out).map_err(failed)?;
+        let out = std::path::absolute(out).map_err(Failure::general)?;
         let run = Command::new(program)
             .args(&self.words)
             .arg("--out")
             .arg(out)
             .output()
-            .map_err(|error| failed(format!("{} could not run: {error}", program.display())))?;
+            .map_err(|error| {
+                Failure::general(format!("{} could not run: {error}", program.display()))
+            })?;
         let document: Value = serde_json::from_slice(&run.stdout).map_err(|_| {
             let errors = String::from_utf8_lossy(&run.stderr);
             let last = errors.lines().last().unwrap_or("it printed nothing");
-            failed(format!("the evaluation failed: {last}"))
+            Failure::general(format!("the evaluation failed: {last}"))
         })?;
         let read = |path: &str| document.pointer(path).and_then(Value::as_f64);
         self.figures
             .iter()
             .map(|(name, path)| {
-                read(path).ok_or_else(|| failed(format!("the evaluation gave no {name}")))
+                read(path).ok_or_else(|| Failure::general(format!("the evaluation gave no {name}")))
             })
             .collect()
     }

@@ -2,7 +2,6 @@
 
 use super::constant::Constant;
 use super::measurement::{Measurement, Scores};
-use crate::failure::failed;
 use crate::output_files::write;
 use command_line::format_table;
 use serde::Serialize;
@@ -64,7 +63,7 @@ impl SweepReport {
 
     /// Writes the sweep report as `sweep.json`.
     pub(super) fn write(&self, out: &Path) -> Result<(), Failure> {
-        let json = serde_json::to_vec_pretty(self).map_err(failed)?;
+        let json = serde_json::to_vec_pretty(self).map_err(Failure::general)?;
         write(&out.join("sweep.json"), &json)
     }
 

@@ -1,7 +1,6 @@
 //! Scratch copy of the workspace, where scaled constants are built and evaluated.
 
 use super::measurement::{Measurement, Scores};
-use crate::failure::failed;
 use service::Failure;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -26,7 +25,7 @@ impl ScratchWorkspace {
         };
         mirror(root, &scratch.source).map_err(|error| {
             let source = scratch.source.display();
-            failed(format!(
+            Failure::general(format!(
                 "the sources could not be copied to {source}: {error}"
             ))
         })?;
@@ -41,10 +40,10 @@ impl ScratchWorkspace {
         work: impl FnOnce() -> T,
     ) -> Result<T, Failure> {
         let path = self.source.join(file);
-        let original = std::fs::read(&path).map_err(failed)?;
-        std::fs::write(&path, text).map_err(failed)?;
+        let original = std::fs::read(&path).map_err(Failure::general)?;
+        std::fs::write(&path, text).map_err(Failure::general)?;
         let result = work();
-        std::fs::write(&path, original).map_err(failed)?;
+        std::fs::write(&path, original).map_err(Failure::general)?;
         Ok(result)
     }
 
@@ -59,11 +58,11 @@ impl ScratchWorkspace {
             .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16")
             .env("CARGO_INCREMENTAL", "1")
             .output()
-            .map_err(|error| failed(format!("cargo could not be started: {error}")))?;
+            .map_err(|error| Failure::general(format!("cargo could not be started: {error}")))?;
         if !built.status.success() {
             let errors = String::from_utf8_lossy(&built.stderr);
             let first = errors.lines().find(|line| line.starts_with("error"));
-            return Err(failed(format!(
+            return Err(Failure::general(format!(
                 "the build failed: {}",
                 first.unwrap_or("no error was printed")
             )));

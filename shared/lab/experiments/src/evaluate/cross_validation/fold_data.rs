@@ -8,7 +8,7 @@ use crate::evaluate::view_table::ViewTable;
 use command_line::Output;
 use evaluation::cross_validation::{FoldAssignment, Folds};
 use evaluation::recogniser::LabelledView;
-use service::{Failure, exit_code};
+use service::Failure;
 
 /// Described views with their folds.
 pub(super) struct FoldData {
@@ -53,7 +53,7 @@ impl FoldData {
     fn of_data_set(arguments: &CrossValidationArguments, output: &Output) -> Result<Self, Failure> {
         let dataset = arguments.dataset.as_ref().ok_or_else(|| {
             let rule = "name a data set, or let scenes be simulated with --scenes";
-            Failure::new(exit_code::USAGE, rule)
+            Failure::usage(rule)
         })?;
         let (views, recogniser_factory) =
             read_and_describe(dataset, &arguments.description, output)?;
@@ -130,8 +130,7 @@ fn assign_folds(
     fold_assignment: FoldAssignment,
     arguments: &CrossValidationArguments,
 ) -> Result<Folds, Failure> {
-    Folds::assign(views, arguments.folds, fold_assignment, arguments.seed)
-        .map_err(|error| Failure::new(exit_code::USAGE, error))
+    Folds::assign(views, arguments.folds, fold_assignment, arguments.seed).map_err(Failure::usage)
 }
 
 /// Fold assignment: by object where objects are known, unless the arguments say otherwise.

@@ -6,7 +6,6 @@ use super::view_describer::ViewDescriber;
 use super::{HypothesisDescriptors, RecogniserFactory};
 use crate::arguments::{AblationVariant, DescriptionArguments, DescriptorVariant, UpAxis};
 use crate::evaluate::view_table::ViewTable;
-use crate::failure::failed;
 use description::{AppearanceWeights, AxesKind, N_AXIS_HYPOTHESES};
 use learning::{Calibration, CategoryIndex, Metric};
 use service::Failure;
@@ -105,7 +104,7 @@ impl RecognitionMethod {
         };
         let n_categories = views.categories.len();
         let factory = NearestViewClassifier::new(index, self.threshold, n_categories, descriptions);
-        Ok(Box::new(factory.map_err(failed)?))
+        Ok(Box::new(factory.map_err(Failure::general)?))
     }
 
     /// Calibration of the live system; `None` unless all axis hypotheses are compared with its

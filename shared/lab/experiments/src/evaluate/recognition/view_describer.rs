@@ -3,10 +3,9 @@
 use super::HypothesisDescriptors;
 use super::descriptor_choice::DescriptorChoice;
 use crate::arguments::UpAxis;
-use crate::failure::failed;
 use description::{AppearanceDescriptor, Descriptor, Error, Good, ObjectPoints, reference_frame};
 use nalgebra::UnitVector3;
-use service::{Failure, exit_code};
+use service::Failure;
 
 /// Descriptor with its scratch memory.
 #[derive(Clone)]
@@ -27,13 +26,13 @@ impl ViewDescriber {
         match *descriptor {
             DescriptorChoice::Good { variant, n_bins } => Good::new(n_bins, variant)
                 .map(|good| Self::Good(Box::new(good)))
-                .map_err(|error| Failure::new(exit_code::USAGE, error)),
+                .map_err(Failure::usage),
             DescriptorChoice::Appearance {
                 weights,
                 n_hypotheses,
                 up,
             } => Ok(Self::Appearance {
-                appearance: Box::new(AppearanceDescriptor::new(weights).map_err(failed)?),
+                appearance: Box::new(AppearanceDescriptor::new(weights).map_err(Failure::general)?),
                 n_hypotheses,
                 up,
             }),

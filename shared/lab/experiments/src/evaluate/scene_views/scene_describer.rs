@@ -3,7 +3,6 @@
 use super::candidate_label::{CandidateLabel, label, visible_pixels};
 use super::scene_sampler::SceneSampler;
 use crate::evaluate::recognition::{HypothesisDescriptors, ViewDescriber};
-use crate::failure::failed;
 use crate::output_files::write;
 use constraint::Ternary;
 use description::ObjectPoints;
@@ -92,8 +91,10 @@ impl SceneDescriber {
         out: &Path,
     ) -> Result<DescribedScene, Failure> {
         let world = sampler.world(number)?;
-        let mut kinect = SimulatedKinect::new(&world, CAMERA).map_err(failed)?;
-        let objects = kinect.look(&world, 0, &mut self.points).map_err(failed)?;
+        let mut kinect = SimulatedKinect::new(&world, CAMERA).map_err(Failure::general)?;
+        let objects = kinect
+            .look(&world, 0, &mut self.points)
+            .map_err(Failure::general)?;
         let frame_truth = LabelledFrame {
             number,
             mask: kinect.mask(),
@@ -115,7 +116,7 @@ impl SceneDescriber {
     fn detect(&mut self, frame_truth: &LabelledFrame<'_>) -> Result<(), Failure> {
         let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
         let frame = DetectionInput {
-            cloud: OrganizedCloud::new(&self.points, width, height).map_err(failed)?,
+            cloud: OrganizedCloud::new(&self.points, width, height).map_err(Failure::general)?,
             up_in_camera: Some(frame_truth.up_in_camera),
             seed: frame_truth.number as u64,
             priors: ScenePriors::default(),
@@ -200,18 +201,19 @@ impl SceneDescriber {
             height: CAMERA.height as usize,
             up_in_camera: Some(frame_truth.up_in_camera),
         };
-        let found = HypothesisImages::of(&self.detection, self.points.len())
-            .ok_or_else(|| failed("detection finds more objects than 16 bits can number"))?;
+        let found = HypothesisImages::of(&self.detection, self.points.len()).ok_or_else(|| {
+            Failure::general("detection finds more objects than 16 bits can number")
+        })?;
         let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
         let image = scene_picture::draw(&scene, self.detection.table.as_ref(), &found, &overlaps);
-        write(path, &image.map_err(failed)?)
+        write(path, &image.map_err(Failure::general)?)
     }
 }
 
 fn categories(sampler: &SceneSampler, objects: &[ObjectTruth]) -> Result<Vec<u32>, Failure> {
     let number_of = |object: &ObjectTruth| {
         let number = sampler.number_of(&object.category);
-        number.ok_or_else(|| failed(format!("no set has a category {}", object.category)))
+        number.ok_or_else(|| Failure::general(format!("no set has a category {}", object.category)))
     };
     objects.iter().map(number_of).collect()
 }

@@ -1,6 +1,5 @@
 //! Scene sampler: object sets on a table under a camera of two heights.
 
-use crate::failure::failed;
 use service::Failure;
 use simulated_world::{CameraMount, Error, ModelChoice, ModelLibrary, Scene, World};
 
@@ -100,7 +99,9 @@ impl SceneSampler {
             SETS.iter().flat_map(|(_, names)| *names).copied().collect();
         categories.sort_unstable();
         for &name in &categories {
-            library.load(&object(name, seed)).map_err(failed)?;
+            library
+                .load(&object(name, seed))
+                .map_err(Failure::general)?;
         }
         Ok(Self {
             seed,
@@ -144,12 +145,12 @@ impl SceneSampler {
         let seeds = (0..N_TRIES).map(|again| self.seed << 32 ^ again << 24 ^ scene as u64);
         let mut laid = seeds.map(|seed| Scene::isolated(objects.clone(), seed, &mut library));
         let is_final = |laid: &Result<Scene, Error>| !matches!(laid, Err(Error::NoRoom { .. }));
-        let laid = laid
-            .find(is_final)
-            .ok_or_else(|| failed(format!("the objects of scene {scene} find no room")))?;
-        let mut laid = laid.map_err(failed)?;
+        let laid = laid.find(is_final).ok_or_else(|| {
+            Failure::general(format!("the objects of scene {scene} find no room"))
+        })?;
+        let mut laid = laid.map_err(Failure::general)?;
         laid.camera = mount(HEIGHTS_M[height], &laid);
-        World::new(laid, library).map_err(failed)
+        World::new(laid, library).map_err(Failure::general)
     }
 }
 

@@ -5,7 +5,6 @@ use super::PICTURES;
 use super::recorded_sequence::{ProcessedFrame, RecordedSequence};
 use crate::arguments::TrackingArguments;
 use crate::evaluate::report_parts::ReportFiles;
-use crate::failure::failed;
 use crate::output_files::{create_folder, write};
 use command_line::{Output, format_table, progress_bar};
 use evaluation::box_picture::{self, NumberedBox};
@@ -13,7 +12,7 @@ use evaluation::track_drift::{TrackSpan, track_spans};
 use evaluation::track_figure;
 use plot::figure_page::{PageFigure, PageTable, html};
 use serde::Serialize;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
@@ -85,11 +84,11 @@ pub(super) fn run(
         &recording.up_in_world(),
     );
     let picture = format!("{PICTURES}/{}.svg", recording.name);
-    let svg = figure.svg().map_err(failed)?;
+    let svg = figure.svg().map_err(Failure::general)?;
     write(&arguments.out.join(&picture), svg.as_bytes())?;
     let spans = track_spans(&sequence.frames);
     let document = document(&spans, sequence.frames.len(), labels.as_ref(), arguments);
-    let json = serde_json::to_string_pretty(&document).map_err(failed)?;
+    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
     write(&arguments.out.join("tracking.json"), json.as_bytes())?;
     let page = page(&document, recording, picture);
     write(&arguments.out.join("index.html"), page.as_bytes())?;
@@ -107,7 +106,7 @@ fn picture(shown: &ProcessedFrame<'_>) -> Result<Vec<u8>, Failure> {
             box_in_camera: track.box_in_world.transformed(&camera_from_world),
         })
         .collect();
-    box_picture::draw(shown.points, shown.camera, &boxes).map_err(failed)
+    box_picture::draw(shown.points, shown.camera, &boxes).map_err(Failure::general)
 }
 
 fn document(
@@ -166,7 +165,7 @@ fn objects(tracks: &[TrackDrift]) -> BTreeMap<String, ObjectDrift> {
 fn read_labels(path: &Path) -> Result<BTreeMap<u64, String>, Failure> {
     let wrong = |cause: String| {
         let sentence = format!("the labels in {} cannot be used: {cause}", path.display());
-        Failure::new(exit_code::USAGE, sentence)
+        Failure::usage(sentence)
     };
     let size = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
     if !size.is_file() || size.len() > MOST_BYTES {

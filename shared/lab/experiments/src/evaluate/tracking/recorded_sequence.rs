@@ -4,14 +4,13 @@ use super::RATE_HZ;
 use super::ground_truth::{GroundTruth, LabelledDepthImage};
 use super::tracking_pipeline::{TrackerInput, TrackingPipeline};
 use super::tracking_run::TrackedSequence;
-use crate::failure::failed;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use evaluation::tracked_frame::{GroundTruthObject, TrackState, TrackedFrame};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Quaternion, Translation3, Unit, UnitQuaternion, UnitVector3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use serde::Deserialize;
-use service::{Failure, exit_code};
+use service::Failure;
 use simulated_world::{ObjectState, ObjectTruth};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -94,8 +93,7 @@ fn parse_truth(json: &[u8]) -> Result<Vec<ObjectTruth>, String> {
 
 impl RecordedSequence {
     pub(super) fn open(folder: &Path) -> Result<Self, Failure> {
-        let sequence =
-            RgbdSequence::open(folder).map_err(|error| Failure::new(exit_code::USAGE, error))?;
+        let sequence = RgbdSequence::open(folder).map_err(Failure::usage)?;
         let canonical = folder.canonicalize();
         let canonical = canonical.as_deref().unwrap_or(folder);
         let name = canonical.file_name().unwrap_or_default();
@@ -112,7 +110,9 @@ impl RecordedSequence {
     /// True if the first frame has a ground-truth file.
     pub(super) fn has_truth(&self) -> Result<bool, Failure> {
         let mut text = Vec::new();
-        self.sequence.read_truth(0, &mut text).map_err(failed)
+        self.sequence
+            .read_truth(0, &mut text)
+            .map_err(Failure::general)
     }
 
     /// Tracks the objects of all frames; calls `show` after each frame.
@@ -124,15 +124,15 @@ impl RecordedSequence {
         let mut points = vec![Point::default(); camera.n_pixels()];
         let mut scratch = Scratch::default();
         let mut truth = GroundTruthReader::new(camera);
-        let mut tracker = TrackingPipeline::new().map_err(failed)?;
+        let mut tracker = TrackingPipeline::new().map_err(Failure::general)?;
         let mut frames = Vec::with_capacity(self.n_frames());
         for index in 0..self.n_frames() {
             let pose = self.sequence.fill(index, &mut scratch, &mut points);
             let world_from_camera = pose
-                .map_err(failed)?
-                .ok_or_else(|| failed(self.no_pose(index)))?;
+                .map_err(Failure::general)?
+                .ok_or_else(|| Failure::general(self.no_pose(index)))?;
             let seen = self.seen(index, &points, world_from_camera)?;
-            tracker.step(&seen).map_err(failed)?;
+            tracker.step(&seen).map_err(Failure::general)?;
             let up_in_world = self.up_in_world();
             let objects = truth.read(self, index, &points, world_from_camera, up_in_world)?;
             let frame = TrackedFrame {
@@ -172,7 +172,7 @@ impl RecordedSequence {
         Ok(TrackerInput {
             number: index as u64,
             capture_ns: ((1.0 + index as f64 / RATE_HZ) * 1e9).round() as u64,
-            cloud: OrganizedCloud::new(points, width, height).map_err(failed)?,
+            cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
             camera: *camera,
             world_from_camera,
             up_in_camera,
@@ -229,14 +229,16 @@ impl GroundTruthReader {
         up_in_world: UnitVector3<f64>,
     ) -> Result<Vec<GroundTruthObject>, Failure> {
         let sequence = &recording.sequence;
-        let has_truth = sequence.read_truth(index, &mut self.text).map_err(failed)?;
+        let has_truth = sequence
+            .read_truth(index, &mut self.text)
+            .map_err(Failure::general)?;
         let has_mask = sequence.read_mask(index, &mut self.scratch, &mut self.mask);
-        if !has_truth || !has_mask.map_err(failed)? {
+        if !has_truth || !has_mask.map_err(Failure::general)? {
             return Ok(Vec::new());
         }
         let objects = parse_truth(&self.text).map_err(|error| {
             let name = sequence.name(index).unwrap_or_default();
-            failed(format!("{name}.truth.json is no truth of a frame: {error}"))
+            Failure::general(format!("{name}.truth.json is no truth of a frame: {error}"))
         })?;
         for object in &objects {
             self.truth.know_by_name(object);

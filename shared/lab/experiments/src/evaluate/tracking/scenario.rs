@@ -1,7 +1,6 @@
 //! Tracking scenarios: built-in and user-defined scene files.
 
-use crate::failure::failed;
-use service::{Failure, exit_code};
+use service::Failure;
 use simulated_world::{ModelLibrary, Scene};
 use std::path::{Path, PathBuf};
 
@@ -52,7 +51,7 @@ pub(super) struct Scenario {
 impl Scenario {
     pub(super) fn scene(&self, seed: u64) -> Result<(Scene, ModelLibrary), Failure> {
         Scene::from_toml(&self.text, &self.folder, Some(seed))
-            .map_err(|error| Failure::new(exit_code::USAGE, format!("{}: {error}", self.name)))
+            .map_err(|error| Failure::usage(format!("{}: {error}", self.name)))
     }
 
     fn open(path: &Path) -> Result<Self, Failure> {
@@ -72,7 +71,7 @@ impl Scenario {
 
 fn unreadable(path: &Path, cause: impl std::fmt::Display) -> Failure {
     let sentence = format!("the scene {} cannot be read: {cause}", path.display());
-    Failure::new(exit_code::USAGE, sentence)
+    Failure::usage(sentence)
 }
 
 /// Built-in tracking scenarios.
@@ -92,7 +91,7 @@ pub(super) fn of_files(path: &Path) -> Result<Vec<Scenario>, Failure> {
     }
     let mut files = Vec::new();
     for entry in std::fs::read_dir(path).map_err(|error| unreadable(path, error))? {
-        let file = entry.map_err(failed)?.path();
+        let file = entry.map_err(Failure::general)?.path();
         if file
             .extension()
             .is_some_and(|extension| extension == "toml")
@@ -115,7 +114,7 @@ pub(super) fn chosen(scenarios: Vec<Scenario>, names: &[String]) -> Result<Vec<S
             "there is no scene `{unknown}`; there are {}",
             known.join(", ")
         );
-        return Err(Failure::new(exit_code::USAGE, sentence));
+        return Err(Failure::usage(sentence));
     }
     let is_chosen = |scenario: &Scenario| names.is_empty() || names.contains(&scenario.name);
     Ok(scenarios.into_iter().filter(is_chosen).collect())

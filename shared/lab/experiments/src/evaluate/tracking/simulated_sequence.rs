@@ -5,7 +5,6 @@ use super::ground_truth::{GroundTruth, LabelledDepthImage};
 use super::scenario::Scenario;
 use super::tracking_pipeline::{TrackerInput, TrackingPipeline};
 use super::tracking_run::TrackedSequence;
-use crate::failure::failed;
 use evaluation::tracked_frame::TrackedFrame;
 use geometry::PinholeCamera;
 use nalgebra::{Unit, Vector3};
@@ -23,12 +22,12 @@ const FIRST_CAPTURE_NS: u64 = 1_000_000_000;
 pub(super) fn play(scenario: &Scenario, seed: u64) -> Result<TrackedSequence, Failure> {
     let (scene, library) = scenario.scene(seed)?;
     let duration_s = scene.duration_s.unwrap_or(DURATION_S);
-    let mut world = World::new(scene, library).map_err(failed)?;
+    let mut world = World::new(scene, library).map_err(Failure::general)?;
     let camera = PinholeCamera::KINECT_V1;
-    let mut kinect = SimulatedKinect::new(&world, camera).map_err(failed)?;
+    let mut kinect = SimulatedKinect::new(&world, camera).map_err(Failure::general)?;
     let mut points = vec![Point::default(); camera.n_pixels()];
     let mut truth = GroundTruth::new(camera);
-    let mut tracker = TrackingPipeline::new().map_err(failed)?;
+    let mut tracker = TrackingPipeline::new().map_err(Failure::general)?;
     let mut sequence = TrackedSequence {
         frames: Vec::new(),
         names: BTreeMap::new(),
@@ -38,7 +37,9 @@ pub(super) fn play(scenario: &Scenario, seed: u64) -> Result<TrackedSequence, Fa
         while world.time_s() * RATE_HZ + 1e-6 < number as f64 {
             world.step();
         }
-        let objects = kinect.look(&world, number, &mut points).map_err(failed)?;
+        let objects = kinect
+            .look(&world, number, &mut points)
+            .map_err(Failure::general)?;
         for object in world.objects() {
             truth.know(object.id, &object.model);
             let name = sequence.names.entry(u64::from(object.id));
@@ -82,14 +83,14 @@ fn track(
     let seen = TrackerInput {
         number,
         capture_ns: FIRST_CAPTURE_NS + (world.time_s() * 1e9).round() as u64,
-        cloud: OrganizedCloud::new(points, width, height).map_err(failed)?,
+        cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
         camera,
         world_from_camera,
         up_in_camera: Some(Unit::new_normalize(up_in_camera)),
         people: Some(&people),
         robot: (!arm.is_empty()).then_some(&arm[..]),
     };
-    tracker.step(&seen).map_err(failed)
+    tracker.step(&seen).map_err(Failure::general)
 }
 
 #[cfg(test)]
