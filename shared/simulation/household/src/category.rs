@@ -2,8 +2,8 @@
 
 use crate::Variation;
 use crate::families::{
-    containers, cookware, crockery, cutlery, devices, food, fruit, hardware, leisure, packets,
-    stationery, tools, toys, vegetables,
+    containers, cookware, crockery, cutlery, devices, food, fruit, hardware, leisure, packaging,
+    packets, stationery, tools, toys, vegetables,
 };
 use mesh::Solid;
 
@@ -132,4 +132,8 @@ const CATEGORIES: &[Category] = &[
     row("cap", 400.0, 0.6, leisure::cap),
     row("dice", 1100.0, 0.4, toys::dice),
     row("teddy", 150.0, 0.6, toys::teddy),
+    row("carton", 250.0, 0.45, packaging::carton),
+    row("magazine", 900.0, 0.45, packaging::magazine),
+    row("cookie-tin", 350.0, 0.4, packaging::cookie_tin),
+    row("open-box", 700.0, 0.45, packaging::open_box),
 ];

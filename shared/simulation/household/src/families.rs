@@ -12,6 +12,7 @@ pub(crate) mod food;
 pub(crate) mod fruit;
 pub(crate) mod hardware;
 pub(crate) mod leisure;
+pub(crate) mod packaging;
 pub(crate) mod packets;
 pub(crate) mod stationery;
 pub(crate) mod tools;

@@ -173,7 +173,15 @@ fn convex_parts_stay_within_the_bounding_box() {
 
 #[test]
 fn vessels_are_hollow() {
-    for name in ["bowl", "mug", "pitcher", "vase", "pencil-cup", "pan"] {
+    for name in [
+        "bowl",
+        "mug",
+        "pitcher",
+        "vase",
+        "pencil-cup",
+        "pan",
+        "open-box",
+    ] {
         for instance in 0..N_INSTANCES {
             let object = generate(category(name).unwrap(), instance);
             let points = object.mesh.vertices.iter().map(|vertex| vertex.position);
@@ -327,4 +335,8 @@ const SIDES_MM: &[(&str, [(u32, u32); 3])] = &[
     ("cap", [(230, 283), (147, 180), (102, 130)]),
     ("dice", [(27, 47), (27, 47), (27, 47)]),
     ("teddy", [(124, 182), (97, 143), (89, 132)]),
+    ("carton", [(79, 326), (61, 236), (22, 146)]),
+    ("magazine", [(240, 300), (170, 215), (3, 11)]),
+    ("cookie-tin", [(141, 220), (141, 220), (45, 90)]),
+    ("open-box", [(160, 280), (120, 200), (50, 100)]),
 ];

@@ -1,5 +1,7 @@
 //! Scene generators: random choice of objects and collision-free placement.
 
+mod clutter;
+
 use crate::error::Error;
 use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::ModelChoice;
@@ -11,6 +13,8 @@ use nalgebra::{Translation3, UnitQuaternion};
 use random::Random;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
+
+pub(crate) use clutter::{clutter, clutter_camera, clutter_table, clutter_table_finish};
 
 /// Free space around an isolated object, metres; the second value is used when the first leaves
 /// no room. Chosen.
@@ -66,7 +70,7 @@ fn sample_in_rounds<T: Clone>(items: &[T], n: usize, random: &mut Random) -> Vec
 }
 
 /// Placements of the models by the kind of scene. Set tables with generated models use
-/// [`set_table`] instead.
+/// [`set_table`] instead, crowded tables [`clutter`].
 ///
 /// # Errors
 /// [`Error::NoRoom`] when isolated objects do not all fit onto the table.
@@ -80,7 +84,7 @@ pub(crate) fn place(
     let mut random = random_stream(seed, STREAM_PLACEMENT);
     match kind {
         SceneKind::Isolated | SceneKind::SetTable => isolated(models, table, &mut random),
-        SceneKind::Pile => Ok(dropped(
+        SceneKind::Pile | SceneKind::Clutter => Ok(dropped(
             models.len(),
             table,
             PILE_DROP_M,

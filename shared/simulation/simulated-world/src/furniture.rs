@@ -27,6 +27,40 @@ impl TableDimensions {
     }
 }
 
+/// Pattern of a table top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TablePattern {
+    /// Boards with grain.
+    #[default]
+    WoodGrain,
+    /// Irregular stains, as of linoleum or cloth.
+    Mottle,
+    /// Plain colour.
+    Plain,
+}
+
+/// Colour and pattern of the table top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TableFinish {
+    /// sRGB colour of the table.
+    pub color: [u8; 3],
+    /// Pattern of the table top.
+    pub pattern: TablePattern,
+    /// Contrast of the pattern, percent.
+    pub contrast_percent: u8,
+}
+
+impl Default for TableFinish {
+    /// Oak.
+    fn default() -> Self {
+        Self {
+            color: [178, 136, 92],
+            pattern: TablePattern::WoodGrain,
+            contrast_percent: 35,
+        }
+    }
+}
+
 /// Open bin (box without a lid) in the middle of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bin {

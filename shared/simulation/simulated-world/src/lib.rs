@@ -54,7 +54,7 @@ pub use arm_kinematics::MotionState;
 pub use arm_mount::ArmMount;
 pub use camera_mount::CameraMount;
 pub use error::Error;
-pub use furniture::{Bin, TableDimensions};
+pub use furniture::{Bin, TableDimensions, TableFinish, TablePattern};
 pub use ground_truth::{ARM_ID, ObjectTruth, PERSON_ID, truth_json};
 pub use model_choice::{ModelChoice, ModelSource};
 pub use model_library::{ModelLibrary, category_names};

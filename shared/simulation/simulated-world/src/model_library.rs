@@ -7,6 +7,10 @@ use crate::{arrangement, model_file};
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// Categories that only crowded tables and scene files use, so that the other kinds draw the same
+/// models from a seed as without them.
+const CLUTTER_CATEGORIES: [&str; 4] = ["carton", "magazine", "cookie-tin", "open-box"];
+
 /// Library of the models of a scene and those that a person could bring.
 #[derive(Debug, Clone)]
 pub struct ModelLibrary {
@@ -66,7 +70,7 @@ impl ModelLibrary {
     /// Chooses `n_models` at random, each category or file once before any is repeated.
     pub fn choose(&self, n_models: usize, seed: u64) -> Vec<ModelChoice> {
         match self.source {
-            ModelSource::Generated => arrangement::choose(&category_names(), n_models, seed),
+            ModelSource::Generated => arrangement::choose(&drawn_category_names(), n_models, seed),
             ModelSource::Folder(_) => arrangement::choose_files(&self.files, n_models, seed),
         }
     }
@@ -113,6 +117,13 @@ fn load_model(choice: &ModelChoice, notes: &mut Vec<String>) -> Result<ObjectMod
         }
         ModelChoice::File(path) => model_file::open(path, notes),
     }
+}
+
+/// Names of the categories of randomly chosen models.
+fn drawn_category_names() -> Vec<&'static str> {
+    let mut names = category_names();
+    names.retain(|name| !CLUTTER_CATEGORIES.contains(name));
+    names
 }
 
 /// Names of the generated categories.

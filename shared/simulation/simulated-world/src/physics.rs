@@ -7,6 +7,7 @@ use crate::glam_conversion::{pose_from_glam, pose_to_glam, vector_from_glam, vec
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
 use rapier3d::math::Vector;
+use rapier3d::parry::query::ShapeCastOptions;
 use rapier3d::prelude::{
     BroadPhaseBvh, CCDSolver, Collider, ColliderBuilder, ColliderHandle, ColliderSet, Group,
     ImpulseJointSet, IntegrationParameters, InteractionGroups, InteractionTestMode, IslandManager,
@@ -395,6 +396,27 @@ impl Physics {
         );
         let pose = pose_to_glam(pose);
         query.intersect_shape(pose, &**shape).next().is_some()
+    }
+
+    /// Distance that a shape can move straight down from a pose before it touches something,
+    /// metres, at most `reach_m`.
+    pub(crate) fn clearance_below_m(
+        &self,
+        shape: &SharedShape,
+        pose: &RigidTransform,
+        reach_m: f64,
+    ) -> f64 {
+        let query = self.broad_phase.as_query_pipeline(
+            self.narrow_phase.query_dispatcher(),
+            &self.bodies,
+            &self.colliders,
+            QueryFilter::new(),
+        );
+        let options = ShapeCastOptions::with_max_time_of_impact(reach_m as f32);
+        let down = Vector::new(0.0, 0.0, -1.0);
+        query
+            .cast_shape(&pose_to_glam(pose), down, &**shape, options)
+            .map_or(reach_m, |(_, hit)| f64::from(hit.time_of_impact))
     }
 
     /// Ray cast: outward normal of a body's surface at the first hit within `reach_m`, from

@@ -1,6 +1,6 @@
 //! Room geometry: fixed boxes for table, floor, wall and bin.
 
-use crate::furniture::{Bin, TableDimensions};
+use crate::furniture::{Bin, TableDimensions, TableFinish};
 use crate::physics::Physics;
 use crate::scene::Scene;
 use geometry::RigidTransform;
@@ -26,8 +26,8 @@ pub(crate) enum Material {
     Tiles,
     /// Plaster of the back wall.
     Plaster,
-    /// Wood of the table top and legs.
-    Wood,
+    /// Finish of the table top and legs.
+    Table(TableFinish),
     /// Cardboard of the bin.
     Cardboard,
 }
@@ -67,20 +67,20 @@ pub(crate) fn room_boxes(scene: &Scene) -> Vec<RoomBox> {
             Material::Plaster,
         ),
     ];
-    boxes.extend(table(&scene.table));
+    boxes.extend(table(&scene.table, scene.table_finish));
     if let Some(bin) = &scene.bin {
         boxes.extend(bin_walls(bin, scene.table.height_m));
     }
     boxes
 }
 
-fn table(table: &TableDimensions) -> Vec<RoomBox> {
+fn table(table: &TableDimensions, finish: TableFinish) -> Vec<RoomBox> {
     let [x, y] = table.size_m.map(|side| side / 2.0);
     let (top, under) = (table.height_m, table.height_m - TOP_THICKNESS_M);
     let mut boxes = vec![RoomBox::between(
         [-x, -y, under],
         [x, y, top],
-        Material::Wood,
+        Material::Table(finish),
     )];
     for (sx, sy) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
         let foot = [sx * (x - LEG_SIDE_M), sy * (y - LEG_SIDE_M)];
@@ -88,7 +88,7 @@ fn table(table: &TableDimensions) -> Vec<RoomBox> {
         boxes.push(RoomBox::between(
             [foot[0] - half, foot[1] - half, 0.0],
             [foot[0] + half, foot[1] + half, under],
-            Material::Wood,
+            Material::Table(finish),
         ));
     }
     boxes

@@ -3,9 +3,10 @@
 use crate::action::PersonPlan;
 use crate::arm_mount::ArmMount;
 use crate::camera_mount::CameraMount;
-use crate::furniture::{Bin, TableDimensions};
+use crate::furniture::{Bin, TableDimensions, TableFinish};
 use crate::model_choice::ModelChoice;
 use geometry::RigidTransform;
+use nalgebra::UnitQuaternion;
 use rendering::kinect::SensorModel;
 
 /// Kind of generated scene.
@@ -20,11 +21,19 @@ pub enum SceneKind {
     Bin,
     /// Table set for a meal: place settings, bottles and bowls.
     SetTable,
+    /// Crowded table top: stacks, bridges, filled containers, leaning and overhanging objects.
+    Clutter,
 }
 
 impl SceneKind {
     /// All kinds of generated scenes.
-    pub const ALL: [Self; 4] = [Self::Isolated, Self::Pile, Self::Bin, Self::SetTable];
+    pub const ALL: [Self; 5] = [
+        Self::Isolated,
+        Self::Pile,
+        Self::Bin,
+        Self::SetTable,
+        Self::Clutter,
+    ];
 
     /// Name in scene files and on the command line.
     pub fn word(self) -> &'static str {
@@ -33,6 +42,7 @@ impl SceneKind {
             Self::Pile => "pile",
             Self::Bin => "bin",
             Self::SetTable => "set-table",
+            Self::Clutter => "clutter",
         }
     }
 
@@ -43,6 +53,7 @@ impl SceneKind {
             Self::Pile => 8,
             Self::Bin => 20,
             Self::SetTable => 14,
+            Self::Clutter => 18,
         }
     }
 }
@@ -77,6 +88,13 @@ pub enum ObjectPlacement {
         /// Initial pose of the object, world frame.
         world_from_object: RigidTransform,
     },
+    /// Object lowered onto what stands at its position, and released there.
+    Lowered {
+        /// Position on the table, world x and y, metres.
+        position_m: [f64; 2],
+        /// Initial orientation of the object, world frame.
+        rotation: UnitQuaternion<f64>,
+    },
 }
 
 /// Object of a scene with its placement.
@@ -95,6 +113,8 @@ pub struct Scene {
     pub seed: u64,
     /// Dimensions of the table.
     pub table: TableDimensions,
+    /// Colour and pattern of the table.
+    pub table_finish: TableFinish,
     /// Bin on the table, if any.
     pub bin: Option<Bin>,
     /// Mounting pose of the camera.
@@ -117,6 +137,7 @@ impl Default for Scene {
         Self {
             seed: 1,
             table: TableDimensions::default(),
+            table_finish: TableFinish::default(),
             bin: None,
             camera: CameraMount::default(),
             objects: Vec::new(),

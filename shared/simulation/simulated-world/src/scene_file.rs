@@ -57,6 +57,11 @@ impl Scene {
             bin: (kind == SceneKind::Bin).then(Bin::default),
             ..Self::default()
         };
+        if kind == SceneKind::Clutter {
+            scene.table = arrangement::clutter_table(seed);
+            scene.table_finish = arrangement::clutter_table_finish(seed);
+            scene.camera = arrangement::clutter_camera(seed, &scene.table, n_objects);
+        }
         scene.objects = generated_objects(&scene, kind, n_objects, library)?;
         Ok(scene)
     }
@@ -149,6 +154,9 @@ fn generated_objects(
             place: "objects".into(),
             rule: format!("at most {MAX_OBJECTS} fit a scene, not {n_objects}"),
         });
+    }
+    if kind == SceneKind::Clutter {
+        return arrangement::clutter(&scene.table, n_objects, scene.seed, library);
     }
     if kind == SceneKind::SetTable && *library.source() == ModelSource::Generated {
         let laid = arrangement::set_table(&category_names(), n_objects, scene.seed);

@@ -1,6 +1,7 @@
 //! Simulated world: physics, objects, arm and person over time.
 
 mod held_object;
+mod lowering;
 mod settling;
 mod world_query;
 
@@ -107,6 +108,10 @@ impl World {
                 self.add_object(model, world_from_object);
                 self.run_physics(DROP_STEPS);
             }
+            ObjectPlacement::Lowered {
+                position_m,
+                rotation,
+            } => self.lower_object(model, *position_m, rotation),
         }
     }
 

@@ -4,9 +4,10 @@ use super::scene_variation::SceneVariation;
 use super::{MAX_OBJECTS, RANDOM_PAUSE_S, generated_objects};
 use crate::action::{Action, PersonPlan, TimedAction};
 use crate::arm_mount::ArmMount;
+use crate::arrangement;
 use crate::camera_mount::CameraMount;
 use crate::error::Error;
-use crate::furniture::{Bin, TableDimensions};
+use crate::furniture::{Bin, TableDimensions, TableFinish};
 use crate::model_choice::{ModelChoice, ModelSource};
 use crate::model_library::ModelLibrary;
 use crate::scene::{ObjectPlacement, ObjectPlan, Scene, SceneKind};
@@ -165,11 +166,28 @@ pub(super) fn scene(
     let mut library = ModelLibrary::open(&source)?;
     let kind = raw.kind.as_deref().map(str::parse::<SceneKind>);
     let kind = kind.transpose().map_err(|rule| wrong("kind", rule))?;
+    let seed = seed.unwrap_or(raw.seed);
+    let is_clutter = kind == Some(SceneKind::Clutter);
+    let table = table(&raw.table, is_clutter.then_some(seed))?;
+    let n_objects = raw
+        .objects
+        .or(kind.map(SceneKind::default_n_objects))
+        .unwrap_or(0);
+    let usual_camera = if is_clutter {
+        arrangement::clutter_camera(seed, &table, n_objects)
+    } else {
+        CameraMount::default()
+    };
     let mut scene = Scene {
-        seed: seed.unwrap_or(raw.seed),
-        table: table(&raw.table)?,
+        seed,
+        table,
+        table_finish: if is_clutter {
+            arrangement::clutter_table_finish(seed)
+        } else {
+            TableFinish::default()
+        },
         bin: bin(raw.bin.as_ref(), kind)?,
-        camera: camera(&raw.camera)?,
+        camera: camera(&raw.camera, usual_camera)?,
         objects: Vec::new(),
         arm: raw.arm.as_ref().map(arm).transpose()?,
         person: raw.person.as_ref().map(person).transpose()?,
@@ -177,7 +195,6 @@ pub(super) fn scene(
         duration_s: duration_s(raw.duration_s)?,
     };
     if let Some(kind) = kind {
-        let n_objects = raw.objects.unwrap_or(kind.default_n_objects());
         scene.objects = generated_objects(&scene, kind, n_objects, &mut library)?;
     } else if raw.objects.is_some() {
         return Err(wrong(
@@ -217,8 +234,9 @@ fn variation(raw: &RawVariation) -> Result<SceneVariation, Error> {
     })
 }
 
-fn table(raw: &RawTable) -> Result<TableDimensions, Error> {
-    let default = TableDimensions::default();
+/// Table of a scene file; missing keys of a crowded table are drawn from its seed.
+fn table(raw: &RawTable, clutter_seed: Option<u64>) -> Result<TableDimensions, Error> {
+    let default = clutter_seed.map_or_else(TableDimensions::default, arrangement::clutter_table);
     let [x, y] = raw.size_m.unwrap_or(default.size_m);
     Ok(TableDimensions {
         size_m: [
@@ -244,8 +262,7 @@ fn bin(raw: Option<&RawBin>, kind: Option<SceneKind>) -> Result<Option<Bin>, Err
     Ok(Some(Bin { inner_size_m: size }))
 }
 
-fn camera(raw: &RawCamera) -> Result<CameraMount, Error> {
-    let default = CameraMount::default();
+fn camera(raw: &RawCamera, default: CameraMount) -> Result<CameraMount, Error> {
     let look_at_m = raw.look_at_m.unwrap_or(default.look_at_m);
     for value in look_at_m {
         checked("[camera] look_at_m", value, -5.0..=5.0)?;

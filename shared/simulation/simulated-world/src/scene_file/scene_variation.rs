@@ -74,6 +74,15 @@ impl SceneVariation {
                 *y += dy;
                 *yaw_rad += turn_rad;
             }
+            ObjectPlacement::Lowered {
+                position_m: [x, y],
+                rotation,
+            } => {
+                *x += dx;
+                *y += dy;
+                *rotation =
+                    UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn_rad) * *rotation;
+            }
             ObjectPlacement::Dropped { world_from_object } => {
                 let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn_rad);
                 world_from_object.append_rotation_wrt_center_mut(&turn);

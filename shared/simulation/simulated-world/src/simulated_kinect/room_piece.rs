@@ -1,5 +1,6 @@
 //! Rendered boxes of the room: meshes, materials and textures.
 
+use crate::furniture::{TableFinish, TablePattern};
 use crate::room::{Material, RoomBox};
 use geometry::RigidTransform;
 use mesh::{Surface, rounded_box};
@@ -47,6 +48,21 @@ fn piece(room_box: &RoomBox) -> RoomPiece {
     }
 }
 
+fn table_texture(finish: TableFinish) -> Texture {
+    let contrast = f32::from(finish.contrast_percent) / 100.0;
+    match finish.pattern {
+        TablePattern::WoodGrain => Texture::WoodGrain {
+            board_m: 0.13,
+            contrast,
+        },
+        TablePattern::Mottle => Texture::Mottle {
+            scale_m: 0.04,
+            contrast,
+        },
+        TablePattern::Plain => Texture::None,
+    }
+}
+
 fn look(material: Material) -> ([u8; 3], f32, Texture) {
     match material {
         Material::Tiles => (
@@ -65,14 +81,7 @@ fn look(material: Material) -> ([u8; 3], f32, Texture) {
                 contrast: 0.08,
             },
         ),
-        Material::Wood => (
-            [178, 136, 92],
-            0.06,
-            Texture::WoodGrain {
-                board_m: 0.13,
-                contrast: 0.35,
-            },
-        ),
+        Material::Table(finish) => (finish.color, 0.06, table_texture(finish)),
         Material::Cardboard => (
             [176, 140, 98],
             0.0,

@@ -4,6 +4,7 @@ use super::World;
 use crate::physics::STEPS_PER_SECOND;
 use crate::scene::ObjectPlacement;
 use crate::scene_object::ObjectState;
+use std::sync::Arc;
 
 /// Time limit of settling, steps; slower objects stay in motion. Chosen.
 const MAX_SETTLE_STEPS: u32 = 6 * STEPS_PER_SECOND;
@@ -13,14 +14,17 @@ const CHECK_STEPS: u32 = STEPS_PER_SECOND / 4;
 const CHECKS_AT_REST: u32 = 3;
 /// Number of times that fallen objects are dropped again. Chosen.
 const MAX_DROPS: u32 = 3;
+/// Share of its distance from the middle at which an object that fell off is lowered again. Chosen.
+const INWARDS_SHARE: f64 = 0.75;
 
 impl World {
     /// Lets all objects come to rest, drops fallen ones again, and reports those that remain on
     /// the floor.
     pub(super) fn settle(&mut self) {
         self.run_until_rest();
-        for _ in 0..MAX_DROPS {
-            if !self.drop_fallen_again() {
+        for n_drops in 1..=MAX_DROPS {
+            let share_from_middle = INWARDS_SHARE.powi(n_drops.cast_signed());
+            if !self.drop_fallen_again(share_from_middle) {
                 break;
             }
             self.run_until_rest();
@@ -49,20 +53,30 @@ impl World {
         }
     }
 
-    /// Drops fallen objects again; returns true if there were any.
-    fn drop_fallen_again(&mut self) -> bool {
+    /// Drops fallen objects again; returns true if there were any. A lowered object is lowered at
+    /// this share of its distance from the middle of the table.
+    fn drop_fallen_again(&mut self, share_from_middle: f64) -> bool {
         let mut has_dropped = false;
         for index in 0..self.objects.len() {
             let object = &self.objects[index];
-            let plan = &self.scene.objects[index];
-            if let (ObjectState::OnFloor, ObjectPlacement::Dropped { world_from_object }) =
-                (object.state, &plan.placement)
-            {
-                let (body, pose) = (object.body, *world_from_object);
-                self.physics.place(body, &pose);
-                self.run_physics(super::DROP_STEPS);
-                has_dropped = true;
+            if object.state != ObjectState::OnFloor {
+                continue;
             }
+            let (body, model) = (object.body, Arc::clone(&object.model));
+            let pose = match self.scene.objects[index].placement {
+                ObjectPlacement::Upright { .. } => continue,
+                ObjectPlacement::Dropped { world_from_object } => world_from_object,
+                ObjectPlacement::Lowered {
+                    position_m,
+                    rotation,
+                } => {
+                    let inwards_m = position_m.map(|value| value * share_from_middle);
+                    self.lowered_pose(&model, inwards_m, &rotation)
+                }
+            };
+            self.physics.place(body, &pose);
+            self.run_physics(super::DROP_STEPS);
+            has_dropped = true;
         }
         has_dropped
     }
