@@ -106,8 +106,10 @@ impl Config {
             }
             SceneChoice::Generated(kind) => {
                 let n_objects = self.n_objects.unwrap_or(kind.default_n_objects());
+                // The mounting pose fits the default table; that of a crowd varies.
+                let has_arm = *kind != SceneKind::Clutter;
                 Scene {
-                    arm: Some(ArmMount::default()),
+                    arm: has_arm.then(ArmMount::default),
                     ..Scene::generate(*kind, n_objects, self.seed(), &mut library)?
                 }
             }

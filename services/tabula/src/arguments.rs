@@ -212,7 +212,7 @@ pub(crate) struct LabelArguments {
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
     /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, or a folder of PCD scenes or
-    /// of an RGB-D sequence; SCENE is everyday, isolated, pile, bin, set-table or a TOML file
+    /// of an RGB-D sequence; SCENE is everyday, isolated, pile, bin, set-table, clutter or a TOML file
     /// [default: simulation]
     #[arg(long, value_name = "SOURCE")]
     source: Option<String>,

@@ -14,7 +14,7 @@ use crate::model_library::ModelLibrary;
 use crate::person::{HandEvent, Person};
 use crate::physics::{Physics, STEPS_PER_SECOND};
 use crate::room::{self, RoomBox};
-use crate::scene::{ObjectPlacement, Scene};
+use crate::scene::{ObjectPlacement, ObjectPlan, Scene};
 use crate::scene_file::MAX_OBJECTS;
 use crate::scene_object::{ObjectState, SimulatedObject};
 use geometry::{Capsule, RigidTransform};
@@ -59,6 +59,10 @@ impl World {
         let boxes: Arc<[RoomBox]> = room::room_boxes(&scene).into();
         let mut physics = Physics::new();
         room::build(&boxes, &mut physics);
+        let is_lowered = |p: &ObjectPlan| matches!(p.placement, ObjectPlacement::Lowered { .. });
+        if scene.objects.iter().any(is_lowered) {
+            physics.stiffen_stacks();
+        }
         let arm = scene
             .arm
             .as_ref()

@@ -7,7 +7,7 @@ use dataset::ply::{self, Encoding};
 use point_cloud::{Point, Rgba};
 use simulated_world::{
     ModelChoice, ModelLibrary, ModelSource, ObjectModel, ObjectPlacement, ObjectPlan, ObjectState,
-    Scene, World,
+    Scene, SceneKind, World,
 };
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -278,6 +278,20 @@ fn model_folder_is_listed_in_order_and_an_empty_one_is_rejected() {
 /// Folder of scanned household models.
 fn household_models() -> PathBuf {
     test_data::path("household-models")
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn model_scans_form_a_crowded_table() {
+    let source = ModelSource::Folder(household_models());
+    let mut library = ModelLibrary::open(&source).unwrap();
+    let scene = Scene::generate(SceneKind::Clutter, 15, 3, &mut library).unwrap();
+    let is_file = |plan: &ObjectPlan| matches!(plan.model, ModelChoice::File(_));
+    assert!(scene.objects.len() == 15 && scene.objects.iter().all(is_file));
+    let world = World::new(scene, library).unwrap();
+    let on_table = world.objects().iter();
+    let n_on_table = on_table.filter(|o| o.state != ObjectState::OnFloor).count();
+    assert!(n_on_table >= 13, "{n_on_table}");
 }
 
 #[test]

@@ -16,6 +16,8 @@ use std::path::Path;
 const GAP_M: f64 = 0.03;
 /// Greatest distance that an object may slide or roll before it rests, metres.
 const SLID_MAX_M: f64 = 0.04;
+/// Least height over the table at which an object rests on another, metres.
+const RAISED_M: f64 = 0.003;
 /// Greatest distance of a pile's object from its nearest neighbour, metres.
 const TOUCHING_M: f64 = 0.015;
 
@@ -204,6 +206,67 @@ fn pile_scene_objects_are_close_to_each_other() {
         }
     }
     assert!(4 * n_close >= 3 * n_objects, "{n_close} of {n_objects}");
+}
+
+/// Lowest point of an object over the table, metres.
+fn height_over_table_m(object: &simulated_world::SimulatedObject, scene: &Scene) -> f64 {
+    let vertices = object.model.mesh.vertices.iter();
+    let heights = vertices.map(|v| (object.world_from_object * v.position.cast::<f64>()).z);
+    heights.fold(f64::MAX, f64::min) - scene.table.height_m
+}
+
+#[test]
+fn clutter_scene_stays_on_the_table_and_many_objects_rest_on_others() {
+    let (mut n_at_rest, mut n_on_others, mut n_objects) = (0, 0, 0);
+    for seed in 0..8 {
+        let world = world(generated(SceneKind::Clutter, 20, seed));
+        for object in world.objects() {
+            let is_at_rest = object.state == ObjectState::Settled;
+            n_at_rest += usize::from(is_at_rest);
+            let height_m = height_over_table_m(object, world.scene());
+            n_on_others += usize::from(is_at_rest && height_m > RAISED_M);
+            n_objects += 1;
+        }
+    }
+    assert_eq!(n_objects, 160);
+    assert!(10 * n_at_rest >= 9 * n_objects, "{n_at_rest} at rest");
+    assert!(4 * n_on_others >= n_objects, "{n_on_others} on others");
+}
+
+#[test]
+fn clutter_scene_draws_table_and_camera_from_the_seed() {
+    let mut finishes = Vec::new();
+    for seed in 0..40 {
+        let scene = generated(SceneKind::Clutter, 3, seed);
+        let again = generated(SceneKind::Clutter, 3, seed);
+        assert_eq!(scene.camera, again.camera);
+        assert_eq!(scene.table, again.table);
+        assert_eq!(scene.table_finish, again.table_finish);
+        assert!((0.8..=2.0).contains(&scene.camera.distance_m));
+        assert!((25.0..=60.0).contains(&scene.camera.elevation_deg));
+        let [x, y, _] = scene.camera.look_at_m;
+        let [half_x, half_y] = scene.table.size_m.map(|side| side / 2.0);
+        assert!(x.abs() < half_x + 0.1 && y.abs() < half_y + 0.1, "{seed}");
+        if !finishes.contains(&scene.table_finish) {
+            finishes.push(scene.table_finish);
+        }
+    }
+    assert!(finishes.len() > 20, "{} finishes", finishes.len());
+}
+
+#[test]
+fn clutter_scene_file_keeps_its_own_table_and_camera() {
+    let text = "kind = \"clutter\"\nobjects = 4\n[table]\nsize_m = [1.0, 0.9]\n\
+                [camera]\ndistance_m = 1.3";
+    let (scene, _) = Scene::from_toml(text, Path::new(""), Some(6)).unwrap();
+    let drawn = generated(SceneKind::Clutter, 4, 6);
+    assert_eq!(scene.table.size_m, [1.0, 0.9]);
+    assert!((scene.camera.distance_m - 1.3).abs() < 1e-12);
+    assert_eq!(scene.table_finish, drawn.table_finish);
+    let text = "kind = \"clutter\"\nobjects = 4";
+    let (scene, _) = Scene::from_toml(text, Path::new(""), Some(6)).unwrap();
+    assert_eq!(scene.objects, drawn.objects);
+    assert_eq!((scene.table, scene.camera), (drawn.table, drawn.camera));
 }
 
 #[test]

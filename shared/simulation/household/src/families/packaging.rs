@@ -91,6 +91,9 @@ impl PrintedCover {
         let (across, up) = [(1, 2), (0, 2), (0, 1)][n.iamax()];
         let at = |axis: usize| p[axis] / sides[axis] + 0.5;
         let (u, w) = (at(across), at(up));
+        if sides[up] > 2.0 * sides[across] {
+            return self.at(w, 1.0 - u);
+        }
         if sides[up] > 0.45 * sides[across] {
             return self.at(u, w);
         }
@@ -180,6 +183,7 @@ pub(crate) fn cookie_tin(v: &mut Variation) -> Solid {
         z => label.at((azimuth(p) * 3.0).fract(), z / lid),
     };
     lathed_for_print(&profile)
+        .with_convex_hull()
         .painted(color)
         .with_surface(BRUSHED)
 }

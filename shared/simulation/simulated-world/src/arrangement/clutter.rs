@@ -27,9 +27,9 @@ const STREAM_CENTRE: u64 = 12;
 const CENTRE_FROM_RIM_M: [f64; 2] = [0.12, 0.45];
 /// Area of the table for each object, square metres: densest and loosest crowd. Chosen, from
 /// pictures of mOSD `test` (Richtsfeld et al. 2012).
-const AREA_PER_OBJECT_M2: [f64; 2] = [0.010, 0.024];
+const AREA_PER_OBJECT_M2: [f64; 2] = [0.008, 0.020];
 /// Share of the half diagonal at which two groups count as overlapping. Chosen.
-const TOUCHING_SHARE: f64 = 0.8;
+const TOUCHING_SHARE: f64 = 0.75;
 /// Number of positions of which the best is taken. Chosen.
 const N_POSITIONS: usize = 24;
 

@@ -8,10 +8,12 @@ use std::f64::consts::PI;
 
 /// Random stream of the table.
 const STREAM_TABLE: u64 = 13;
+/// Random stream of the finish of the table.
+const STREAM_FINISH: u64 = 15;
 /// Random stream of the camera.
 const STREAM_CAMERA: u64 = 14;
 /// Sides of the table along x and y, metres: least and greatest. Chosen.
-const TABLE_M: [[f64; 2]; 2] = [[1.1, 2.2], [0.8, 1.5]];
+const TABLE_M: [[f64; 2]; 2] = [[1.2, 2.4], [0.9, 1.7]];
 /// Distance of the camera from the point it looks at, metres. Chosen.
 const DISTANCE_M: [f64; 2] = [0.8, 2.0];
 /// Elevation of the camera, degrees. Chosen.
@@ -42,7 +44,7 @@ pub(crate) fn clutter_table(seed: u64) -> TableDimensions {
 
 /// Finish of the table drawn from the seed.
 pub(crate) fn clutter_table_finish(seed: u64) -> TableFinish {
-    let mut random = random_stream(seed, STREAM_TABLE + 100);
+    let mut random = random_stream(seed, STREAM_FINISH);
     let at = random.below(TABLE_COLORS.len());
     let pattern = match at {
         0..3 | 5 => TablePattern::WoodGrain,
@@ -67,7 +69,7 @@ pub(crate) fn clutter_camera(seed: u64, table: &TableDimensions, n_objects: usiz
     let mut near_centre = |centre_m: f64| centre_m + random.between(-0.6, 0.6) * reach_m;
     let (x, y) = (near_centre(centre_m.x), near_centre(centre_m.y));
     let [nearest_m, farthest_m] = DISTANCE_M;
-    let share = random.unit().powf(1.5);
+    let share = random.unit().powi(2);
     CameraMount {
         look_at_m: [x, y, table.height_m + random.between(0.0, 0.1)],
         distance_m: nearest_m + (farthest_m - nearest_m) * share,
