@@ -172,7 +172,7 @@ fn crowd_centre(seed: u64, table: &TableDimensions) -> Vector2<f64> {
     let [near, far] = CENTRE_FROM_RIM_M;
     let from_rim_m = random.between(near, far);
     let coordinate = |size_m: f64, random: &mut Random| {
-        let half_m = (size_m / 2.0 - from_rim_m).max(0.0).min(0.55);
+        let half_m = (size_m / 2.0 - from_rim_m).clamp(0.0, 0.55);
         random.between(-half_m, half_m)
     };
     let x = coordinate(table.size_m[0], &mut random);

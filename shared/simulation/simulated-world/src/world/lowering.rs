@@ -48,7 +48,6 @@ impl World {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a failing set-up must fail the test")]
 mod tests {
     use super::*;
     use crate::glam_conversion::point_to_glam;
