@@ -5,11 +5,14 @@ use crate::palette::{BRASS, METALS, PASTELS, PLASTICS, Rgb, WHITE, contrasting, 
 use crate::pattern::{PrintedLabel, azimuth, is_stripe, mottled, noise, radius};
 use crate::profile::{lathed_for_print, rounded};
 use crate::variation::Variation;
-use mesh::{Solid, rounded_box};
+use mesh::{ConvexPart, Solid, rounded_box};
 use nalgebra::{Point3, Vector3};
+use std::f32::consts::TAU;
 
 /// Number of triangles of a carton or magazine, approximately.
 const TRIANGLES: f32 = 6500.0;
+/// Number of sides of the collision shape of a cookie tin.
+const N_PRISM_SIDES: usize = 16;
 /// Colours of printed covers: strong, dark and pale ones.
 const COVERS: [Rgb; 12] = [
     [196, 40, 38],
@@ -155,6 +158,18 @@ pub(crate) fn magazine(v: &mut Variation) -> Solid {
         .with_surface(PRINTED)
 }
 
+/// Regular prism on z = 0 as the collision shape of a flat cylinder: its even base does not rock.
+fn prism(radius_m: f32, height_m: f32) -> ConvexPart {
+    let corner = |i: usize, z: f32| {
+        let (sin, cos) = (i as f32 / N_PRISM_SIDES as f32 * TAU).sin_cos();
+        Point3::new(radius_m * cos, radius_m * sin, z)
+    };
+    let corners = (0..N_PRISM_SIDES).flat_map(|i| [corner(i, 0.0), corner(i, height_m)]);
+    ConvexPart {
+        points: corners.collect(),
+    }
+}
+
 pub(crate) fn cookie_tin(v: &mut Variation) -> Solid {
     let (r, h) = (v.between(0.07, 0.108), v.between(0.045, 0.09));
     let lid = h * v.between(0.6, 0.78);
@@ -182,10 +197,11 @@ pub(crate) fn cookie_tin(v: &mut Variation) -> Solid {
         z if z > lid => label.ground,
         z => label.at((azimuth(p) * 3.0).fract(), z / lid),
     };
-    lathed_for_print(&profile)
-        .with_convex_hull()
+    let mut tin = lathed_for_print(&profile)
         .painted(color)
-        .with_surface(BRUSHED)
+        .with_surface(BRUSHED);
+    tin.convex_parts = vec![prism(r * 1.01, h)];
+    tin
 }
 
 pub(crate) fn open_box(v: &mut Variation) -> Solid {
