@@ -39,6 +39,7 @@ pub mod memory_floor;
 pub mod novelty_score;
 pub mod open_ended;
 pub mod recogniser;
+pub mod resting_objects;
 pub mod scene_picture;
 pub mod score_page;
 pub mod segmentation_score;

@@ -135,6 +135,10 @@ pub struct TrackingArguments {
     /// Labels of the tracks of a recording without ground truth: lines of `track_id,object-name`
     #[arg(long, value_name = "FILE")]
     pub(crate) labels: Option<PathBuf>,
+    /// Hand-made ground truth of a recording (TOML): objects at rest, their places and when they
+    /// are in view [default: resting-objects.toml of the recording, if it exists]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) truth: Option<PathBuf>,
 }
 
 impl SceneArguments {

@@ -6,6 +6,7 @@ mod ground_truth;
 mod recorded_sequence;
 mod report;
 mod report_page;
+mod resting_truth;
 mod scenario;
 mod simulated_sequence;
 mod tracking_pipeline;
@@ -39,9 +40,9 @@ pub(super) fn run(arguments: &TrackingArguments, output: &Output) -> Result<Exit
     };
     match &arguments.dataset {
         Some(folder) if scenarios.is_empty() => run_recording(folder, arguments, output),
-        _ if arguments.labels.is_some() => Err(Failure::usage(
-            "--labels names the objects of a recording without truth; the objects of scenes are \
-             known",
+        _ if arguments.labels.is_some() || arguments.truth.is_some() => Err(Failure::usage(
+            "--labels and --truth describe the objects of a recording without truth; the objects \
+             of scenes are known",
         )),
         _ => run_scenarios(scenarios, arguments, output),
     }
@@ -73,7 +74,8 @@ fn run_recording(
     let recording = RecordedSequence::open(folder)?;
     create_folder(&arguments.out.join(PICTURES))?;
     if !recording.has_truth()? {
-        return drift::run(&recording, arguments, output);
+        let marks = resting_truth::marks(folder, arguments)?;
+        return drift::run(&recording, marks.as_ref(), arguments, output);
     }
     let bar = progress_bar(recording.n_frames() as u64, "frames", output);
     let sequence = recording.play(|_| {

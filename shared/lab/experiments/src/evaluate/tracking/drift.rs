@@ -3,11 +3,13 @@
 
 use super::PICTURES;
 use super::recorded_sequence::{ProcessedFrame, RecordedSequence};
+use super::resting_truth::{self, RestingReport};
 use crate::arguments::TrackingArguments;
 use crate::evaluate::report_parts::ReportFiles;
 use crate::output_files::{create_folder, write};
 use command_line::{Output, format_table, progress_bar};
 use evaluation::box_picture::{self, NumberedBox};
+use evaluation::resting_objects::RestingObjects;
 use evaluation::track_drift::{TrackSpan, track_spans};
 use evaluation::track_figure;
 use plot::figure_page::{PageFigure, PageTable, html};
@@ -33,6 +35,7 @@ struct DriftReport {
     tracks: Vec<TrackDrift>,
     objects: Option<BTreeMap<String, ObjectDrift>>,
     ids_per_object: Option<f64>,
+    truth: Option<RestingReport>,
     #[serde(flatten)]
     files: ReportFiles,
     frames: String,
@@ -62,6 +65,7 @@ struct ObjectDrift {
 /// Tracks the recording, and writes spans, drift and pictures.
 pub(super) fn run(
     recording: &RecordedSequence,
+    marks: Option<&RestingObjects>,
     arguments: &TrackingArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
@@ -87,7 +91,8 @@ pub(super) fn run(
     let svg = figure.svg().map_err(Failure::general)?;
     write(&arguments.out.join(&picture), svg.as_bytes())?;
     let spans = track_spans(&sequence.frames);
-    let document = document(&spans, sequence.frames.len(), labels.as_ref(), arguments);
+    let mut document = document(&spans, sequence.frames.len(), labels.as_ref(), arguments);
+    document.truth = marks.map(|marks| RestingReport::of(&sequence.frames, marks));
     let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
     write(&arguments.out.join("tracking.json"), json.as_bytes())?;
     let page = page(&document, recording, picture);
@@ -143,6 +148,7 @@ fn document(
         tracks,
         objects,
         ids_per_object,
+        truth: None,
         files: ReportFiles::in_folder(&arguments.out, "tracking.json"),
         frames: arguments.out.join(FRAMES).display().to_string(),
     }
@@ -227,20 +233,36 @@ fn summary(document: &DriftReport) -> String {
 }
 
 fn text(document: &DriftReport) -> String {
-    let lines = [
+    let mut lines = vec![
         format_table(&HEADS, &rows(document)),
         String::new(),
         summary(document),
-        document.files.page.clone(),
-        document.files.file.clone(),
-        document.frames.clone(),
     ];
+    if let Some(truth) = &document.truth {
+        lines.push(String::new());
+        lines.push(format_table(&resting_truth::HEADS, &truth.rows()));
+        lines.push(truth.summary());
+    }
+    lines.push(document.files.page.clone());
+    lines.push(document.files.file.clone());
+    lines.push(document.frames.clone());
     lines.join("\n")
 }
 
 fn page(document: &DriftReport, recording: &RecordedSequence, picture: String) -> String {
     let title = "Tracks that were seen and believed";
     let tracks = PageTable::new(title, &HEADS, rows(document));
+    let marked = document.truth.iter();
+    let marked = marked.map(|truth| {
+        PageTable::new(
+            "Marked objects at rest",
+            &resting_truth::HEADS,
+            truth.rows(),
+        )
+    });
+    let tables: Vec<PageTable> = marked.chain([tracks]).collect();
+    let truth = document.truth.iter().map(RestingReport::summary);
+    let summaries: Vec<String> = [summary(document)].into_iter().chain(truth).collect();
     let mut runs = vec![PageFigure {
         caption: "The table from above, and the tracks over time".to_owned(),
         picture,
@@ -252,8 +274,8 @@ fn page(document: &DriftReport, recording: &RecordedSequence, picture: String) -
     }));
     html(
         &format!("Tracks in {}", recording.name),
-        &[summary(document)],
-        &[tracks],
+        &summaries,
+        &tables,
         &runs,
     )
 }

@@ -29,6 +29,7 @@ fn arguments(dataset: &Path, out: &Path) -> TrackingArguments {
         seed: 1,
         scene: Vec::new(),
         labels: None,
+        truth: None,
     }
 }
 
@@ -119,12 +120,13 @@ fn check_without_ground_truth(recording: &Path, folder: &Path) {
         "track_id,object-name\n1,first\n2,second\n3,first\n",
     )
     .unwrap();
-    let arguments = TrackingArguments {
+    let mut arguments = TrackingArguments {
         labels: Some(labels),
         ..arguments(recording, &out)
     };
     run(&arguments, &Output::new(true)).unwrap();
     let found = document(&out);
+    assert!(found["truth"].is_null());
     assert_eq!(
         (&found["n_frames"], &found["n_ids"]),
         (&20.into(), &3.into())
@@ -136,6 +138,31 @@ fn check_without_ground_truth(recording: &Path, folder: &Path) {
         assert!((0.0..20.0).contains(&drift_mm), "{track}");
     }
     assert!(out.join("frames/000000.png").exists() && out.join("tracks/recording.svg").exists());
+    let truth = folder.join("truth.toml");
+    std::fs::write(&truth, marks_of(&found["tracks"][0]["centre_m"])).unwrap();
+    arguments.truth = Some(truth);
+    run(&arguments, &Output::new(true)).unwrap();
+    check_marked(&document(&out)["truth"]);
+}
+
+/// Truth file that marks one of the objects of the recording.
+fn marks_of(place_m: &Value) -> String {
+    format!(
+        "[[object]]\nname = \"can\"\ncolor = \"red\"\nplace_in_world_m = {place_m}\n\
+         radius_m = 0.06\nin_view = [[2, 19]]\n"
+    )
+}
+
+/// Asserts the score of one marked object of three.
+fn check_marked(found: &Value) {
+    assert_eq!(found["ids_per_object"], 1.0, "{found}");
+    assert_eq!(found["tracks_of_nothing"].as_array().unwrap().len(), 2);
+    let can = &found["objects"][0];
+    assert_eq!(
+        (&can["name"], &can["n_frames_tracked"]),
+        (&"can".into(), &18.into())
+    );
+    assert!(can["drift_mm"].as_f64().unwrap() < 20.0, "{can}");
 }
 
 #[test]
