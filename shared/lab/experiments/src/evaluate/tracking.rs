@@ -9,6 +9,7 @@ mod report_page;
 mod resting_truth;
 mod scenario;
 mod simulated_sequence;
+mod small_text_file;
 mod tracking_pipeline;
 mod tracking_run;
 

@@ -4,6 +4,7 @@
 use super::PICTURES;
 use super::recorded_sequence::{ProcessedFrame, RecordedSequence};
 use super::resting_truth::{self, RestingReport};
+use super::small_text_file;
 use crate::arguments::TrackingArguments;
 use crate::evaluate::report_parts::ReportFiles;
 use crate::output_files::{create_folder, write};
@@ -23,8 +24,6 @@ use std::process::ExitCode;
 const FRAMES: &str = "frames";
 /// Number of frames for each drawn one. Chosen.
 const FRAMES_A_PICTURE: usize = 25;
-/// Maximum size of a label file, bytes. Chosen.
-const MOST_BYTES: u64 = 1 << 20;
 
 #[derive(Debug, Serialize)]
 struct DriftReport {
@@ -173,12 +172,9 @@ fn read_labels(path: &Path) -> Result<BTreeMap<u64, String>, Failure> {
         let sentence = format!("the labels in {} cannot be used: {cause}", path.display());
         Failure::usage(sentence)
     };
-    let size = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
-    if !size.is_file() || size.len() > MOST_BYTES {
-        return Err(wrong("it is not a file of at most 1 MiB".to_owned()));
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
-    parse_labels(&text).map_err(wrong)
+    small_text_file::read(path)
+        .and_then(|text| parse_labels(&text))
+        .map_err(wrong)
 }
 
 fn parse_labels(text: &str) -> Result<BTreeMap<u64, String>, String> {

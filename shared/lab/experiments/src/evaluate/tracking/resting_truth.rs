@@ -1,6 +1,7 @@
 //! Hand-made ground truth of a recording: marks of objects at rest, and the report of the score
 //! against them.
 
+use super::small_text_file;
 use crate::arguments::TrackingArguments;
 use evaluation::resting_objects::{RestingObjects, RestingScore};
 use evaluation::tracked_frame::TrackedFrame;
@@ -10,8 +11,6 @@ use std::path::{Path, PathBuf};
 
 /// Name of a file of marks inside the folder of the recording, used without `--truth`.
 const FILE_NAME: &str = "resting-objects.toml";
-/// Maximum size of a file of marks, bytes. Chosen.
-const MOST_BYTES: u64 = 1 << 20;
 
 /// Score of a recording against marked objects at rest.
 #[derive(Debug, Serialize)]
@@ -129,12 +128,9 @@ fn read(path: &Path) -> Result<RestingObjects, Failure> {
         let sentence = format!("the truth in {} cannot be used: {cause}", path.display());
         Failure::usage(sentence)
     };
-    let size = std::fs::metadata(path).map_err(|error| wrong(error.to_string()))?;
-    if !size.is_file() || size.len() > MOST_BYTES {
-        return Err(wrong("it is not a file of at most 1 MiB".to_owned()));
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
-    parse(&text).map_err(wrong)
+    small_text_file::read(path)
+        .and_then(|text| parse(&text))
+        .map_err(wrong)
 }
 
 fn parse(text: &str) -> Result<RestingObjects, String> {

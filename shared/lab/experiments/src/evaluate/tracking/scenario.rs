@@ -1,5 +1,6 @@
 //! Tracking scenarios: built-in and user-defined scene files.
 
+use super::small_text_file;
 use service::Failure;
 use simulated_world::{ModelLibrary, Scene};
 use std::path::{Path, PathBuf};
@@ -36,9 +37,6 @@ const BUILT_IN: [(&str, &str); 7] = [
     ),
 ];
 
-/// Maximum size of a scene file, bytes. Chosen.
-const MOST_BYTES: u64 = 1 << 20;
-
 /// Scene file; each seed plays the same actions with other objects at other places.
 #[derive(Debug, Clone)]
 pub(super) struct Scenario {
@@ -55,11 +53,7 @@ impl Scenario {
     }
 
     fn open(path: &Path) -> Result<Self, Failure> {
-        let size = std::fs::metadata(path).map_err(|error| unreadable(path, error))?;
-        if !size.is_file() || size.len() > MOST_BYTES {
-            return Err(unreadable(path, "it is not a file of at most 1 MiB"));
-        }
-        let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, error))?;
+        let text = small_text_file::read(path).map_err(|cause| unreadable(path, cause))?;
         let name = path.file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
