@@ -3,10 +3,10 @@
 //! The marks need no segmentation: a place, a radius and the frames in which the object is wholly
 //! in view are enough to tell whether an identity lasts and whether its position drifts.
 
+use crate::track_drift::component_median;
 use crate::tracked_frame::TrackedFrame;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 use serde::Deserialize;
-use statistics::spread::Spread;
 use std::collections::BTreeMap;
 
 /// Distance by which the centre of a track may lie outside of the radius of its object, metres:
@@ -228,7 +228,7 @@ fn object_score(
         }
     }
     if !centres.is_empty() {
-        let median = median(&centres);
+        let median = component_median(&centres);
         let away = centres.iter().map(|centre| (centre - median).norm());
         score.drift_m = Some(away.fold(0.0, f64::max));
         score.offset_m = Some((median - Point3::from(object.place_in_world_m)).norm());
@@ -236,19 +236,12 @@ fn object_score(
     score
 }
 
-/// Component-wise median.
-fn median(places: &[Point3<f64>]) -> Point3<f64> {
-    Point3::from(Vector3::from_fn(|axis, _| {
-        let along: Vec<f64> = places.iter().map(|place| place[axis]).collect();
-        Spread::of(&along).map_or(0.0, |spread| spread.median)
-    }))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::tracked_frame::TrackState;
     use geometry::{OrientedBox, RigidTransform};
+    use nalgebra::Vector3;
 
     fn frame(tracks: &[(u64, f64)]) -> TrackedFrame {
         let track = |(id, x): &(u64, f64)| TrackState {

@@ -37,20 +37,30 @@ pub fn track_spans(frames: &[TrackedFrame]) -> Vec<TrackSpan> {
     spans.filter_map(|(id, seen)| span(id, &seen)).collect()
 }
 
+/// Component-wise median of points; the origin without points.
+pub(crate) fn component_median(points: &[Point3<f64>]) -> Point3<f64> {
+    Point3::from(Vector3::from_fn(|axis, _| {
+        let along: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+        Spread::of(&along).map_or(0.0, |spread| spread.median)
+    }))
+}
+
 fn span(id: u64, seen: &[(usize, Point3<f64>)]) -> Option<TrackSpan> {
     let (first, last) = (seen.first()?, seen.last()?);
-    let centres = || seen.iter().map(|(_, centre)| centre);
-    let median = Point3::from(Vector3::from_fn(|axis, _| {
-        let places: Vec<f64> = centres().map(|centre| centre[axis]).collect();
-        Spread::of(&places).map_or(0.0, |spread| spread.median)
-    }));
+    let centres: Vec<Point3<f64>> = seen.iter().map(|(_, centre)| *centre).collect();
+    let median = component_median(&centres);
     let n = seen.len() as f64;
-    let mean = centres().map(|centre| centre.coords).sum::<Vector3<f64>>() / n;
-    let variance_m2 = centres()
+    let mean = centres
+        .iter()
+        .map(|centre| centre.coords)
+        .sum::<Vector3<f64>>()
+        / n;
+    let variance_m2 = centres
+        .iter()
         .map(|centre| (centre.coords - mean).norm_squared())
         .sum::<f64>()
         / n;
-    let away = centres().map(|centre| (centre - median).norm());
+    let away = centres.iter().map(|centre| (centre - median).norm());
     Some(TrackSpan {
         id,
         first_frame: first.0,
