@@ -109,12 +109,22 @@ impl OrientedModel {
     }
 }
 
-/// Oriented model with its position on the table and its yaw.
+/// Planned object that may carry others: its position on the table, yaw and half sides.
 #[derive(Debug, Clone)]
 struct PlannedSupport {
     position_m: Vector2<f64>,
     yaw_rad: f64,
     half_sides_m: Vector3<f64>,
+}
+
+impl PlannedSupport {
+    fn half_diagonal_m(&self) -> f64 {
+        self.half_sides_m.x.hypot(self.half_sides_m.y)
+    }
+
+    fn short_half_side_m(&self) -> f64 {
+        self.half_sides_m.x.min(self.half_sides_m.y)
+    }
 }
 
 /// Planner of one crowd: places groups of objects until the requested number is reached.
@@ -349,7 +359,7 @@ impl ClutterPlanner<'_> {
     /// Drops an object in a random orientation against a support.
     fn put_dropped_beside(&mut self, object: &OrientedModel, support: &PlannedSupport) {
         let angle = self.random.between(0.0, TAU);
-        let reach_m = support.half_sides_m.x.hypot(support.half_sides_m.y) * 0.8;
+        let reach_m = support.half_diagonal_m() * 0.8;
         let position_m = support.position_m + Vector2::new(angle.cos(), angle.sin()) * reach_m;
         let rotation = random_rotation(&mut self.random);
         self.put_rotated(&object.choice, self.on_table(position_m), rotation);

@@ -115,7 +115,7 @@ impl ClutterPlanner<'_> {
         let radius_m = base.half_diagonal_m();
         let mut support = self.put_on_table(&base, radius_m);
         for _ in 0..self.random.below(3) {
-            let least_m = support.half_sides_m.x.min(support.half_sides_m.y);
+            let least_m = support.short_half_side_m();
             let next = self.generated_within(&FLAT, Resting::Flat, 1.2 * least_m)?;
             let yaw_rad = self.yaw_on(&support, 0.4);
             support = self.put_on(&next, &support, yaw_rad, 0.3);
@@ -128,7 +128,7 @@ impl ClutterPlanner<'_> {
 
     /// Small object on a support: standing, or lying on its side.
     fn top(&mut self, support: &PlannedSupport) -> Result<PlannedSupport, Error> {
-        let least_m = support.half_sides_m.x.min(support.half_sides_m.y);
+        let least_m = support.short_half_side_m();
         let resting = match self.random.below(10) {
             0..6 => Resting::Upright,
             6..8 => Resting::OnEnd,
