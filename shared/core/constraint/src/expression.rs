@@ -6,8 +6,15 @@ use crate::{Constraint, ConstraintSet, Findings, InvalidExpression, Ternary};
 use std::fmt;
 use std::str::FromStr;
 
+/// Name of the default rule in place of an expression.
+const DEFAULT_NAME: &str = "default";
+
+/// Name of the paper's rule in place of an expression.
+const PAPER_NAME: &str = "paper";
+
 /// Boolean expression over constraints, evaluated in Kleene's ternary logic. The default is
-/// the rule of the paper, `C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)`.
+/// `C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot)`, which loses nothing that stands on the
+/// table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Expression {
     /// Postfix operations, which leave one value and hold at most [`N_NAMES_MAX`] names.
@@ -16,21 +23,20 @@ pub struct Expression {
 
 impl Default for Expression {
     fn default() -> Self {
-        use Constraint::{Edge, Instructor, Robot, Table, Track};
+        use Constraint::{Instructor, Robot, Table, Track};
         use PostfixOp::{And, Is, Not, Or};
-        let ops = vec![
-            Is(Table),
-            Is(Track),
-            And,
-            Is(Instructor),
-            Is(Robot),
-            Or,
-            Is(Edge),
-            Or,
-            Not,
-            And,
-        ];
-        Self { ops }
+        Self {
+            ops: vec![
+                Is(Table),
+                Is(Track),
+                And,
+                Is(Instructor),
+                Is(Robot),
+                Or,
+                Not,
+                And,
+            ],
+        }
     }
 }
 
@@ -75,6 +81,27 @@ impl DecidedValue {
 }
 
 impl Expression {
+    /// Rule of the paper (Kasaei et al. 2018):
+    /// `C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)`.
+    pub fn paper() -> Self {
+        use Constraint::{Edge, Instructor, Robot, Table, Track};
+        use PostfixOp::{And, Is, Not, Or};
+        Self {
+            ops: vec![
+                Is(Table),
+                Is(Track),
+                And,
+                Is(Instructor),
+                Is(Robot),
+                Or,
+                Is(Edge),
+                Or,
+                Not,
+                And,
+            ],
+        }
+    }
+
     /// Evaluate the rule for the findings of a candidate. Allocates nothing.
     pub fn evaluate(&self, findings: &Findings) -> Ternary {
         self.value(findings).truth
@@ -126,13 +153,18 @@ impl FromStr for Expression {
     type Err = InvalidExpression;
 
     /// Parse a rule in the paper's notation (`∧ ∨ ¬`), with `and`, `or`, `not`, or with
-    /// `&`, `|`, `!`. "not" binds tightest, then "and".
+    /// `&`, `|`, `!`; "not" binds tightest, then "and". The names `default` and `paper`
+    /// stand for the [default](Self::default) and for the [paper's](Self::paper) rule.
     ///
     /// # Errors
     ///
     /// Quotes the rule and names the character at which it is invalid.
     fn from_str(text: &str) -> Result<Self, InvalidExpression> {
-        parse(text).map(|ops| Self { ops })
+        match text.trim() {
+            name if name.eq_ignore_ascii_case(DEFAULT_NAME) => Ok(Self::default()),
+            name if name.eq_ignore_ascii_case(PAPER_NAME) => Ok(Self::paper()),
+            text => parse(text).map(|ops| Self { ops }),
+        }
     }
 }
 

@@ -105,7 +105,12 @@ reasons! {
     } => "unsupported: its lowest point is {} above the table", Cm(gap_m);
     /// The sensor has no depth below the candidate.
     5 BaseWithoutDepth
-        => "its support is unknown: there is no depth below it";
+        => "its support is not visible: there is no depth below it";
+    /// The candidate continues below the table's surface, as furniture beside it does.
+    6 ContinuesBelowTable {
+        /// Share of the lower border that continues below the table, 0 to 1.
+        share
+    } => "it does not begin on the table: it continues below its surface ({} of its lower border)", Percent(share);
     /// No track overlaps the candidate.
     10 NoOverlappingTrack {
         /// Greatest intersection over union with a track's box, 0 to 1.
@@ -223,6 +228,18 @@ reasons! {
         /// Distance threshold from the rim, metres.
         distance_m
     } => "it is at the table's rim ({} of its points nearer than {})", Percent(share), Cm(distance_m);
+    /// The candidate reaches over the table's rim.
+    52 BeyondRim {
+        /// Share of the points beyond the rim, 0 to 1.
+        share
+    } => "it reaches over the table's rim ({} of its points)", Percent(share);
+    /// The table's border near the candidate is hidden or outside of the view.
+    53 RimUnseen {
+        /// Share of the points near the unseen border, 0 to 1.
+        share,
+        /// Distance threshold from the border, metres.
+        distance_m
+    } => "the table's border near it is hidden or outside of the view ({} of its points nearer than {})", Percent(share), Cm(distance_m);
     /// The key-view decision needs the history of the track and is made later.
     60 KeyViewUndecided
         => "its track decides later whether this is a key view";
@@ -244,7 +261,7 @@ mod tests {
         let all: Vec<_> = (0..u16::MAX)
             .filter_map(|code| Some((code, Reason::from_parts(code, values)?)))
             .collect();
-        assert_eq!(all.len(), 30);
+        assert_eq!(all.len(), 33);
         for (code, reason) in all {
             assert_eq!(reason.code(), code);
             let n_values = reason

@@ -3,7 +3,6 @@
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::footprint::Footprint;
-use crate::outline::Outline;
 use crate::plane_region::{
     PlaneRegionBuffers, RegionFilter, find_region, region_plane, region_polygon,
 };
@@ -27,7 +26,6 @@ const OVERHANG_M: f64 = 0.02;
 pub(crate) struct OccludedTableBuffers {
     top: ConvexPolygon,
     table: ConvexPolygon,
-    outline: Outline,
 }
 
 /// Plane of the table under an object whose top is `plane`: a parallel plane a little lower
@@ -41,11 +39,7 @@ pub(crate) fn find_occluded_table(
     region: &mut PlaneRegionBuffers,
     buffers: &mut OccludedTableBuffers,
 ) -> Option<Plane> {
-    let OccludedTableBuffers {
-        top,
-        table,
-        outline,
-    } = buffers;
+    let OccludedTableBuffers { top, table } = buffers;
     let gap_m = most_frequent_gap_m(samples, plane, config, n_min)?;
     // One frame for both polygons, so that they are comparable.
     let plane_from_camera = plane.plane_from_source();
@@ -56,7 +50,7 @@ pub(crate) fn find_occluded_table(
         RegionFilter::WideOnly,
         region,
     );
-    region_polygon(samples, region, top, outline);
+    region_polygon(samples, region, top);
     if longest_side_m(top)? > config.side_max_m {
         return None;
     }
@@ -69,7 +63,7 @@ pub(crate) fn find_occluded_table(
         RegionFilter::All,
         region,
     );
-    region_polygon(samples, region, table, outline);
+    region_polygon(samples, region, table);
     let is_around = |corner| table.signed_distance_m(corner) >= -OVERHANG_M;
     let surrounds = n_around >= n_min && top.corners().iter().all(is_around);
     surrounds.then(|| region_plane(samples, region).unwrap_or(lower))

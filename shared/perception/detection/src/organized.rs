@@ -7,7 +7,6 @@ use crate::clusters::{Clusters, ConcavitySplit, TrackClaims};
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
 use crate::execution::Execution;
 use crate::input::DetectionInput;
-use crate::outline::Outline;
 use crate::outline_tracing::OutlineTracer;
 use crate::output::Detection;
 use crate::parallelism::{Parallelism, ScratchPool};
@@ -47,13 +46,16 @@ const BASE_HEIGHT_MAX_M: f32 = 0.02;
 /// see `tabula-lab sweep`.
 const BASE_STEP_M: f32 = 0.02;
 
+/// Least share of an object's points above the table's cells. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
+const OVER_TABLE_SHARE_MIN: f64 = 0.25;
+
 /// Buffers of the image path, reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct OrganizedBuffers {
     samples: Samples,
     table: TableSelectionBuffers,
     surface: TableSurface,
-    hull: Outline,
     tracer: OutlineTracer,
     /// Pixels in the prism above the table, per band of image rows.
     bands: Vec<Vec<u32>>,
@@ -133,7 +135,6 @@ fn find_table(
         samples,
         table: selection,
         surface,
-        hull,
         tracer,
         ..
     } = buffers;
@@ -143,10 +144,9 @@ fn find_table(
     let table = select_table(samples, frame.up_in_camera, config, &mut random, selection);
     execution.end_stage(DetectionStage::TablePlane);
     let mut table = table?;
-    surface.refill(&table, samples);
-    if surface.has_gaps() {
-        std::mem::swap(&mut table.outline, hull);
-        tracer.trace(surface, hull, &mut table.outline);
+    surface.refill(&mut table, samples);
+    if surface.differs_from_polygon() {
+        tracer.trace(surface, &mut table.outline);
     }
     execution.end_stage(DetectionStage::TableSurface);
     Some(table)
@@ -287,13 +287,15 @@ fn find_hypotheses(
             &*clusters
         };
         let pixels = own.pixels(cluster as usize);
-        if overlap.is_sufficient(pixels, cloud)
+        let over_table_share = overlap.share(pixels, cloud);
+        if over_table_share >= OVER_TABLE_SHARE_MIN
             && let Some(hypothesis) =
                 ClusterHypothesis::of(cluster, pixels, cloud, &table_axes, config)
             && pixels.len() as f64
                 >= config.points_min_at_1m / hypothesis.statistics.centroid.z.powi(2)
         {
             found.push(ClusterHypothesis {
+                over_table_share,
                 is_masked,
                 ..hypothesis
             });
@@ -301,7 +303,7 @@ fn find_hypotheses(
     });
     hypotheses.clear();
     found_hypotheses.gather(hypotheses);
-    find_support_relations(cloud, clusters, &table.plane.normal, hypotheses);
+    find_support_relations(cloud, clusters, &table.plane, hypotheses);
     let distance = |one: &ClusterHypothesis| one.statistics.centroid.coords.norm_squared();
     hypotheses.sort_unstable_by(|a, b| {
         distance(a)

@@ -8,18 +8,25 @@ use nalgebra::Point2;
 pub struct Outline {
     /// Corners of the outline, metres.
     pub corners: Vec<Point2<f64>>,
-    /// Per side, from each corner to the next: `true` on the table's rim, `false` where the
-    /// view ends.
+    /// Per side, from each corner to the next: `true` on the table's rim, beyond which free
+    /// space is visible; `false` where an object hides the rest or the view ends.
     pub is_rim: Vec<bool>,
 }
 
 impl Outline {
     /// Outline of a convex hull with all sides marked as rim.
     pub(crate) fn around(hull: &ConvexPolygon) -> Self {
-        Self {
-            corners: hull.corners().to_vec(),
-            is_rim: vec![true; hull.corners().len()],
-        }
+        let mut outline = Self::default();
+        outline.assign_hull(hull);
+        outline
+    }
+
+    /// Assign a convex hull with all sides marked as rim.
+    pub(crate) fn assign_hull(&mut self, hull: &ConvexPolygon) {
+        self.corners.clear();
+        self.corners.extend_from_slice(hull.corners());
+        self.is_rim.clear();
+        self.is_rim.resize(self.corners.len(), true);
     }
 
     /// Point-in-polygon test (even-odd rule).
@@ -38,15 +45,21 @@ impl Outline {
     /// on the table and where the view ends before the rim. Infinite without a rim, for
     /// example when the table fills the view.
     pub fn rim_distance_m(&self, place: &Point2<f64>) -> f64 {
-        let (mut rim_m, mut view_end_m) = (f64::INFINITY, f64::INFINITY);
+        self.border_distances_m(place)[0]
+    }
+
+    /// [Signed distance](Self::rim_distance_m) of a point from the rim, and distance from
+    /// the border that is hidden or outside of the view, metres; infinite without any.
+    pub fn border_distances_m(&self, place: &Point2<f64>) -> [f64; 2] {
+        let (mut rim_m, mut unseen_m) = (f64::INFINITY, f64::INFINITY);
         for (a, b, is_rim) in self.sides() {
-            let nearest_m = if is_rim { &mut rim_m } else { &mut view_end_m };
+            let nearest_m = if is_rim { &mut rim_m } else { &mut unseen_m };
             *nearest_m = nearest_m.min(distance_m(place, &a, &b));
         }
-        if rim_m < view_end_m && !self.contains(place) {
-            -rim_m
+        if rim_m < unseen_m && !self.contains(place) {
+            [-rim_m, unseen_m]
         } else {
-            rim_m
+            [rim_m, unseen_m]
         }
     }
 

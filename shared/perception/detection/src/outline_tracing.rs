@@ -17,26 +17,14 @@ pub(crate) struct OutlineTracer {
 }
 
 impl OutlineTracer {
-    /// Trace the border of the table's cells into `outline`. A side is marked as rim unless
-    /// it is along a side of `hull` that is none.
-    pub(crate) fn trace(&mut self, surface: &TableSurface, hull: &Outline, outline: &mut Outline) {
+    /// Trace the border of the table's cells into `outline`, with its rim sides marked.
+    pub(crate) fn trace(&mut self, surface: &TableSurface, outline: &mut Outline) {
         self.trace_border(surface);
         self.simplify();
         outline.corners.clear();
         let corners = self.kept.iter().map(|&i| self.corners[i as usize]);
         outline.corners.extend(corners);
-        outline.is_rim.clear();
-        for (i, a) in outline.corners.iter().enumerate() {
-            let b = outline.corners[(i + 1) % outline.corners.len()];
-            // The end of the view may span several sides of the hull.
-            let ends_view = |corner: &Point2<f64>| {
-                let mut sides = hull.sides().filter(|(_, _, is_rim)| !is_rim);
-                sides.any(|(from, to, _)| distance_m(corner, &from, &to) <= TOLERANCE_M)
-            };
-            let middle = Point2::from(0.5 * (a.coords + b.coords));
-            let is_rim = ![*a, middle, b].iter().all(ends_view);
-            outline.is_rim.push(is_rim);
-        }
+        surface.mark_rims(outline);
     }
 
     /// Boundary following: walk around the table's cells, which stay on the left, from the
@@ -44,8 +32,9 @@ impl OutlineTracer {
     fn trace_border(&mut self, surface: &TableSurface) {
         const STEPS: [[isize; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
         self.corners.clear();
-        let first = (0..surface.width * surface.height)
-            .map(|cell| (cell % surface.width, cell / surface.width))
+        let [width, height] = surface.size();
+        let first = (0..width * height)
+            .map(|cell| (cell % width, cell / width))
             .find(|&(column, row)| surface.is_table_cell(column as isize, row as isize));
         let Some((column, row)) = first else { return };
         let start = [column as isize, row as isize];

@@ -1,7 +1,6 @@
 //! Largest connected region of a plane's inliers and its polygon.
 
 use crate::affine_form::AffineForm;
-use crate::outline::Outline;
 use crate::samples::Samples;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Point2, Point3, Unit};
@@ -22,11 +21,6 @@ const CELL_SAMPLES_MIN: u32 = 2;
 /// Chosen; sensitivity: see `tabula-lab sweep`.
 const GAP_CELLS: isize = 3;
 
-/// Greatest width of the image margin without registered depth, share of a side. An edge of
-/// depth farther inside is an edge of the surface. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
-const MARGIN_SHARE_MAX: f64 = 0.1;
-
 /// Connected plane region found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct PlaneRegionBuffers {
@@ -38,8 +32,6 @@ pub(crate) struct PlaneRegionBuffers {
     region_of_cell: Vec<u32>,
     stack: Vec<usize>,
     outline: Vec<Point2<f64>>,
-    /// Corners of the outline at which the image ends rather than the plane.
-    view_ends: Vec<Point2<f64>>,
 }
 
 /// Inlier of a plane: sample index and coordinates in the frame of the plane, metres.
@@ -243,8 +235,7 @@ pub(crate) fn region_plane(samples: &Samples, region: &PlaneRegionBuffers) -> Op
     Some(Plane::through(&axes.centroid, normal).facing(&Point3::origin()))
 }
 
-/// Convex hull of the region found last, in the frame of the plane, and its outline, in
-/// which a side between two corners at the end of the view is not rim.
+/// Convex hull of the region found last, in the frame of the plane.
 ///
 /// The first and last sample of each image row suffice: a plane is seen through a
 /// homography, which preserves betweenness.
@@ -252,35 +243,14 @@ pub(crate) fn region_polygon(
     samples: &Samples,
     buffers: &mut PlaneRegionBuffers,
     polygon: &mut ConvexPolygon,
-    outline: &mut Outline,
 ) {
-    let corner = |inlier: &Inlier| Point2::new(f64::from(inlier.u), f64::from(inlier.v));
     let row_of = |inlier: &Inlier| inlier.sample as usize / samples.width();
-    let bounds = samples.bounds();
-    let is_margin = |at: usize, n: usize| {
-        let margin = MARGIN_SHARE_MAX * n as f64;
-        (at.min(n - 1 - at) as f64) <= margin
-    };
     buffers.outline.clear();
-    buffers.view_ends.clear();
     for row in buffers.inliers.chunk_by(|a, b| row_of(a) == row_of(b)) {
         for inlier in [&row[0], &row[row.len() - 1]] {
-            buffers.outline.push(corner(inlier));
-            let (column, row) = (inlier.sample as usize % samples.width(), row_of(inlier));
-            let is_at_margin =
-                is_margin(column, samples.width()) || is_margin(row, samples.height());
-            if is_at_margin && bounds.is_border(column, row) {
-                buffers.view_ends.push(corner(inlier));
-            }
+            let corner = Point2::new(f64::from(inlier.u), f64::from(inlier.v));
+            buffers.outline.push(corner);
         }
     }
     polygon.assign_convex_hull_of(&mut buffers.outline);
-    let corners = polygon.corners();
-    let ends_view = |i: usize| buffers.view_ends.contains(&corners[i % corners.len()]);
-    outline.corners.clear();
-    outline.corners.extend_from_slice(corners);
-    outline.is_rim.clear();
-    outline
-        .is_rim
-        .extend((0..corners.len()).map(|i| !(ends_view(i) && ends_view(i + 1))));
 }

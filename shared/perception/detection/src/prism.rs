@@ -20,9 +20,8 @@ const BLOCK: usize = 8;
 /// Number of image bands that are searched in parallel.
 const N_BANDS: usize = 16;
 
-/// Least share of an object's points above the table's cells. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
-const OVER_TABLE_SHARE_MIN: f64 = 0.25;
+/// Greatest number of points on which the overlap of a cluster with the table is measured.
+const N_OVERLAP_SAMPLES: usize = 512;
 
 /// Prism above the table, prepared for the inner loop.
 pub(crate) struct Prism<'a> {
@@ -225,14 +224,16 @@ impl<'a> TableOverlap<'a> {
         Self { u, v, surface }
     }
 
-    /// `true` when enough of a cluster's points are above the table.
-    pub(crate) fn is_sufficient(&self, pixels: &[u32], cloud: &OrganizedCloud<'_>) -> bool {
+    /// Share of a cluster's points above the table's cells, of a sample of the points.
+    pub(crate) fn share(&self, pixels: &[u32], cloud: &OrganizedCloud<'_>) -> f64 {
+        let stride = pixels.len().div_ceil(N_OVERLAP_SAMPLES).max(1);
         let is_inside = |&&pixel: &&u32| {
             let p = &cloud.points()[pixel as usize];
             self.surface
                 .is_table(self.u.at(p.x, p.y, p.z), self.v.at(p.x, p.y, p.z))
         };
-        let n_needed = (OVER_TABLE_SHARE_MIN * pixels.len() as f64).ceil() as usize;
-        pixels.iter().filter(is_inside).take(n_needed).count() >= n_needed
+        let sampled = pixels.iter().step_by(stride);
+        let n = sampled.len().max(1);
+        sampled.filter(is_inside).count() as f64 / n as f64
     }
 }

@@ -31,21 +31,6 @@ pub(crate) struct Samples {
     band: Vec<f32>,
 }
 
-/// Bounding rectangle of the samples in range.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SampleBounds {
-    columns: [usize; 2],
-    rows: [usize; 2],
-}
-
-impl SampleBounds {
-    /// `true` when a sample is at the border of the rectangle or outside.
-    pub(crate) fn is_border(&self, column: usize, row: usize) -> bool {
-        let near = |[first, last]: [usize; 2], at: usize| at <= first + 1 || at + 1 >= last;
-        near(self.columns, column) || near(self.rows, row)
-    }
-}
-
 /// Greatest lateral offset from the optical axis, metres.
 #[inline]
 pub(crate) fn sideways_max_m(z_max: f32) -> f32 {
@@ -133,20 +118,6 @@ impl Samples {
     /// Number of samples.
     pub(crate) fn len(&self) -> usize {
         self.band.len()
-    }
-
-    /// Bounding rectangle of the samples in range.
-    pub(crate) fn bounds(&self) -> SampleBounds {
-        let mut bounds = SampleBounds {
-            columns: [usize::MAX, 0],
-            rows: [usize::MAX, 0],
-        };
-        for sample in (0..self.len()).filter(|&sample| self.is_unassigned(sample)) {
-            let (column, row) = (sample % self.width, sample / self.width);
-            bounds.columns = [bounds.columns[0].min(column), bounds.columns[1].max(column)];
-            bounds.rows = [bounds.rows[0].min(row), bounds.rows[1].max(row)];
-        }
-        bounds
     }
 
     /// `true` when a sample is in range and not assigned to a plane.

@@ -1,14 +1,25 @@
 //! Support relations: which hypothesis rests on the table or on another one.
 
+use crate::affine_form::AffineForm;
 use crate::candidate::Support;
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::clusters::Clusters;
+use geometry::Plane;
 use nalgebra::{Point3, Vector3};
 use point_cloud::OrganizedCloud;
+use sensor_noise::depth_sigma_m;
 
-/// Greatest gap between boxes in contact, metres; the supporting side of the lower object
-/// is often occluded. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Greatest horizontal gap between boxes in contact, metres; the supporting side of the
+/// lower object is often occluded. Chosen; sensitivity: see `tabula-lab sweep`.
 const TOUCH_M: f64 = 0.03;
+
+/// Greatest vertical gap between boxes in contact, metres: an object that overhangs its
+/// support hides the top of it. Chosen; sensitivity: see `tabula-lab sweep`.
+const HIDDEN_TOP_M: f64 = 0.06;
+
+/// Greatest height over the table at which an object without depth below it stands on the
+/// table, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+const UNSEEN_BASE_MAX_M: f32 = 0.10;
 
 /// Least depth step of an occlusion, metres. Chosen; sensitivity: see `tabula-lab sweep`.
 const OCCLUSION_STEP_M: f32 = 0.02;
@@ -29,28 +40,56 @@ const NO_DEPTH_SHARE_MIN: f64 = 0.5;
 /// own base: about 25 degrees. Chosen; sensitivity: see `tabula-lab sweep`.
 const STEEP_VIEW_COS_MIN: f64 = 0.905;
 
+/// Least depth below the table's plane of a surface that continues below it, metres. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const BELOW_TABLE_M: f32 = 0.01;
+
+/// Least depth below the table's plane of such a surface, in sigmas of the depth noise, where
+/// that exceeds [`BELOW_TABLE_M`]. Chosen; sensitivity: see `tabula-lab sweep`.
+const BELOW_TABLE_SIGMAS: f32 = 3.0;
+
+/// Least share of the lower border that continues below the table for furniture beside it.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const BELOW_TABLE_SHARE_MIN: f64 = 0.3;
+
+/// Least share of an object's points above the table's cells at which it cannot be furniture
+/// beside the table. Chosen; sensitivity: see `tabula-lab sweep`.
+const WHOLE_SHARE_MIN: f64 = 0.95;
+
 /// Find the support of each hypothesis that does not stand on the table: a supported
 /// hypothesis in contact, or an unseen one behind an occluded lower border. Without either
-/// it stays `None`. People and the robot neither give nor need support.
+/// it stays `None`, and furniture that continues below the table loses its support. People
+/// and the robot neither give nor need support.
 pub(crate) fn find_support_relations(
     cloud: &OrganizedCloud<'_>,
     clusters: &Clusters,
-    up_in_camera: &Vector3<f64>,
+    table: &Plane,
     hypotheses: &mut [ClusterHypothesis],
 ) {
-    let unsupported =
-        |hypothesis: &&mut ClusterHypothesis| hypothesis.support.is_none() && !hypothesis.is_masked;
-    for hypothesis in hypotheses.iter_mut().filter(unsupported) {
-        if is_seen_from_above(&hypothesis.statistics.centroid, up_in_camera) {
+    let up = &table.normal;
+    for hypothesis in hypotheses.iter_mut().filter(|one| !one.is_masked) {
+        let is_supported = hypothesis.support.is_some();
+        let is_beside_table = hypothesis.over_table_share < WHOLE_SHARE_MIN;
+        if is_supported && !is_beside_table {
+            continue;
+        }
+        if !is_supported && is_seen_from_above(&hypothesis.statistics.centroid, up) {
             hypothesis.support = Some(Support::Occluded);
             continue;
         }
-        let step = image_direction_down(&hypothesis.statistics.centroid, up_in_camera);
-        let base = BaseVisibility::of(cloud, clusters, hypothesis.cluster, step);
-        if base.occluded_share >= OCCLUDED_SHARE_MIN {
-            hypothesis.support = Some(Support::Occluded);
+        let step = image_direction_down(&hypothesis.statistics.centroid, up);
+        let base = BaseVisibility::of(cloud, clusters, hypothesis.cluster, step, table);
+        if is_beside_table && base.below_table_share >= BELOW_TABLE_SHARE_MIN {
+            hypothesis.support = None;
+            hypothesis.continues_below_share = base.below_table_share as f32;
+        } else if !is_supported {
+            let is_occluded = base.occluded_share >= OCCLUDED_SHARE_MIN;
+            hypothesis.is_base_without_depth =
+                !is_occluded && base.no_depth_share >= NO_DEPTH_SHARE_MIN;
+            let is_low = hypothesis.statistics.height_m[0] <= UNSEEN_BASE_MAX_M;
+            let is_unseen = is_occluded || hypothesis.is_base_without_depth && is_low;
+            hypothesis.support = is_unseen.then_some(Support::Occluded);
         }
-        hypothesis.is_base_without_depth = base.no_depth_share >= NO_DEPTH_SHARE_MIN;
     }
     // Each pass carries support one object higher; a pass without change ends it.
     while propagate_support(hypotheses) {}
@@ -65,9 +104,11 @@ pub(crate) fn propagate_support(hypotheses: &mut [ClusterHypothesis]) -> bool {
             other.support.is_some()
                 && other.is_object_sized
                 && !other.is_masked
-                && upright_box.touches(&other.upright_box, TOUCH_M)
+                && upright_box.touches(&other.upright_box, TOUCH_M, HIDDEN_TOP_M)
         };
-        let is_asked = hypotheses[i].support.is_none() && !hypotheses[i].is_masked;
+        let is_asked = hypotheses[i].support.is_none()
+            && !hypotheses[i].is_masked
+            && hypotheses[i].continues_below_share == 0.0;
         if is_asked && hypotheses.iter().any(carries) {
             hypotheses[i].support = Some(Support::Object);
             news = true;
@@ -100,13 +141,23 @@ struct BaseVisibility {
     occluded_share: f64,
     /// Share of the lower border without depth below it.
     no_depth_share: f64,
+    /// Share of the lower border below which the same surface continues under the table's.
+    below_table_share: f64,
 }
 
 impl BaseVisibility {
-    fn of(cloud: &OrganizedCloud<'_>, clusters: &Clusters, cluster: u32, step: [f64; 2]) -> Self {
+    fn of(
+        cloud: &OrganizedCloud<'_>,
+        clusters: &Clusters,
+        cluster: u32,
+        step: [f64; 2],
+        table: &Plane,
+    ) -> Self {
+        let height = AffineForm::from(table);
         let (points, width) = (cloud.points(), cloud.width());
         let steps = PROBE_PX.map(|px| step.map(|part| (part * px).round() as isize));
-        let (mut n_border, mut n_occluded, mut n_no_depth) = (0_u32, 0_u32, 0_u32);
+        let (mut n_border, mut n_occluded, mut n_no_depth, mut n_below) =
+            (0_u32, 0_u32, 0_u32, 0_u32);
         for &pixel in clusters.pixels(cluster as usize) {
             let pixel = pixel as usize;
             let below = steps.map(|[columns, rows]| {
@@ -123,15 +174,22 @@ impl BaseVisibility {
                 .iter()
                 .flatten()
                 .find(|&&other| points[other].is_finite());
-            n_occluded += u32::from(
-                nearest.is_some_and(|&i| points[i].z < points[pixel].z - OCCLUSION_STEP_M),
-            );
             n_no_depth += u32::from(nearest.is_none());
+            if let Some(below) = nearest.map(|&i| &points[i]) {
+                let step_m = below.z - points[pixel].z;
+                n_occluded += u32::from(step_m < -OCCLUSION_STEP_M);
+                n_below += u32::from(
+                    step_m.abs() <= OCCLUSION_STEP_M * below.z * below.z
+                        && height.at(below.x, below.y, below.z)
+                            < -BELOW_TABLE_M.max(BELOW_TABLE_SIGMAS * depth_sigma_m(below.z)),
+                );
+            }
         }
         let share = |n: u32| f64::from(n) / f64::from(n_border.max(1));
         Self {
             occluded_share: share(n_occluded),
             no_depth_share: share(n_no_depth),
+            below_table_share: share(n_below),
         }
     }
 }

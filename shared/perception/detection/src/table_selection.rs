@@ -248,7 +248,8 @@ fn outlined_table(
         Some(spare) => (spare.polygon, spare.outline),
         None => Default::default(),
     };
-    region_polygon(samples, region, &mut polygon, &mut outline);
+    region_polygon(samples, region, &mut polygon);
+    outline.assign_hull(&polygon);
     let table = Table {
         plane,
         table_from_camera,

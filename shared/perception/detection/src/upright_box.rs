@@ -55,11 +55,12 @@ impl UprightBox {
         4.0 * self.footprint.half_sides_m.product()
     }
 
-    /// Contact test: `true` when two boxes are within a distance of each other, metres.
-    pub(crate) fn touches(&self, other: &Self, distance_m: f64) -> bool {
-        self.height_m[0] <= other.height_m[1] + distance_m
-            && other.height_m[0] <= self.height_m[1] + distance_m
-            && self.footprint.overlaps(&other.footprint, distance_m)
+    /// Contact test: `true` when two boxes are within a horizontal and a vertical distance
+    /// of each other, metres.
+    pub(crate) fn touches(&self, other: &Self, horizontal_m: f64, vertical_m: f64) -> bool {
+        self.height_m[0] <= other.height_m[1] + vertical_m
+            && other.height_m[0] <= self.height_m[1] + vertical_m
+            && self.footprint.overlaps(&other.footprint, horizontal_m)
     }
 
     /// Oriented box in the camera's frame.

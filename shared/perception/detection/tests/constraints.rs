@@ -2,7 +2,7 @@
 
 mod synthetic;
 
-use constraint::{Assumption, Constraint, Findings, Reason, Ternary};
+use constraint::{Assumption, Constraint, Expression, Findings, Reason, Ternary};
 use detection::{
     Candidate, Config, Detection, DetectionInput, Execution, ExpectedTrack, RawConfig, ScenePriors,
     Workspace, detect,
@@ -314,15 +314,17 @@ fn edge_constraint_rejects_an_object_at_the_rim() {
         let detection = found_plainly(&[box_at(0.0, y, [0.1, 0.05, 0.03])]);
         near(&detection, [0.0, y, 0.015]).clone()
     };
-    let at_rim = evaluated(0.375);
+    let at_rim = evaluated(0.365);
     check(
         &at_rim.findings,
         Constraint::Edge,
         Ternary::True,
         |r| matches!(r, Reason::AtRim { share, distance_m } if share > 0.3 && distance_m == 0.03),
     );
-    assert_eq!(at_rim.verdict, Ternary::False);
-    assert!(at_rim.can_continue_track());
+    // The default rule accepts it; the paper's does not.
+    assert_eq!(at_rim.verdict, Ternary::True);
+    let paper = Expression::paper();
+    assert_eq!(paper.evaluate(&at_rim.findings), Ternary::False);
     check(
         &evaluated(0.25).findings,
         Constraint::Edge,

@@ -37,20 +37,31 @@ fn assignments() -> impl Iterator<Item = Findings> {
 }
 
 #[test]
-fn default_rule_parses_from_every_spelling() {
+fn papers_rule_parses_from_every_spelling() {
     for text in [
+        "paper",
+        " Paper ",
         "C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)",
         "C_table and C_track and not (C_instructor or C_robot or C_edge)",
         "table&track&!(instructor|robot|edge)",
         "TABLE && c_track AND ~ ( Instructor || C_ROBOT oR edge )",
         "  ((C_table) ∧ (C_track)) ∧ (¬((C_instructor ∨ C_robot) ∨ C_edge))\n",
     ] {
-        assert_eq!(read(text), Expression::default(), "{text}");
+        assert_eq!(read(text), Expression::paper(), "{text}");
     }
     assert_eq!(
-        Expression::default().to_string(),
+        Expression::paper().to_string(),
         "C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)"
     );
+}
+
+#[test]
+fn default_rule_ignores_the_rim() {
+    let default = "C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot)";
+    for text in ["default", "DEFAULT", default] {
+        assert_eq!(read(text), Expression::default(), "{text}");
+    }
+    assert_eq!(Expression::default().to_string(), default);
 }
 
 #[test]
@@ -74,7 +85,7 @@ fn evaluation_matches_kleenes_logic() {
         let expected = is(Table)
             .and(is(Track))
             .and(is(Instructor).or(is(Robot)).or(is(Edge)).not());
-        assert_eq!(Expression::default().evaluate(&findings), expected);
+        assert_eq!(Expression::paper().evaluate(&findings), expected);
     }
 }
 

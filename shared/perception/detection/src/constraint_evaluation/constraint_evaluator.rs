@@ -9,7 +9,6 @@ use crate::input::ScenePriors;
 use crate::table::Table;
 use constraint::{Constraint, ConstraintSet, Expression, Finding, Findings, Reason, Ternary};
 use geometry::OrientedBox;
-use nalgebra::Point3;
 use point_cloud::OrganizedCloud;
 use std::ops::Range;
 
@@ -38,6 +37,10 @@ const BOX_TOLERANCE_M: f64 = 0.02;
 
 /// Greatest number of sampled points of a cluster.
 const N_SAMPLES: usize = 256;
+
+/// Greatest distance beyond the rim at which a point may still be on the table, metres: the
+/// visible rim is found to about half a cell. Chosen; sensitivity: see `tabula-lab sweep`.
+const RIM_TOLERANCE_M: f64 = 0.01;
 
 /// Constraint evaluator: the scene against which hypotheses are evaluated.
 pub(crate) struct ConstraintEvaluator<'a> {
@@ -111,7 +114,10 @@ impl ConstraintEvaluator<'_> {
         let [person, robot] = self.person_and_robot(hypothesis, pixels);
         findings.set(Constraint::Instructor, person);
         findings.set(Constraint::Robot, robot);
-        findings.set(Constraint::Edge, self.rim_finding(hypothesis_box, pixels));
+        findings.set(
+            Constraint::Edge,
+            self.rim_finding(hypothesis_box, pixels, is_cut),
+        );
         findings.set(Constraint::KeyView, Constraint::KeyView.default_finding());
         let border = if is_cut {
             Reason::AtImageBorder
@@ -230,32 +236,41 @@ impl ConstraintEvaluator<'_> {
         n_inside as f32 / samples(pixels).count().max(1) as f32
     }
 
-    fn rim_finding(&self, hypothesis_box: &OrientedBox, pixels: &[u32]) -> Finding {
-        let distance_m = self.config.rim_distance_m;
+    /// Rim finding: beyond, near or away from the visible rim; unknown near a border of the
+    /// table that is hidden or outside of the view.
+    fn rim_finding(&self, hypothesis_box: &OrientedBox, pixels: &[u32], is_cut: bool) -> Finding {
+        let near_m = self.config.rim_distance_m;
         let centre = self.table.table_from_camera * hypothesis_box.centre();
         let outline = &self.table.outline;
-        if outline.contains_disc(&centre.xy(), reach_m(hypothesis_box) + distance_m) {
+        if !is_cut && outline.contains_disc(&centre.xy(), reach_m(hypothesis_box) + near_m) {
             return finding(false, Reason::AwayFromRim);
         }
-        let share = self.share(pixels, |point| {
-            let in_table = self.table.table_from_camera * point;
-            self.table.rim_distance_m(&in_table.xy()) < distance_m
-        });
-        if f64::from(share) > self.config.rim_share_max {
-            let distance_m = distance_m as f32;
-            return finding(true, Reason::AtRim { share, distance_m });
-        }
-        finding(false, Reason::AwayFromRim)
-    }
-
-    /// Share of a cluster's sampled points that satisfy a predicate.
-    fn share(&self, pixels: &[u32], predicate: impl Fn(&Point3<f64>) -> bool) -> f32 {
-        let (mut n, mut n_true) = (0_u32, 0_u32);
+        let (mut n, mut n_beyond, mut n_near, mut n_unseen) = (0_u32, 0_u32, 0_u32, 0_u32);
         for &pixel in samples(pixels) {
+            let point = self.cloud.points()[pixel as usize].position();
+            let place = (self.table.table_from_camera * point).xy();
+            let [rim_m, unseen_m] = outline.border_distances_m(&place);
             n += 1;
-            n_true += u32::from(predicate(&self.cloud.points()[pixel as usize].position()));
+            n_beyond += u32::from(rim_m < -RIM_TOLERANCE_M);
+            n_near += u32::from(rim_m < near_m);
+            n_unseen += u32::from(unseen_m < near_m);
         }
-        n_true as f32 / n.max(1) as f32
+        let shares = [n_beyond, n_near, n_unseen].map(|part| part as f32 / n.max(1) as f32);
+        let distance_m = near_m as f32;
+        let [is_beyond, is_near, is_unseen] =
+            shares.map(|share| f64::from(share) > self.config.rim_share_max);
+        let [beyond, near, unseen] = shares;
+        if is_beyond {
+            finding(true, Reason::BeyondRim { share: beyond })
+        } else if is_near {
+            let share = near;
+            finding(true, Reason::AtRim { share, distance_m })
+        } else if is_unseen || is_cut {
+            let share = unseen;
+            finding(Ternary::Unknown, Reason::RimUnseen { share, distance_m })
+        } else {
+            finding(false, Reason::AwayFromRim)
+        }
     }
 }
 
@@ -263,7 +278,14 @@ fn table_finding(hypothesis: &ClusterHypothesis) -> Finding {
     match hypothesis.support {
         Some(Support::Table) => finding(true, Reason::StandsOnTable),
         Some(Support::Object) => finding(true, Reason::RestsOnObject),
+        Some(Support::Occluded) if hypothesis.is_base_without_depth => {
+            finding(true, Reason::BaseWithoutDepth)
+        }
         Some(Support::Occluded) => finding(true, Reason::BaseOccluded),
+        None if hypothesis.continues_below_share > 0.0 => {
+            let share = hypothesis.continues_below_share;
+            finding(false, Reason::ContinuesBelowTable { share })
+        }
         None if hypothesis.is_base_without_depth => {
             finding(Ternary::Unknown, Reason::BaseWithoutDepth)
         }
