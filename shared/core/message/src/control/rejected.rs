@@ -108,7 +108,7 @@ mod tests {
                 reason,
             },
         );
-        let rule = Expression::default();
+        let rule = Expression::paper();
         let mut assumptions = Assumptions::default();
         assumptions.add(Assumption::NoRobotKnown);
         let mut summary = SceneSummary {
@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn reports_give_the_reason_of_a_rejection() {
         let report = ObjectsReport::new(&summary(), &[]);
-        assert_eq!(report.rule, Expression::default().to_string());
+        assert_eq!(report.rule, Expression::paper().to_string());
         assert_eq!(report.assumptions[0].name, "no-robot-known");
         assert!(report.assumptions[0].sentence.contains("arm state"));
         assert_eq!((report.ignored.len(), report.n_more_ignored), (1, 19));

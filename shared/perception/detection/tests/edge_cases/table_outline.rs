@@ -157,3 +157,18 @@ fn image_cut_sides_are_not_rim() {
         );
     }
 }
+
+#[test]
+fn table_goes_on_behind_what_hides_it() {
+    // The tall box hides all of the table behind it; the other one looks over its top.
+    let solids = [
+        on_table([0.3, 0.05, 0.45], [0.3, -0.25], 0),
+        on_table([0.1, 0.1, 0.45], [0.3, 0.15], 1),
+    ];
+    for outcome in DetectionOutcome::both(&room().with(solids)) {
+        outcome.assert_objects(&objects(2), 0.9);
+        let table = outcome.table();
+        let hidden = outcome.on_table([0.38, 0.2, HIGH]);
+        assert!(table.outline.contains(&hidden) && !table.polygon.contains(&hidden));
+    }
+}
