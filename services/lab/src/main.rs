@@ -2,7 +2,9 @@
 
 use clap::{Parser, Subcommand};
 use command_line::Output;
-use experiments::arguments::{EvaluateVerb, LearnArguments, SimulateVerb, SweepArguments};
+use experiments::arguments::{
+    EvaluateVerb, LearnArguments, SimulateVerb, SweepArguments, TrainVerb,
+};
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 
@@ -39,6 +41,12 @@ enum Verb {
         #[command(subcommand)]
         verb: EvaluateVerb,
     },
+    /// Train models of perception on simulated scenes; needs the source tree
+    Train {
+        /// Model to train
+        #[command(subcommand)]
+        verb: TrainVerb,
+    },
     /// Measure how sensitive scores are to tuned constants; needs the source tree and cargo
     Sweep(SweepArguments),
 }
@@ -54,6 +62,7 @@ fn execute(arguments: &LabArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Learn(folder) => experiments::learn_folder::run(&arguments.common, folder, output),
         Verb::Simulate { verb } => experiments::simulate::run(verb, output),
         Verb::Evaluate { verb } => experiments::evaluate::run(verb, output),
+        Verb::Train { verb } => experiments::train::run(verb, output),
         Verb::Sweep(sweep) => experiments::sweep::run(sweep, output),
     }
 }

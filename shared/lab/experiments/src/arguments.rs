@@ -79,6 +79,27 @@ pub struct ViewsArguments {
     pub(crate) out: PathBuf,
 }
 
+/// Subcommands of `tabula-lab train`.
+#[derive(Debug, Subcommand)]
+pub enum TrainVerb {
+    /// Train the trees that decide whether adjacent regions of a cluster are one object
+    RegionMerging(RegionMergingArguments),
+}
+
+/// Arguments of `train region-merging`.
+#[derive(Debug, Args)]
+pub struct RegionMergingArguments {
+    /// Folders of labelled scenes to train on, as for `evaluate detection`
+    #[arg(required = true, value_name = "DATASET")]
+    pub(crate) datasets: Vec<PathBuf>,
+    /// Folder of labelled scenes to judge on; can be given several times
+    #[arg(long, value_name = "DATASET")]
+    pub(crate) test: Vec<PathBuf>,
+    /// Source file for the trees
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+}
+
 /// Subcommands of `tabula-lab evaluate`.
 #[derive(Debug, Subcommand)]
 pub enum EvaluateVerb {

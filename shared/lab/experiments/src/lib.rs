@@ -3,7 +3,7 @@
 //! [`evaluate`] scores detection, tracking and recognition; [`simulate`] writes
 //! recordings and single-object views of the simulated table; [`learn_folder`]
 //! teaches a folder of labelled views to a running daemon; [`sweep`] measures how
-//! sensitive the scores are to a tuned constant. The arguments of each
+//! sensitive the scores are to a tuned constant; [`train`] trains the models of perception. The arguments of each
 //! experiment are in [`arguments`]; the program `tabula-lab` parses them.
 //!
 //! Invariants: nothing of a running daemon depends on this crate; the same
@@ -23,6 +23,7 @@ pub mod evaluate;
 pub mod learn_folder;
 pub mod simulate;
 pub mod sweep;
+pub mod train;
 
 mod csv;
 mod output_files;

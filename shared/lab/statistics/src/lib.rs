@@ -17,5 +17,6 @@
 //! Invariants: no I/O, no clock; randomness comes from a seed.
 
 pub mod bootstrap;
+pub mod gradient_boosting;
 pub mod percentiles;
 pub mod spread;

@@ -25,6 +25,18 @@ impl ColorSum {
         }
     }
 
+    /// Standard deviation of the colour values over the channels, 0 to 255, given the sum of
+    /// their squares.
+    pub(crate) fn sigma(&self, squares: f64) -> f32 {
+        let n = 3.0 * f64::from(self.n.max(1));
+        let of_means = self
+            .rgb
+            .map(|sum| (f64::from(sum) / f64::from(self.n.max(1))).powi(2));
+        (squares / n - of_means.iter().sum::<f64>() / 3.0)
+            .max(0.0)
+            .sqrt() as f32
+    }
+
     /// Mean colour; black for an empty sum.
     pub(crate) fn mean(&self) -> CieLab {
         let n = self.n.max(1) as f32;

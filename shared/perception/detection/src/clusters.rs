@@ -2,6 +2,7 @@
 
 mod concavity_split;
 mod connected_components;
+mod region_examples;
 mod support_plane_growth;
 mod track_regrouping;
 
@@ -10,6 +11,7 @@ use point_cloud::Point;
 use connected_components::Band;
 
 pub(crate) use concavity_split::ConcavitySplit;
+pub(crate) use region_examples::RegionExamples;
 pub(crate) use track_regrouping::TrackClaims;
 
 /// Label of a pixel outside of all clusters.
@@ -39,8 +41,8 @@ impl LinkDistance {
 
 /// Link distance of the clustering.
 const LINKS: LinkDistance = LinkDistance {
-    floor_m: 0.004,
-    per_m2: 0.0055,
+    floor_m: 0.005,
+    per_m2: 0.008,
     reach_px: 3,
 };
 

@@ -28,9 +28,9 @@ const STEP_M: f32 = 0.012;
 /// gap. Chosen; sensitivity: see `tabula-lab sweep`.
 const DILATION_PX: usize = 2;
 
-/// Least number of crease pixels in a cluster to be split; the handle of a cup meets the
-/// cup in creases too. Chosen; sensitivity: see `tabula-lab sweep`.
-const CREASE_PIXELS_MIN: usize = 150;
+/// Least number of crease pixels in a cluster to be split. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
+const CREASE_PIXELS_MIN: usize = 30;
 
 /// Image creases found last, with buffers.
 #[derive(Debug, Default)]

@@ -3,7 +3,7 @@
 use crate::affine_form::AffineForm;
 use crate::candidate::Candidate;
 use crate::cluster_hypothesis::ClusterHypothesis;
-use crate::clusters::{Clusters, ConcavitySplit, TrackClaims};
+use crate::clusters::{Clusters, ConcavitySplit, RegionExamples, TrackClaims};
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
 use crate::execution::Execution;
 use crate::input::DetectionInput;
@@ -12,8 +12,8 @@ use crate::output::Detection;
 use crate::parallelism::{Parallelism, ScratchPool};
 use crate::pixel_bounds::PixelBounds;
 use crate::prism::{Prism, TableOverlap, lowest_m};
+use crate::region_merging::RegionPair;
 use crate::samples::Samples;
-use crate::split_gate::may_be_several_objects;
 use crate::stage::DetectionStage;
 use crate::support_plane_holes::SupportPlaneHoles;
 use crate::support_relations::find_support_relations;
@@ -214,9 +214,37 @@ fn split_at_concavities(
         clusters, splits, ..
     } = buffers;
     let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
-    let may_be_several =
-        |pixels: &[u32]| may_be_several_objects(cloud.points(), pixels, &table_axes);
-    clusters.split_at_concavities(cloud, parallelism, may_be_several, splits);
+    clusters.split_at_concavities(cloud, parallelism, &table_axes, splits);
+}
+
+/// Training examples of region merging in one frame: pairs of adjacent regions of the
+/// clusters above the table, with the decision that is right. `object_of` gives the object
+/// of a pixel; `None` for one without.
+pub(crate) fn list_region_pairs(
+    frame: &DetectionInput<'_>,
+    config: &Config,
+    buffers: &mut OrganizedBuffers,
+    object_of: impl Fn(u32) -> Option<u16>,
+    pairs: &mut Vec<RegionPair>,
+) {
+    let raw = config.get();
+    let mut execution = Execution::default();
+    let parallelism = execution.parallelism;
+    let Some(table) = find_table(frame, raw, buffers, &mut execution) else {
+        return;
+    };
+    list_above_table(&frame.cloud, &table, raw, parallelism, buffers);
+    cluster_pixels(frame, &table, raw, parallelism, buffers);
+    let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
+    let mut examples = RegionExamples {
+        split: ConcavitySplit::default(),
+        random: Random::from_seed(frame.seed),
+        pairs,
+    };
+    for cluster in 0..buffers.clusters.len() {
+        let pixels = buffers.clusters.pixels(cluster);
+        examples.add_cluster(&frame.cloud, pixels, &table_axes, &object_of);
+    }
 }
 
 /// Track-guided regrouping: split clusters shared by several tracked objects and merge

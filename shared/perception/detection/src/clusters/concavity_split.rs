@@ -1,6 +1,7 @@
 //! Concavity split: clusters of several objects are separated along concave creases.
 
 use super::{Clusters, LinkDistance, NO_CLUSTER, find_root, squared_distance, union};
+use crate::affine_form::AffineForm;
 use crate::creases::Creases;
 use crate::parallelism::{Parallelism, ScratchPool};
 use crate::patch::{Patch, UNASSIGNED};
@@ -8,9 +9,12 @@ use crate::region_merging::RegionAdjacency;
 use point_cloud::OrganizedCloud;
 use std::cmp::Reverse;
 
-/// Least number of pixels of a part between creases. Chosen; sensitivity: see
+/// Least number of pixels of a region between creases. Chosen; sensitivity: see
 /// `tabula-lab sweep`.
-const PART_PIXELS_MIN: u32 = 150;
+const REGION_PIXELS_MIN: u32 = 60;
+
+/// Rows and columns between the pixels whose positions describe a region.
+const POSITION_STRIDE: u32 = 2;
 
 /// Link rule between creases. Narrow, because growth later restores the pixels that it cuts
 /// off. Chosen; sensitivity: see `tabula-lab sweep`.
@@ -36,11 +40,11 @@ const GROWTH_STEPS: [[isize; 2]; 8] = [
 /// far.
 #[derive(Debug, Default)]
 pub(crate) struct ConcavitySplit {
-    patch: Patch,
+    pub(super) patch: Patch,
     creases: Creases,
-    adjacency: RegionAdjacency,
+    pub(super) adjacency: RegionAdjacency,
     /// Union-find forest, per part label: the parent label.
-    parents: Vec<u32>,
+    pub(super) parents: Vec<u32>,
     /// Per label: number of its pixels, then the number of its part.
     number_of: Vec<u32>,
     /// Growth front of the region, as patch indices.
@@ -57,13 +61,12 @@ impl Clusters {
     /// Splits clusters along their concave creases.
     ///
     /// Labels the connected components between creases, keeps the large ones, grows them
-    /// over all other pixels, and merges parts again whose boundary indicates one object.
-    /// `may_be_several_objects` selects the clusters to examine.
+    /// over all other pixels, and merges parts again that are one object.
     pub(crate) fn split_at_concavities(
         &mut self,
         cloud: &OrganizedCloud<'_>,
         parallelism: &dyn Parallelism,
-        may_be_several_objects: impl Fn(&[u32]) -> bool + Sync,
+        table_axes: &[AffineForm; 3],
         splits: &mut ScratchPool<ConcavitySplit>,
     ) {
         // Longest job first, so that no thread finishes late with a large cluster.
@@ -74,7 +77,7 @@ impl Clusters {
         splits.all().iter_mut().for_each(ConcavitySplit::clear);
         splits.for_each(parallelism, by_size.iter(), |split, &cluster| {
             let pixels = self.pixels(cluster as usize);
-            if may_be_several_objects(pixels) && split.find_parts(cloud, pixels) {
+            if split.find_parts(cloud, pixels, table_axes) {
                 split.store_parts(cluster, pixels);
             }
         });
@@ -134,18 +137,36 @@ impl ConcavitySplit {
     }
 
     /// Find the parts of a cluster. Returns `true` when there are several.
-    fn find_parts(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) -> bool {
-        self.patch.copy_cluster(cloud, cluster);
-        self.creases.find(&self.patch, cloud.width()) && self.split_patch(PART_PIXELS_MIN)
+    fn find_parts(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        cluster: &[u32],
+        table_axes: &[AffineForm; 3],
+    ) -> bool {
+        self.find_regions(cloud, cluster, table_axes) && self.merge_regions()
     }
 
-    /// Find the parts between the creases, of at least `n_min` pixels each.
-    fn split_patch(&mut self, n_min: u32) -> bool {
+    /// Over-segmentation of a cluster into regions between creases, with their adjacency.
+    /// Returns `true` when there are several.
+    pub(super) fn find_regions(
+        &mut self,
+        cloud: &OrganizedCloud<'_>,
+        cluster: &[u32],
+        table_axes: &[AffineForm; 3],
+    ) -> bool {
+        self.patch.copy_cluster(cloud, cluster);
+        self.creases.find(&self.patch, cloud.width())
+            && self.split_patch(REGION_PIXELS_MIN, table_axes)
+    }
+
+    /// Split the patch into the regions between the creases, of at least `n_min` pixels
+    /// each. Returns `true` when there are several.
+    fn split_patch(&mut self, n_min: u32, table_axes: &[AffineForm; 3]) -> bool {
         self.label_between_creases();
         let n_parts = self.keep_large_parts(n_min);
         self.grow();
-        self.find_boundaries(n_parts);
-        self.merge_regions()
+        self.find_boundaries(n_parts, table_axes);
+        self.adjacency.n_edges() > 0
     }
 
     /// Label the connected components of the patch without its crease pixels.
@@ -269,9 +290,12 @@ impl ConcavitySplit {
 
     /// Collect the statistics of parts and boundaries. Pixels that no part reaches form one
     /// more part, the last.
-    fn find_boundaries(&mut self, n_parts: u32) {
+    fn find_boundaries(&mut self, n_parts: u32, table_axes: &[AffineForm; 3]) {
         let Self {
-            patch, adjacency, ..
+            patch,
+            adjacency,
+            creases,
+            ..
         } = self;
         for part in patch.part_of.iter_mut().filter(|part| **part == UNASSIGNED) {
             *part = n_parts;
@@ -280,7 +304,11 @@ impl ConcavitySplit {
         for pixel in &patch.pixels {
             let index = pixel.index as usize;
             let part = patch.part_of[index];
-            adjacency.add_pixel(part, &patch.points[index]);
+            let point = &patch.points[index];
+            adjacency.add_pixel(part, point);
+            if pixel.row % POSITION_STRIDE == 0 && pixel.column % POSITION_STRIDE == 0 {
+                adjacency.add_position(part, point, table_axes);
+            }
             for near in [index + 1, index + patch.width] {
                 let other = patch.part_of[near];
                 if other != part && other != NO_CLUSTER {
@@ -288,6 +316,7 @@ impl ConcavitySplit {
                 }
             }
         }
+        adjacency.connect(patch, &creases.bend, table_axes);
         self.parents.clear();
         self.parents.extend(0..=n_parts);
     }
@@ -297,13 +326,12 @@ impl ConcavitySplit {
     fn merge_regions(&mut self) -> bool {
         let Self {
             patch,
-            creases,
             adjacency,
             parents,
             number_of,
             ..
         } = self;
-        adjacency.merge_regions(&patch.points, &creases.bend, |a, b| {
+        adjacency.merge_regions(|a, b| {
             union(parents, a, b);
         });
         number_of.clear();
@@ -346,6 +374,9 @@ impl ConcavitySplit {
 }
 
 #[cfg(test)]
+use geometry::RigidTransform;
+
+#[cfg(test)]
 impl ConcavitySplit {
     /// Split a cluster along given creases, one mark per pixel of the image; returns its
     /// pixels part by part and the sizes of the parts.
@@ -363,7 +394,9 @@ impl ConcavitySplit {
             marks[own.index as usize] = is_crease[pixel as usize];
         }
         self.creases = Creases::from_marks(marks);
-        self.split_patch(n_min);
+        let table_axes = AffineForm::coordinates_of(&RigidTransform::identity());
+        self.split_patch(n_min, &table_axes);
+        self.merge_regions();
         self.store_parts(0, cluster);
         (self.sorted.clone(), self.sizes.clone())
     }
