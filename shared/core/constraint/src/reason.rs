@@ -106,11 +106,11 @@ reasons! {
     /// The sensor has no depth below the candidate.
     5 BaseWithoutDepth
         => "its support is not visible: there is no depth below it";
-    /// The candidate continues below the table's surface, as furniture beside it does.
-    6 ContinuesBelowTable {
-        /// Share of the lower border that continues below the table, 0 to 1.
+    /// The candidate begins off the table, as furniture beside it does.
+    6 BeginsOffTable {
+        /// Share of the lower border below or behind the table, 0 to 1.
         share
-    } => "it does not begin on the table: it continues below its surface ({} of its lower border)", Percent(share);
+    } => "it does not begin on the table: {} of its lower border goes on below or behind it", Percent(share);
     /// No track overlaps the candidate.
     10 NoOverlappingTrack {
         /// Greatest intersection over union with a track's box, 0 to 1.

@@ -31,13 +31,11 @@ pub(crate) struct ClusterHypothesis {
     pub(crate) support: Option<Support>,
     /// `true` when the sensor has no depth below the lower border.
     pub(crate) is_base_without_depth: bool,
-    /// Share of the lower border that continues below the table's surface, as furniture
-    /// beside the table does; 0 for less than such furniture.
-    pub(crate) continues_below_share: f32,
+    /// Share of the lower border where it begins off the table, as furniture beside the table
+    /// does; 0 for less than such furniture.
+    pub(crate) off_table_share: f32,
     /// `true` when the longest side is in the range of objects.
     pub(crate) is_object_sized: bool,
-    /// Share of its points above the table's cells.
-    pub(crate) over_table_share: f64,
     /// `true` for a cluster of masked points, which belong to a person or the robot.
     pub(crate) is_masked: bool,
 }
@@ -73,9 +71,8 @@ impl ClusterHypothesis {
             upright_box,
             support: statistics.is_standing.then_some(Support::Table),
             is_base_without_depth: false,
-            continues_below_share: 0.0,
+            off_table_share: 0.0,
             is_object_sized: sides.contains(&upright_box.longest_side_m()),
-            over_table_share: 1.0,
             is_masked: false,
         })
     }

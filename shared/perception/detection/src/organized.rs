@@ -2,7 +2,7 @@
 
 use crate::affine_form::AffineForm;
 use crate::candidate::Candidate;
-use crate::cluster_hypothesis::ClusterHypothesis;
+use crate::cluster_hypothesis::{ClusterHypothesis, ClusterStatistics};
 use crate::clusters::{Clusters, ConcavitySplit, RegionExamples, TrackClaims};
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
 use crate::execution::Execution;
@@ -49,6 +49,14 @@ const BASE_STEP_M: f32 = 0.02;
 /// Least share of an object's points above the table's cells. Chosen; sensitivity: see
 /// `tabula-lab sweep`.
 const OVER_TABLE_SHARE_MIN: f64 = 0.25;
+
+/// Height of the highest point in sigmas of the depth noise up to which a cluster may be noise
+/// of the table. Chosen; sensitivity: see `tabula-lab sweep`.
+const NOISE_HEIGHT_SIGMAS: f32 = 4.5;
+
+/// Ratio of the least number of points of such a cluster to that of any other. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const LOW_POINTS_FACTOR: f64 = 8.0;
 
 /// Buffers of the image path, reused from frame to frame.
 #[derive(Debug, Default)]
@@ -315,15 +323,12 @@ fn find_hypotheses(
             &*clusters
         };
         let pixels = own.pixels(cluster as usize);
-        let over_table_share = overlap.share(pixels, cloud);
-        if over_table_share >= OVER_TABLE_SHARE_MIN
+        if overlap.share(pixels, cloud) >= OVER_TABLE_SHARE_MIN
             && let Some(hypothesis) =
                 ClusterHypothesis::of(cluster, pixels, cloud, &table_axes, config)
-            && pixels.len() as f64
-                >= config.points_min_at_1m / hypothesis.statistics.centroid.z.powi(2)
+            && is_significant(pixels.len(), &hypothesis.statistics, config)
         {
             found.push(ClusterHypothesis {
-                over_table_share,
                 is_masked,
                 ..hypothesis
             });
@@ -338,6 +343,15 @@ fn find_hypotheses(
             .total_cmp(&distance(b))
             .then((a.is_masked, a.cluster).cmp(&(b.is_masked, b.cluster)))
     });
+}
+
+/// `true` when a cluster has enough points for its height: what hardly rises above the noise
+/// of the table has to be larger.
+fn is_significant(n_points: usize, statistics: &ClusterStatistics, config: &RawConfig) -> bool {
+    let depth_m = statistics.centroid.z;
+    let is_high = statistics.height_m[1] >= NOISE_HEIGHT_SIGMAS * depth_sigma_m(depth_m as f32);
+    let factor = if is_high { 1.0 } else { LOW_POINTS_FACTOR };
+    n_points as f64 >= factor * config.points_min_at_1m / (depth_m * depth_m)
 }
 
 /// Evaluate the constraints of the hypotheses and write them as candidates.

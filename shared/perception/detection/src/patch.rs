@@ -8,7 +8,7 @@ pub(crate) const UNASSIGNED: u32 = u32::MAX - 1;
 
 /// Empty margin around the cluster, pixels, so that neighbour access up to this distance
 /// needs no bounds check.
-pub(crate) const MARGIN_PX: usize = 2;
+pub(crate) const MARGIN_PX: usize = 3;
 
 /// Cluster patch: the image region of a cluster, copied so that neighbour access stays in
 /// the nearest caches. Reused from cluster to cluster.

@@ -202,13 +202,17 @@ fn flood(grid: &CellGrid, start: usize, region: u32, buffers: &mut PlaneRegionBu
         n_samples += buffers.n_in_cell[cell];
         let (column, row) = ((cell % grid.width) as isize, (cell / grid.width) as isize);
         let rows = (row - GAP_CELLS).max(0)..=(row + GAP_CELLS).min(grid.height as isize - 1);
-        for row in rows {
+        for near_row in rows {
             let from = (column - GAP_CELLS).max(0);
             let to = (column + GAP_CELLS).min(grid.width as isize - 1);
-            for column in from..=to {
-                let near = row as usize * grid.width + column as usize;
-                if buffers.region_of_cell[near] == 0 && buffers.n_in_cell[near] >= CELL_SAMPLES_MIN
-                {
+            for near_column in from..=to {
+                let near = near_row as usize * grid.width + near_column as usize;
+                // A gap is bridged to a wide part only: behind the rim the plane also cuts
+                // through the backs of chairs.
+                let is_adjacent = row.abs_diff(near_row).max(column.abs_diff(near_column)) <= 1;
+                let is_reached = buffers.n_in_cell[near] >= CELL_SAMPLES_MIN
+                    && (is_adjacent || buffers.is_table[near]);
+                if buffers.region_of_cell[near] == 0 && is_reached {
                     buffers.region_of_cell[near] = region;
                     buffers.stack.push(near);
                 }

@@ -6,7 +6,7 @@ use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::clusters::Clusters;
 use geometry::Plane;
 use nalgebra::{Point3, Vector3};
-use point_cloud::OrganizedCloud;
+use point_cloud::{OrganizedCloud, Point};
 use sensor_noise::depth_sigma_m;
 
 /// Greatest horizontal gap between boxes in contact, metres; the supporting side of the
@@ -24,6 +24,10 @@ const UNSEEN_BASE_MAX_M: f32 = 0.10;
 /// Least depth step of an occlusion, metres. Chosen; sensitivity: see `tabula-lab sweep`.
 const OCCLUSION_STEP_M: f32 = 0.02;
 
+/// Least depth step from the table's rim to an object behind it, metres: more than the table
+/// recedes within the first probe. Chosen; sensitivity: see `tabula-lab sweep`.
+const RIM_STEP_M: f32 = 0.04;
+
 /// Distances of the probes below the lower border of a cluster, pixels. Chosen;
 /// sensitivity: see `tabula-lab sweep`.
 const PROBE_PX: [f64; 3] = [2.0, 4.0, 8.0];
@@ -40,25 +44,21 @@ const NO_DEPTH_SHARE_MIN: f64 = 0.5;
 /// own base: about 25 degrees. Chosen; sensitivity: see `tabula-lab sweep`.
 const STEEP_VIEW_COS_MIN: f64 = 0.905;
 
-/// Least depth below the table's plane of a surface that continues below it, metres. Chosen;
+/// Greatest distance from the table's plane of a surface level with it, metres. Chosen;
 /// sensitivity: see `tabula-lab sweep`.
-const BELOW_TABLE_M: f32 = 0.01;
+const LEVEL_M: f32 = 0.01;
 
-/// Least depth below the table's plane of such a surface, in sigmas of the depth noise, where
-/// that exceeds [`BELOW_TABLE_M`]. Chosen; sensitivity: see `tabula-lab sweep`.
-const BELOW_TABLE_SIGMAS: f32 = 3.0;
+/// Greatest distance from the table's plane of a surface level with it, in sigmas of the depth
+/// noise, where that exceeds [`LEVEL_M`]. Chosen; sensitivity: see `tabula-lab sweep`.
+const LEVEL_SIGMAS: f32 = 3.0;
 
-/// Least share of the lower border that continues below the table for furniture beside it.
+/// Least share of the lower border off the table for furniture beside it.
 /// Chosen; sensitivity: see `tabula-lab sweep`.
-const BELOW_TABLE_SHARE_MIN: f64 = 0.3;
-
-/// Least share of an object's points above the table's cells at which it cannot be furniture
-/// beside the table. Chosen; sensitivity: see `tabula-lab sweep`.
-const WHOLE_SHARE_MIN: f64 = 0.95;
+const OFF_TABLE_SHARE_MIN: f64 = 0.3;
 
 /// Find the support of each hypothesis that does not stand on the table: a supported
 /// hypothesis in contact, or an unseen one behind an occluded lower border. Without either
-/// it stays `None`, and furniture that continues below the table loses its support. People
+/// it stays `None`, and furniture that begins off the table loses its support. People
 /// and the robot neither give nor need support.
 pub(crate) fn find_support_relations(
     cloud: &OrganizedCloud<'_>,
@@ -69,19 +69,15 @@ pub(crate) fn find_support_relations(
     let up = &table.normal;
     for hypothesis in hypotheses.iter_mut().filter(|one| !one.is_masked) {
         let is_supported = hypothesis.support.is_some();
-        let is_beside_table = hypothesis.over_table_share < WHOLE_SHARE_MIN;
-        if is_supported && !is_beside_table {
-            continue;
-        }
         if !is_supported && is_seen_from_above(&hypothesis.statistics.centroid, up) {
             hypothesis.support = Some(Support::Occluded);
             continue;
         }
         let step = image_direction_down(&hypothesis.statistics.centroid, up);
         let base = BaseVisibility::of(cloud, clusters, hypothesis.cluster, step, table);
-        if is_beside_table && base.below_table_share >= BELOW_TABLE_SHARE_MIN {
+        if base.off_table_share >= OFF_TABLE_SHARE_MIN {
             hypothesis.support = None;
-            hypothesis.continues_below_share = base.below_table_share as f32;
+            hypothesis.off_table_share = base.off_table_share as f32;
         } else if !is_supported {
             let is_occluded = base.occluded_share >= OCCLUDED_SHARE_MIN;
             hypothesis.is_base_without_depth =
@@ -108,7 +104,7 @@ pub(crate) fn propagate_support(hypotheses: &mut [ClusterHypothesis]) -> bool {
         };
         let is_asked = hypotheses[i].support.is_none()
             && !hypotheses[i].is_masked
-            && hypotheses[i].continues_below_share == 0.0;
+            && hypotheses[i].off_table_share == 0.0;
         if is_asked && hypotheses.iter().any(carries) {
             hypotheses[i].support = Some(Support::Object);
             news = true;
@@ -141,8 +137,9 @@ struct BaseVisibility {
     occluded_share: f64,
     /// Share of the lower border without depth below it.
     no_depth_share: f64,
-    /// Share of the lower border below which the same surface continues under the table's.
-    below_table_share: f64,
+    /// Share of the lower border where the object begins off the table: the same surface goes
+    /// on below the table's, or the table itself hides it.
+    off_table_share: f64,
 }
 
 impl BaseVisibility {
@@ -156,40 +153,46 @@ impl BaseVisibility {
         let height = AffineForm::from(table);
         let (points, width) = (cloud.points(), cloud.width());
         let steps = PROBE_PX.map(|px| step.map(|part| (part * px).round() as isize));
-        let (mut n_border, mut n_occluded, mut n_no_depth, mut n_below) =
+        let (mut n_border, mut n_occluded, mut n_no_depth, mut n_off_table) =
             (0_u32, 0_u32, 0_u32, 0_u32);
         for &pixel in clusters.pixels(cluster as usize) {
             let pixel = pixel as usize;
-            let below = steps.map(|[columns, rows]| {
+            let below = |[columns, rows]: [isize; 2]| {
                 let column = (pixel % width).checked_add_signed(columns)?;
                 let row = (pixel / width).checked_add_signed(rows)?;
                 (column < width && row < cloud.height()).then_some(row * width + column)
-            });
-            let mut seen = below.iter().flatten();
-            if seen.any(|&other| clusters.cluster_of[other] == cluster) {
+            };
+            // Most pixels are inside and end here at the first probe.
+            let mut probed = steps.iter().filter_map(|&step| below(step));
+            if probed.any(|other| clusters.cluster_of[other] == cluster) {
                 continue;
             }
             n_border += 1;
-            let nearest = below
-                .iter()
-                .flatten()
-                .find(|&&other| points[other].is_finite());
-            n_no_depth += u32::from(nearest.is_none());
-            if let Some(below) = nearest.map(|&i| &points[i]) {
-                let step_m = below.z - points[pixel].z;
-                n_occluded += u32::from(step_m < -OCCLUSION_STEP_M);
-                n_below += u32::from(
-                    step_m.abs() <= OCCLUSION_STEP_M * below.z * below.z
-                        && height.at(below.x, below.y, below.z)
-                            < -BELOW_TABLE_M.max(BELOW_TABLE_SIGMAS * depth_sigma_m(below.z)),
-                );
-            }
+            let probes = steps.map(|step| below(step).map(|other| &points[other]));
+            let probes = probes.map(|probe| probe.filter(|point| point.is_finite()));
+            let Some(nearest) = probes.into_iter().flatten().next() else {
+                n_no_depth += 1;
+                continue;
+            };
+            let own = &points[pixel];
+            let noise_m = LEVEL_M.max(LEVEL_SIGMAS * depth_sigma_m(own.z));
+            let height_m = |point: &Point| height.at(point.x, point.y, point.z);
+            let is_nearer = nearest.z < own.z - OCCLUSION_STEP_M;
+            n_occluded += u32::from(is_nearer && height_m(nearest) > noise_m);
+            let is_behind_rim = probes[0].is_some_and(|table| {
+                table.z < own.z - RIM_STEP_M && height_m(table).abs() <= noise_m
+            });
+            let goes_on_below = probes.into_iter().flatten().any(|point| {
+                let is_same = (point.z - own.z).abs() <= OCCLUSION_STEP_M * own.z * own.z;
+                is_same && height_m(point) < -noise_m
+            });
+            n_off_table += u32::from(is_behind_rim || goes_on_below);
         }
         let share = |n: u32| f64::from(n) / f64::from(n_border.max(1));
         Self {
             occluded_share: share(n_occluded),
             no_depth_share: share(n_no_depth),
-            below_table_share: share(n_below),
+            off_table_share: share(n_off_table),
         }
     }
 }

@@ -36,6 +36,19 @@ const GROWTH_STEPS: [[isize; 2]; 8] = [
     [0, 2],
 ];
 
+/// Growth steps to the pixels that the others do not reach: those by which the pixels of a
+/// cluster are linked.
+const LINK_STEPS: [[isize; 2]; 8] = [
+    [-1, -1],
+    [1, -1],
+    [-1, 1],
+    [1, 1],
+    [-3, 0],
+    [3, 0],
+    [0, -3],
+    [0, 3],
+];
+
 /// Concavity splitter: buffers for one cluster after the other, and the clusters split so
 /// far.
 #[derive(Debug, Default)]
@@ -164,7 +177,8 @@ impl ConcavitySplit {
     fn split_patch(&mut self, n_min: u32, table_axes: &[AffineForm; 3]) -> bool {
         self.label_between_creases();
         let n_parts = self.keep_large_parts(n_min);
-        self.grow();
+        self.grow(&GROWTH_STEPS);
+        self.grow(&LINK_STEPS);
         self.find_boundaries(n_parts, table_axes);
         self.adjacency.n_edges() > 0
     }
@@ -251,7 +265,7 @@ impl ConcavitySplit {
     }
 
     /// Grow the parts breadth-first over unassigned pixels.
-    fn grow(&mut self) {
+    fn grow(&mut self, steps: &[[isize; 2]; 8]) {
         let Self {
             patch,
             front,
@@ -259,7 +273,7 @@ impl ConcavitySplit {
             ..
         } = self;
         let width = patch.width as isize;
-        let steps = GROWTH_STEPS.map(|[columns, rows]| columns + rows * width);
+        let steps = steps.map(|[columns, rows]| columns + rows * width);
         let neighbours = |index: u32| steps.map(|step| (index as usize).wrapping_add_signed(step));
         let part_of = &mut patch.part_of;
         is_queued.clear();

@@ -282,9 +282,9 @@ fn table_finding(hypothesis: &ClusterHypothesis) -> Finding {
             finding(true, Reason::BaseWithoutDepth)
         }
         Some(Support::Occluded) => finding(true, Reason::BaseOccluded),
-        None if hypothesis.continues_below_share > 0.0 => {
-            let share = hypothesis.continues_below_share;
-            finding(false, Reason::ContinuesBelowTable { share })
+        None if hypothesis.off_table_share > 0.0 => {
+            let share = hypothesis.off_table_share;
+            finding(false, Reason::BeginsOffTable { share })
         }
         None if hypothesis.is_base_without_depth => {
             finding(Ternary::Unknown, Reason::BaseWithoutDepth)

@@ -45,6 +45,49 @@ impl TableGaps {
         for (is_table, is_gap) in is_table.iter_mut().zip(&self.is_gap) {
             *is_table &= !is_gap;
         }
+        if self.is_any() {
+            self.keep_largest_component(grid, is_table);
+        }
+    }
+
+    /// Keep the largest connected component of the table. Beyond a gap the plane cuts through
+    /// something else, such as the back of a chair.
+    fn keep_largest_component(&mut self, grid: &CellGrid, is_table: &mut [bool]) {
+        let Self {
+            is_known: is_visited,
+            front,
+            ..
+        } = self;
+        is_visited.clear();
+        is_visited.resize(is_table.len(), false);
+        // Components one after the other in `front`; the largest so far as a range of it.
+        front.clear();
+        let mut largest = 0..0;
+        for start in 0..is_table.len() {
+            if !is_table[start] || is_visited[start] {
+                continue;
+            }
+            let first = front.len();
+            is_visited[start] = true;
+            front.push(start as u32);
+            let mut next = first;
+            while let Some(&cell) = front.get(next) {
+                next += 1;
+                for near in grid.neighbours(cell as usize) {
+                    if is_table.get(near) == Some(&true) && !is_visited[near] {
+                        is_visited[near] = true;
+                        front.push(near as u32);
+                    }
+                }
+            }
+            if front.len() - first > largest.len() {
+                largest = first..front.len();
+            }
+        }
+        is_table.fill(false);
+        for &cell in &front[largest] {
+            is_table[cell as usize] = true;
+        }
     }
 
     /// Find the gaps by morphological opening of the see-through cells; too small a total

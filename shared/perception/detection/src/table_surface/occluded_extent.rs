@@ -16,8 +16,8 @@ pub(super) const EXTENT_MAX_M: f64 = 0.5;
 /// sensitivity: see `tabula-lab sweep`.
 const RIM_LENGTH_MIN_M: f64 = 0.15;
 
-/// Least area of the occluded extent, square metres; a smaller one is the noise of the
-/// border. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least area of the occluded cells of the extent, square metres; a smaller one is the noise
+/// of the border. Chosen; sensitivity: see `tabula-lab sweep`.
 const AREA_MIN_M2: f64 = 0.01;
 
 /// Occluded extent found last, with buffers.
@@ -68,7 +68,9 @@ impl OccludedExtent {
                 }
             }
         }
-        if (self.added.len() as f64) * grid.cell_m().powi(2) < AREA_MIN_M2 {
+        let is_occluded = |&&cell: &&u32| rays.n_level[cell as usize] == 0;
+        let n_occluded = self.added.iter().filter(is_occluded).count();
+        if (n_occluded as f64) * grid.cell_m().powi(2) < AREA_MIN_M2 {
             for cell in self.added.drain(..) {
                 is_table[cell as usize] = false;
             }

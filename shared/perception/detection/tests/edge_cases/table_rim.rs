@@ -88,3 +88,16 @@ fn support_plane_growth_stops_before_objects_behind() {
     let sides_m = outcome.detection.candidates[number].oriented_box.sides_m();
     assert!((sides_m.x - 0.08).abs() < 0.01, "{sides_m}");
 }
+
+#[test]
+fn furniture_behind_the_rim_is_no_object() {
+    // Backs of chairs: a board from the floor, and a slat above the height of the table.
+    let board = PlacedShape::cuboid([0.4, 0.03, HIGH + 0.12], [0.0, 0.37, 0.0], OBJECT + 1);
+    let slat = PlacedShape::cuboid([0.4, 0.03, 0.1], [0.0, 0.37, HIGH + 0.02], OBJECT + 1);
+    for furniture in [board, slat] {
+        let solids = [on_table([0.1, 0.08, 0.12], [0.1, 0.0], 0), furniture];
+        for outcome in DetectionOutcome::both(&room().with(solids)) {
+            outcome.assert_objects(&objects(1), 0.9);
+        }
+    }
+}
