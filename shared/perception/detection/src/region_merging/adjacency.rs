@@ -12,7 +12,7 @@ use random::Random;
 
 /// Least log odds at which two regions are merged. Merging two objects is worse than
 /// splitting one. Chosen; sensitivity: see `tabula-lab sweep`.
-const LOG_ODDS_MIN: f32 = 0.6;
+const LOG_ODDS_MIN: f32 = 0.3;
 
 /// Pair of adjacent regions with the decision that is right: a training example.
 #[derive(Debug, Clone, Copy, PartialEq)]
