@@ -61,6 +61,7 @@ mod prism;
 mod region_merging;
 mod region_training;
 mod samples;
+mod split_gate;
 mod stage;
 mod support_plane_holes;
 mod support_relations;

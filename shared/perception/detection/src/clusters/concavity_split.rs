@@ -6,6 +6,7 @@ use crate::creases::Creases;
 use crate::parallelism::{Parallelism, ScratchPool};
 use crate::patch::{Patch, UNASSIGNED};
 use crate::region_merging::RegionAdjacency;
+use crate::split_gate::may_be_several_objects;
 use point_cloud::OrganizedCloud;
 use std::cmp::Reverse;
 
@@ -149,14 +150,17 @@ impl ConcavitySplit {
         self.sizes.clear();
     }
 
-    /// Find the parts of a cluster. Returns `true` when there are several.
+    /// Find the parts of a cluster that is larger than a hand. Returns `true` when there are
+    /// several.
     fn find_parts(
         &mut self,
         cloud: &OrganizedCloud<'_>,
         cluster: &[u32],
         table_axes: &[AffineForm; 3],
     ) -> bool {
-        self.find_regions(cloud, cluster, table_axes) && self.merge_regions()
+        may_be_several_objects(cloud.points(), cluster, table_axes)
+            && self.find_regions(cloud, cluster, table_axes)
+            && self.merge_regions()
     }
 
     /// Over-segmentation of a cluster into regions between creases, with their adjacency.
