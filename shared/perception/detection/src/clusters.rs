@@ -41,8 +41,8 @@ impl LinkDistance {
 
 /// Link distance of the clustering.
 const LINKS: LinkDistance = LinkDistance {
-    floor_m: 0.005,
-    per_m2: 0.008,
+    floor_m: 0.004,
+    per_m2: 0.0055,
     reach_px: 3,
 };
 

@@ -10,9 +10,8 @@ use nalgebra::Vector3;
 use point_cloud::Point;
 use random::Random;
 
-/// Least log odds at which two regions are merged. Merging two objects is worse than
-/// splitting one. Chosen; sensitivity: see `tabula-lab sweep`.
-const LOG_ODDS_MIN: f32 = 0.3;
+/// Least log odds at which two regions are merged: even odds.
+const LOG_ODDS_MIN: f32 = 0.0;
 
 /// Pair of adjacent regions with the decision that is right: a training example.
 #[derive(Debug, Clone, Copy, PartialEq)]
