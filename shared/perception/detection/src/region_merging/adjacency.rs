@@ -33,6 +33,8 @@ pub(crate) struct RegionAdjacency {
     edges: Vec<RegionEdge>,
     sums: Vec<RegionSums>,
     regions: Vec<Region>,
+    /// All regions together.
+    cluster: Region,
 }
 
 /// Edge of the graph: two adjacent regions.
@@ -88,6 +90,9 @@ impl RegionAdjacency {
         self.regions.clear();
         self.regions
             .extend(self.sums.iter().map(|sums| sums.describe(&self.camera)));
+        let mut all = RegionSums::default();
+        self.sums.iter().for_each(|sums| all.merge(sums));
+        self.cluster = all.describe(&self.camera);
         self.pairs.sort_unstable();
         self.edges.clear();
         for pairs in self.pairs.chunk_by(|a, b| a.regions == b.regions) {
@@ -171,6 +176,7 @@ impl RegionAdjacency {
             boundary,
             [&self.regions[a], &self.regions[b]],
             &both.describe(&self.camera),
+            &self.cluster,
         )
     }
 

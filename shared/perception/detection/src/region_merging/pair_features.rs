@@ -5,7 +5,7 @@ use super::region::Region;
 use sensor_noise::depth_sigma_m;
 
 /// Number of features of a pair.
-pub const N_FEATURES: usize = 30;
+pub const N_FEATURES: usize = 32;
 
 /// Features of a pair of adjacent regions, in the order of [`FEATURE_NAMES`].
 pub type PairFeatures = [f32; N_FEATURES];
@@ -42,6 +42,8 @@ pub const FEATURE_NAMES: [&str; N_FEATURES] = [
     "height of the boundary over the lower region's top, metres",
     "height of the boundary over the upper region's bottom, metres",
     "deviation of the boundary's height, metres",
+    "longest side of the cluster's box, metres",
+    "log of the share of both in the area of the cluster",
 ];
 
 /// Greatest deviation from a plane, sigmas.
@@ -50,11 +52,12 @@ const DEVIATION_MAX: f32 = 30.0;
 /// Greatest distance, metres.
 const DISTANCE_MAX_M: f32 = 0.3;
 
-/// Features of two regions with their boundary, and of both together.
+/// Features of two regions with their boundary, of both together, and of their cluster.
 pub(super) fn pair_features(
     boundary: &RegionBoundary,
     [a, b]: [&Region; 2],
     both: &Region,
+    cluster: &Region,
 ) -> PairFeatures {
     let (small, large) = if a.n_pixels_at_1m <= b.n_pixels_at_1m {
         (a, b)
@@ -102,14 +105,21 @@ pub(super) fn pair_features(
         large.height_m[0].min(DISTANCE_MAX_M),
         (volume_m3(both) / (volume_m3(small) + volume_m3(large))).ln(),
         (footprint_m2(both) / footprint_m2(small).max(footprint_m2(large))).ln(),
-        both.sides_m.into_iter().fold(0.0, f32::max),
+        longest_side_m(both),
         small.normal.z.abs(),
         large.normal.z.abs(),
         convexity(small, large),
         (boundary_m - lower.height_m[1]).clamp(-DISTANCE_MAX_M, DISTANCE_MAX_M),
         (boundary_m - upper.height_m[0]).clamp(-DISTANCE_MAX_M, DISTANCE_MAX_M),
         variance_m2.max(0.0).sqrt(),
+        longest_side_m(cluster),
+        (both.n_pixels_at_1m / cluster.n_pixels_at_1m).ln(),
     ]
+}
+
+/// Longest side of a region's box, metres.
+fn longest_side_m(region: &Region) -> f32 {
+    region.sides_m.into_iter().fold(0.0, f32::max)
 }
 
 /// Convexity of two surfaces (Stein et al. 2014): positive when they bend away from each
