@@ -5,6 +5,7 @@ use crate::fault_injection::FaultConfig;
 use channel::topic::{CameraCloud, Topic};
 use detection::InvalidConfig;
 use message::Text;
+use sensor_noise::DepthNoise;
 use serde::Deserialize;
 use service::{ConfigFile, Failure};
 use std::fmt::Display;
@@ -30,6 +31,7 @@ struct RawConfig {
     worker_stall_ms: u64,
     actor_restarts_max: u32,
     actor_restart_window_s: f64,
+    depth_noise: String,
     range_min_m: f64,
     range_max_m: f64,
     object_height_max_m: f64,
@@ -55,6 +57,7 @@ impl Default for RawConfig {
             worker_stall_ms: 2_000,
             actor_restarts_max: 30,
             actor_restart_window_s: 60.0,
+            depth_noise: "kinect-v1".to_owned(),
             range_min_m: detection.range_min_m,
             range_max_m: detection.range_max_m,
             object_height_max_m: detection.height_max_m,
@@ -153,7 +156,16 @@ fn restart_window(raw: &RawConfig) -> Result<Duration, String> {
 
 /// Validated detection settings, or a sentence that names the invalid one.
 fn detection(raw: &RawConfig) -> Result<detection::Config, String> {
+    let depth_noise = DepthNoise::named(&raw.depth_noise).ok_or_else(|| {
+        format!(
+            "depth_noise must be one of {}, not {:?}; the noise on the table is measured while \
+             running, so take the law that is nearest",
+            DepthNoise::NAMES.join(", "),
+            raw.depth_noise
+        )
+    })?;
     let settings = detection::RawConfig {
+        depth_noise,
         range_min_m: raw.range_min_m,
         range_max_m: raw.range_max_m,
         height_max_m: raw.object_height_max_m,
@@ -189,6 +201,22 @@ mod tests {
             candidate_rule: rule.into(),
             ..RawConfig::default()
         })
+    }
+
+    #[test]
+    fn depth_noise_is_a_law_by_name() {
+        let of = |name: &str| {
+            detection(&RawConfig {
+                depth_noise: name.to_owned(),
+                ..RawConfig::default()
+            })
+        };
+        assert_eq!(of("stereo").unwrap().get().depth_noise, DepthNoise::STEREO);
+        let sentence = of("kinect").unwrap_err();
+        assert!(
+            sentence.contains("kinect-v1, stereo, time-of-flight"),
+            "{sentence}"
+        );
     }
 
     #[test]

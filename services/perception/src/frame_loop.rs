@@ -10,6 +10,7 @@ use crate::latest_scene::LatestScene;
 use crate::live_executor::{FrameError, LiveExecutor, LiveState};
 use crate::memory_replica::{CategorySnapshot, SharedCategories, SyncBarrier};
 use crate::newest_view::{self, LabelEstimate, NewestView, NewestViews};
+use crate::noise_log::NoiseLog;
 use crate::object_actors::ObjectActors;
 use crate::outbox::{Outbox, StoreReceipt};
 use crate::publishers::Publishers;
@@ -39,6 +40,7 @@ pub(crate) struct FrameLoop {
     rule: Text,
     assumption_log: AssumptionLog,
     table_log: TableLog,
+    noise_log: NoiseLog,
     pool: WorkerPool,
     outbox: Outbox,
     sync_barrier: SyncBarrier,
@@ -94,6 +96,7 @@ impl FrameLoop {
             rule: Text::truncated(&rule),
             assumption_log: AssumptionLog::default(),
             table_log: TableLog::default(),
+            noise_log: NoiseLog::default(),
             pool: parts.pool,
             outbox: parts.outbox,
             sync_barrier: parts.sync_barrier,
@@ -303,6 +306,7 @@ impl FrameLoop {
         self.assumption_log
             .update(Assumptions::from_bits(summary.assumptions));
         self.table_log.update(detected.detection.table.as_ref());
+        self.noise_log.update(detected.detection.table.as_ref());
         summary.stamps.published_ns = monotonic_ns();
         let newest = self.categories.get().position;
         let position = newest_view::oldest_position(&self.live.newest_views, newest);

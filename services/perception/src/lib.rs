@@ -21,6 +21,7 @@ mod live_executor;
 mod log_once;
 mod memory_replica;
 mod newest_view;
+mod noise_log;
 mod object_actor;
 mod object_actors;
 mod outbox;

@@ -1,6 +1,7 @@
 //! Detection settings and their validation.
 
 use constraint::{Expression, InvalidExpression};
+use sensor_noise::DepthNoise;
 use thiserror::Error;
 
 /// Detection settings as written, not validated. The default fits a Kinect v1 that views a
@@ -14,6 +15,9 @@ pub struct RawConfig {
     /// Least half width of the inlier band of a plane, metres; 0.001 to 0.1. Three sigma of
     /// the depth noise apply where they exceed it.
     pub plane_band_min_m: f64,
+    /// Depth noise law of the camera. On an organised cloud it is scaled up to the noise that
+    /// is measured on the table.
+    pub depth_noise: DepthNoise,
     /// Greatest angle between the table's normal and up, radians; 0 to 0.8. Applies only
     /// when up is known.
     pub table_tilt_max_rad: f64,
@@ -64,6 +68,7 @@ impl Default for RawConfig {
             range_min_m: 0.35,
             range_max_m: 2.0,
             plane_band_min_m: 0.008,
+            depth_noise: DepthNoise::default(),
             table_tilt_max_rad: 12_f64.to_radians(),
             height_min_m: 0.008,
             height_max_m: 0.60,

@@ -1,7 +1,7 @@
 //! Concave crease detection: lines along which one object stands on or against another.
 
 use crate::patch::{Patch, PatchPixel};
-use sensor_noise::depth_sigma_m;
+use sensor_noise::DepthNoise;
 use std::ops::Range;
 
 /// Approximate field of view of the image width, radians. The cloud does not state it; the
@@ -48,7 +48,7 @@ pub(crate) struct Creases {
 impl Creases {
     /// Mark the concave creases of a cluster along rows and columns of an image of width
     /// `image_width`, pixels. Returns `true` when there are enough to split it.
-    pub(crate) fn find(&mut self, patch: &Patch, image_width: usize) -> bool {
+    pub(crate) fn find(&mut self, patch: &Patch, image_width: usize, noise: &DepthNoise) -> bool {
         self.is_crease.clear();
         self.is_crease.resize(patch.part_of.len(), false);
         self.bend.clear();
@@ -64,7 +64,7 @@ impl Creases {
         } = self;
         let mut mark = |surface: &[PatchPixel]| {
             if surface.len() > 2 * ARM_PX[0] {
-                let bends = fit.bends(surface, pixel_rad);
+                let bends = fit.bends(surface, pixel_rad, noise);
                 mark_surface(surface, bends, is_crease, bend);
             }
         };
@@ -136,13 +136,13 @@ struct BendFit {
 
 impl BendFit {
     /// Signed bend at each pixel, metres per metre; NaN where the arms would be too short.
-    fn bends(&mut self, surface: &[PatchPixel], pixel_rad: f32) -> &[f32] {
+    fn bends(&mut self, surface: &[PatchPixel], pixel_rad: f32, noise: &DepthNoise) -> &[f32] {
         self.accumulate(surface);
         let n = surface.len();
         self.bends.clear();
         self.bends.resize(n, f32::NAN);
         let most = (n - 1) / 2;
-        let arm = arm_px(surface[0].z, pixel_rad).min(most);
+        let arm = arm_px(surface[0].z, pixel_rad, noise).min(most);
         for short in ARM_PX[0]..arm {
             self.fit_bends(short..short + 1, short);
             self.fit_bends(n - 1 - short..n - short, short);
@@ -195,8 +195,8 @@ impl BendFit {
 
 /// Arm length of a crease at a depth, pixels. The bend over n pixels on either side has the
 /// noise of one pixel divided by the square root of n³ / 6.
-fn arm_px(z: f32, pixel_rad: f32) -> usize {
-    let noise_in_pixels = depth_sigma_m(z) / (z * pixel_rad);
+fn arm_px(z: f32, pixel_rad: f32, noise: &DepthNoise) -> usize {
+    let noise_in_pixels = noise.sigma_m(z) / (z * pixel_rad);
     let cubed = 6.0 * (noise_in_pixels / SLOPE_SIGMA).powi(2);
     (cubed.cbrt() as usize).clamp(ARM_PX[0], ARM_PX[1])
 }
@@ -241,7 +241,7 @@ mod tests {
         let mut patch = Patch::default();
         patch.copy_cluster(&cloud, &cluster);
         let mut creases = Creases::default();
-        creases.find(&patch, WIDTH);
+        creases.find(&patch, WIDTH, &DepthNoise::default());
         let is_crease = |pixel: &PatchPixel| creases.is_crease[pixel.index as usize];
         patch.pixels.iter().map(is_crease).collect()
     }

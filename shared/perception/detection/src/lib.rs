@@ -66,6 +66,8 @@ mod stage;
 mod support_plane_holes;
 mod support_relations;
 mod table;
+mod table_noise;
+mod table_reference;
 mod table_selection;
 mod table_surface;
 mod unorganized;

@@ -18,12 +18,13 @@ use crate::stage::DetectionStage;
 use crate::support_plane_holes::SupportPlaneHoles;
 use crate::support_relations::find_support_relations;
 use crate::table::Table;
+use crate::table_noise::noise_ratio;
+use crate::table_reference::TableReference;
 use crate::table_selection::{TableSelectionBuffers, select_table};
 use crate::table_surface::TableSurface;
 use crate::{Config, RawConfig};
 use point_cloud::OrganizedCloud;
 use random::Random;
-use sensor_noise::depth_sigma_m;
 
 /// Width of the image border zone, pixels: a candidate that reaches it may be cut.
 /// Chosen; sensitivity: see `tabula-lab sweep`.
@@ -153,6 +154,8 @@ fn find_table(
     execution.end_stage(DetectionStage::TablePlane);
     let mut table = table?;
     surface.refill(&mut table, samples);
+    table.noise_ratio = noise_ratio(samples, &table, surface, &config.depth_noise);
+    table.depth_noise = config.depth_noise.scaled(table.noise_ratio);
     if surface.differs_from_polygon() {
         tracer.trace(surface, &mut table.outline);
     }
@@ -178,7 +181,7 @@ fn list_above_table(
     } = buffers;
     let height = AffineForm::coordinates_of(&table.table_from_camera)[2];
     holes.find(samples, &height, |z| {
-        lowest_m(z, config.height_min_m as f32)
+        lowest_m(z, config.height_min_m as f32, &table.depth_noise)
     });
     let prism = Prism::over(table, config, holes, surface);
     prism.list_pixels(cloud, parallelism, bands, over_table);
@@ -221,8 +224,7 @@ fn split_at_concavities(
     let OrganizedBuffers {
         clusters, splits, ..
     } = buffers;
-    let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
-    clusters.split_at_concavities(cloud, parallelism, &table_axes, splits);
+    clusters.split_at_concavities(cloud, parallelism, &TableReference::from(table), splits);
 }
 
 /// Training examples of region merging in one frame: pairs of adjacent regions of the
@@ -243,7 +245,7 @@ pub(crate) fn list_region_pairs(
     };
     list_above_table(&frame.cloud, &table, raw, parallelism, buffers);
     cluster_pixels(frame, &table, raw, parallelism, buffers);
-    let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
+    let reference = TableReference::from(&table);
     let mut examples = RegionExamples {
         split: ConcavitySplit::default(),
         random: Random::from_seed(frame.seed),
@@ -251,7 +253,7 @@ pub(crate) fn list_region_pairs(
     };
     for cluster in 0..buffers.clusters.len() {
         let pixels = buffers.clusters.pixels(cluster);
-        examples.add_cluster(&frame.cloud, pixels, &table_axes, &object_of);
+        examples.add_cluster(&frame.cloud, pixels, &reference, &object_of);
     }
 }
 
@@ -277,7 +279,7 @@ fn grow_to_support_plane(
     let height = AffineForm::coordinates_of(&table.table_from_camera)[2];
     let is_base = |pixel: usize, above: usize| {
         let (point, above) = (&cloud.points()[pixel], &cloud.points()[above]);
-        let lowest_m = BASE_HEIGHT_MIN_M.max(BASE_SIGMAS * depth_sigma_m(point.z));
+        let lowest_m = BASE_HEIGHT_MIN_M.max(BASE_SIGMAS * table.depth_noise.sigma_m(point.z));
         (point.z - above.z).abs() <= BASE_STEP_M * point.z * point.z
             && (lowest_m..=BASE_HEIGHT_MAX_M).contains(&height.at(point.x, point.y, point.z))
     };
@@ -326,7 +328,7 @@ fn find_hypotheses(
         if overlap.share(pixels, cloud) >= OVER_TABLE_SHARE_MIN
             && let Some(hypothesis) =
                 ClusterHypothesis::of(cluster, pixels, cloud, &table_axes, config)
-            && is_significant(pixels.len(), &hypothesis.statistics, config)
+            && is_significant(pixels.len(), &hypothesis.statistics, table, config)
         {
             found.push(ClusterHypothesis {
                 is_masked,
@@ -336,7 +338,7 @@ fn find_hypotheses(
     });
     hypotheses.clear();
     found_hypotheses.gather(hypotheses);
-    find_support_relations(cloud, clusters, &table.plane, hypotheses);
+    find_support_relations(cloud, clusters, table, hypotheses);
     let distance = |one: &ClusterHypothesis| one.statistics.centroid.coords.norm_squared();
     hypotheses.sort_unstable_by(|a, b| {
         distance(a)
@@ -347,9 +349,15 @@ fn find_hypotheses(
 
 /// `true` when a cluster has enough points for its height: what hardly rises above the noise
 /// of the table has to be larger.
-fn is_significant(n_points: usize, statistics: &ClusterStatistics, config: &RawConfig) -> bool {
+fn is_significant(
+    n_points: usize,
+    statistics: &ClusterStatistics,
+    table: &Table,
+    config: &RawConfig,
+) -> bool {
     let depth_m = statistics.centroid.z;
-    let is_high = statistics.height_m[1] >= NOISE_HEIGHT_SIGMAS * depth_sigma_m(depth_m as f32);
+    let sigma_m = table.depth_noise.sigma_m(depth_m as f32);
+    let is_high = statistics.height_m[1] >= NOISE_HEIGHT_SIGMAS * sigma_m;
     let factor = if is_high { 1.0 } else { LOW_POINTS_FACTOR };
     n_points as f64 >= factor * config.points_min_at_1m / (depth_m * depth_m)
 }

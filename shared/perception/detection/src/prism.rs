@@ -8,7 +8,7 @@ use crate::support_plane_holes::SupportPlaneHoles;
 use crate::table::Table;
 use crate::table_surface::TableSurface;
 use point_cloud::{OrganizedCloud, Point};
-use sensor_noise::depth_sigma_m;
+use sensor_noise::DepthNoise;
 
 /// Least height over the table in sigmas of the depth noise. Chosen; sensitivity: see
 /// `tabula-lab sweep`.
@@ -27,6 +27,7 @@ const N_OVERLAP_SAMPLES: usize = 512;
 pub(crate) struct Prism<'a> {
     z_range: [f32; 2],
     height_range: [f32; 2],
+    noise: DepthNoise,
     height: AffineForm,
     u: AffineForm,
     v: AffineForm,
@@ -37,8 +38,8 @@ pub(crate) struct Prism<'a> {
 /// Noise-dependent least height over the table, metres: `height_min_m` or more at depth
 /// `z`.
 #[inline]
-pub(crate) fn lowest_m(z: f32, height_min_m: f32) -> f32 {
-    height_min_m.max(NOISE_SIGMAS * depth_sigma_m(z))
+pub(crate) fn lowest_m(z: f32, height_min_m: f32, noise: &DepthNoise) -> f32 {
+    height_min_m.max(NOISE_SIGMAS * noise.sigma_m(z))
 }
 
 impl<'a> Prism<'a> {
@@ -53,6 +54,7 @@ impl<'a> Prism<'a> {
         Self {
             z_range: [config.range_min_m as f32, config.range_max_m as f32],
             height_range: [config.height_min_m as f32, config.height_max_m as f32],
+            noise: table.depth_noise,
             height,
             u,
             v,
@@ -71,7 +73,7 @@ impl<'a> Prism<'a> {
     fn is_in_slab(&self, point: &Point) -> bool {
         let height = self.height.at(point.x, point.y, point.z);
         is_in_range(point, self.z_range[0], self.z_range[1])
-            & (height >= lowest_m(point.z, self.height_range[0]))
+            & (height >= lowest_m(point.z, self.height_range[0], &self.noise))
             & (height <= self.height_range[1])
     }
 
@@ -110,7 +112,7 @@ impl<'a> Prism<'a> {
                 & (z[i] <= self.z_range[1])
                 & (x[i].abs() <= side_max)
                 & (y[i].abs() <= side_max)
-                & (height >= lowest_m(z[i], self.height_range[0]))
+                & (height >= lowest_m(z[i], self.height_range[0], &self.noise))
                 & (height <= self.height_range[1]);
         }
         mask

@@ -4,7 +4,6 @@ use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use nalgebra::Point3;
 use point_cloud::{Moments, OrganizedCloud, Point};
-use sensor_noise::depth_sigma_m;
 
 /// Target number of samples of an image.
 const N_SAMPLES_TARGET: usize = 20_000;
@@ -208,7 +207,7 @@ impl Samples {
 /// or the configured least width.
 #[inline]
 pub(crate) fn plane_band_m(z: f32, config: &RawConfig) -> f32 {
-    (3.0 * depth_sigma_m(z)).max(config.plane_band_min_m as f32)
+    (3.0 * config.depth_noise.sigma_m(z)).max(config.plane_band_min_m as f32)
 }
 
 /// Subsampling stride of a cloud, at most its shorter side, so that at least one sample

@@ -4,10 +4,9 @@ use crate::affine_form::AffineForm;
 use crate::candidate::Support;
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::clusters::Clusters;
-use geometry::Plane;
+use crate::table::Table;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
-use sensor_noise::depth_sigma_m;
 
 /// Greatest horizontal gap between boxes in contact, metres; the supporting side of the
 /// lower object is often occluded. Chosen; sensitivity: see `tabula-lab sweep`.
@@ -63,10 +62,10 @@ const OFF_TABLE_SHARE_MIN: f64 = 0.3;
 pub(crate) fn find_support_relations(
     cloud: &OrganizedCloud<'_>,
     clusters: &Clusters,
-    table: &Plane,
+    table: &Table,
     hypotheses: &mut [ClusterHypothesis],
 ) {
-    let up = &table.normal;
+    let up = &table.plane.normal;
     for hypothesis in hypotheses.iter_mut().filter(|one| !one.is_masked) {
         let is_supported = hypothesis.support.is_some();
         if !is_supported && is_seen_from_above(&hypothesis.statistics.centroid, up) {
@@ -148,9 +147,9 @@ impl BaseVisibility {
         clusters: &Clusters,
         cluster: u32,
         step: [f64; 2],
-        table: &Plane,
+        table: &Table,
     ) -> Self {
-        let height = AffineForm::from(table);
+        let height = AffineForm::from(&table.plane);
         let (points, width) = (cloud.points(), cloud.width());
         let steps = PROBE_PX.map(|px| step.map(|part| (part * px).round() as isize));
         let (mut n_border, mut n_occluded, mut n_no_depth, mut n_off_table) =
@@ -175,7 +174,7 @@ impl BaseVisibility {
                 continue;
             };
             let own = &points[pixel];
-            let noise_m = LEVEL_M.max(LEVEL_SIGMAS * depth_sigma_m(own.z));
+            let noise_m = LEVEL_M.max(LEVEL_SIGMAS * table.depth_noise.sigma_m(own.z));
             let height_m = |point: &Point| height.at(point.x, point.y, point.z);
             let is_nearer = nearest.z < own.z - OCCLUSION_STEP_M;
             n_occluded += u32::from(is_nearer && height_m(nearest) > noise_m);

@@ -3,6 +3,7 @@
 use crate::outline::Outline;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::Point2;
+use sensor_noise::DepthNoise;
 use std::fmt;
 
 /// Least gap between a table and the floor under it, metres; tops of objects are nearer to
@@ -26,6 +27,11 @@ pub struct Table {
     pub choice: TableChoice,
     /// Number of samples of the subsampled image on the table.
     pub n_samples: usize,
+    /// Depth noise measured on the table: the configured law, scaled by `noise_ratio`.
+    pub depth_noise: DepthNoise,
+    /// Ratio of the noise and warp measured on the table to the configured law, at least 1;
+    /// 1 where it cannot be measured.
+    pub noise_ratio: f32,
 }
 
 impl Table {

@@ -12,6 +12,7 @@ use crate::table::{FLOOR_GAP_M, Table, TableChoice};
 use geometry::Plane;
 use nalgebra::{Unit, Vector3};
 use random::Random;
+use sensor_noise::DepthNoise;
 
 /// Greatest number of planes searched in one image.
 const N_PLANES_MAX: usize = 5;
@@ -257,6 +258,8 @@ fn outlined_table(
         outline,
         choice,
         n_samples,
+        depth_noise: DepthNoise::default(),
+        noise_ratio: 1.0,
     };
     if table.polygon.corners().len() < 3 {
         buffers.spare = Some(table);

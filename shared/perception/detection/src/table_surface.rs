@@ -181,6 +181,7 @@ mod tests {
     use geometry::Plane;
     use nalgebra::{Point3, Vector3};
     use proptest::prelude::*;
+    use sensor_noise::DepthNoise;
 
     fn table(corners: &mut [Point2<f64>]) -> Table {
         let plane = Plane::through(&Point3::new(0.0, 0.0, 1.0), -Vector3::z_axis());
@@ -191,6 +192,8 @@ mod tests {
             outline: Outline::default(),
             n_samples: 0,
             choice: TableChoice::Only,
+            depth_noise: DepthNoise::default(),
+            noise_ratio: 1.0,
         }
     }
 

@@ -4,7 +4,7 @@ use crate::visibility::OcclusionState;
 use geometry::{OrientedBox, PinholeCamera, RigidTransform};
 use nalgebra::{Point3, Translation3, Vector3};
 use point_cloud::Point;
-use sensor_noise::kinect_depth_sigma_m;
+use sensor_noise::DepthNoise;
 
 /// Depth tolerance in sigmas of the depth noise. Chosen; sensitivity: see
 /// `tabula-lab sweep`.
@@ -163,7 +163,7 @@ impl<'a> DepthView<'a> {
         let camera_from_box = self.camera_from_world * box_in_world.frame_from_box;
         let rays = BoxRays::new(&camera_from_box, &box_in_world.half_sides_m);
         let tolerance_m = (DEPTH_TOLERANCE_SIGMAS
-            * kinect_depth_sigma_m(camera_from_box.translation.z))
+            * DepthNoise::KINECT_V1.bounded_sigma_m(camera_from_box.translation.z))
         .max(DEPTH_TOLERANCE_MIN_M);
         let half = box_in_world.half_sides_m;
         let mut counts = Counts::default();

@@ -7,7 +7,7 @@ use crate::orientation::nearest_equivalent_box;
 use crate::viewing_conditions::ViewingConditions;
 use geometry::OrientedBox;
 use nalgebra::{Matrix3, Translation3, Vector3};
-use sensor_noise::kinect_depth_sigma_m;
+use sensor_noise::DepthNoise;
 
 /// Largest coordinate of an object, metres.
 const COORDINATE_MAX_M: f64 = 1e5;
@@ -80,8 +80,9 @@ impl Measurement {
 
     /// Variance of the box centre for data association, per axis, square metres.
     pub fn position_variance_m2(&self, config: &MotionConfig) -> f64 {
-        let sensor_m =
-            kinect_depth_sigma_m(self.conditions.depth_m).max(config.position_sigma_min_m);
+        let sensor_m = DepthNoise::KINECT_V1
+            .bounded_sigma_m(self.conditions.depth_m)
+            .max(config.position_sigma_min_m);
         let truncation_m = if self.conditions.is_truncated {
             (TRUNCATED_SIGMA_RATIO * self.box_in_world.sides_m().max()).min(TRUNCATED_SIGMA_MAX_M)
         } else {
@@ -120,7 +121,7 @@ impl Measurement {
         world_from_axes: &Matrix3<f64>,
         config: &MotionConfig,
     ) -> Vector3<f64> {
-        let along = kinect_depth_sigma_m(self.conditions.depth_m);
+        let along = DepthNoise::KINECT_V1.bounded_sigma_m(self.conditions.depth_m);
         let across = LATERAL_SIGMA_RAD * self.conditions.depth_m.abs();
         let ray = world_from_axes.tr_mul(&self.conditions.ray_in_world);
         ray.map(|share| {

@@ -1,12 +1,12 @@
 //! Concavity split: clusters of several objects are separated along concave creases.
 
 use super::{Clusters, LinkDistance, NO_CLUSTER, find_root, squared_distance, union};
-use crate::affine_form::AffineForm;
 use crate::creases::Creases;
 use crate::parallelism::{Parallelism, ScratchPool};
 use crate::patch::{Patch, UNASSIGNED};
 use crate::region_merging::RegionAdjacency;
 use crate::split_gate::may_be_several_objects;
+use crate::table_reference::TableReference;
 use point_cloud::OrganizedCloud;
 use std::cmp::Reverse;
 
@@ -80,7 +80,7 @@ impl Clusters {
         &mut self,
         cloud: &OrganizedCloud<'_>,
         parallelism: &dyn Parallelism,
-        table_axes: &[AffineForm; 3],
+        table: &TableReference,
         splits: &mut ScratchPool<ConcavitySplit>,
     ) {
         // Longest job first, so that no thread finishes late with a large cluster.
@@ -91,7 +91,7 @@ impl Clusters {
         splits.all().iter_mut().for_each(ConcavitySplit::clear);
         splits.for_each(parallelism, by_size.iter(), |split, &cluster| {
             let pixels = self.pixels(cluster as usize);
-            if split.find_parts(cloud, pixels, table_axes) {
+            if split.find_parts(cloud, pixels, table) {
                 split.store_parts(cluster, pixels);
             }
         });
@@ -156,10 +156,10 @@ impl ConcavitySplit {
         &mut self,
         cloud: &OrganizedCloud<'_>,
         cluster: &[u32],
-        table_axes: &[AffineForm; 3],
+        table: &TableReference,
     ) -> bool {
-        may_be_several_objects(cloud.points(), cluster, table_axes)
-            && self.find_regions(cloud, cluster, table_axes)
+        may_be_several_objects(cloud.points(), cluster, &table.axes)
+            && self.find_regions(cloud, cluster, table)
             && self.merge_regions()
     }
 
@@ -169,21 +169,21 @@ impl ConcavitySplit {
         &mut self,
         cloud: &OrganizedCloud<'_>,
         cluster: &[u32],
-        table_axes: &[AffineForm; 3],
+        table: &TableReference,
     ) -> bool {
         self.patch.copy_cluster(cloud, cluster);
-        self.creases.find(&self.patch, cloud.width())
-            && self.split_patch(REGION_PIXELS_MIN, table_axes)
+        self.creases.find(&self.patch, cloud.width(), &table.noise)
+            && self.split_patch(REGION_PIXELS_MIN, table)
     }
 
     /// Split the patch into the regions between the creases, of at least `n_min` pixels
     /// each. Returns `true` when there are several.
-    fn split_patch(&mut self, n_min: u32, table_axes: &[AffineForm; 3]) -> bool {
+    fn split_patch(&mut self, n_min: u32, table: &TableReference) -> bool {
         self.label_between_creases();
         let n_parts = self.keep_large_parts(n_min);
         self.grow(&GROWTH_STEPS);
         self.grow(&LINK_STEPS);
-        self.find_boundaries(n_parts, table_axes);
+        self.find_boundaries(n_parts, table);
         self.adjacency.n_edges() > 0
     }
 
@@ -308,7 +308,7 @@ impl ConcavitySplit {
 
     /// Collect the statistics of parts and boundaries. Pixels that no part reaches form one
     /// more part, the last.
-    fn find_boundaries(&mut self, n_parts: u32, table_axes: &[AffineForm; 3]) {
+    fn find_boundaries(&mut self, n_parts: u32, table: &TableReference) {
         let Self {
             patch,
             adjacency,
@@ -325,7 +325,7 @@ impl ConcavitySplit {
             let point = &patch.points[index];
             adjacency.add_pixel(part, point);
             if pixel.row % POSITION_STRIDE == 0 && pixel.column % POSITION_STRIDE == 0 {
-                adjacency.add_position(part, point, table_axes);
+                adjacency.add_position(part, point, &table.axes);
             }
             for near in [index + 1, index + patch.width] {
                 let other = patch.part_of[near];
@@ -334,7 +334,7 @@ impl ConcavitySplit {
                 }
             }
         }
-        adjacency.connect(patch, &creases.bend, table_axes);
+        adjacency.connect(patch, &creases.bend, table);
         self.parents.clear();
         self.parents.extend(0..=n_parts);
     }
@@ -392,7 +392,11 @@ impl ConcavitySplit {
 }
 
 #[cfg(test)]
+use crate::affine_form::AffineForm;
+#[cfg(test)]
 use geometry::RigidTransform;
+#[cfg(test)]
+use sensor_noise::DepthNoise;
 
 #[cfg(test)]
 impl ConcavitySplit {
@@ -412,8 +416,11 @@ impl ConcavitySplit {
             marks[own.index as usize] = is_crease[pixel as usize];
         }
         self.creases = Creases::from_marks(marks);
-        let table_axes = AffineForm::coordinates_of(&RigidTransform::identity());
-        self.split_patch(n_min, &table_axes);
+        let table = TableReference {
+            axes: AffineForm::coordinates_of(&RigidTransform::identity()),
+            noise: DepthNoise::default(),
+        };
+        self.split_patch(n_min, &table);
         self.merge_regions();
         self.store_parts(0, cluster);
         (self.sorted.clone(), self.sizes.clone())

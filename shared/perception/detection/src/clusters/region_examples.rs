@@ -1,8 +1,8 @@
 //! Training examples of region merging from clusters with known objects.
 
 use super::ConcavitySplit;
-use crate::affine_form::AffineForm;
 use crate::region_merging::RegionPair;
+use crate::table_reference::TableReference;
 use point_cloud::OrganizedCloud;
 use random::Random;
 use std::collections::BTreeMap;
@@ -26,10 +26,10 @@ impl RegionExamples<'_> {
         &mut self,
         cloud: &OrganizedCloud<'_>,
         cluster: &[u32],
-        table_axes: &[AffineForm; 3],
+        table: &TableReference,
         object_of: impl Fn(u32) -> Option<u16>,
     ) {
-        if self.split.find_regions(cloud, cluster, table_axes) {
+        if self.split.find_regions(cloud, cluster, table) {
             let objects = self.objects_of_regions(cluster, object_of);
             self.split
                 .adjacency

@@ -6,9 +6,11 @@ use super::pair_features::{PairFeatures, pair_features};
 use super::region::{Region, RegionSums, YawAxes};
 use crate::affine_form::AffineForm;
 use crate::patch::Patch;
+use crate::table_reference::TableReference;
 use nalgebra::Vector3;
 use point_cloud::Point;
 use random::Random;
+use sensor_noise::DepthNoise;
 
 /// Least log odds at which two regions are merged: even odds.
 const LOG_ODDS_MIN: f32 = 0.0;
@@ -35,6 +37,7 @@ pub(crate) struct RegionAdjacency {
     regions: Vec<Region>,
     /// All regions together.
     cluster: Region,
+    noise: DepthNoise,
 }
 
 /// Edge of the graph: two adjacent regions.
@@ -85,8 +88,9 @@ impl RegionAdjacency {
 
     /// Build the graph from the added pixels and pairs; `bend` holds the signed bend at each
     /// pixel of the patch.
-    pub(crate) fn connect(&mut self, patch: &Patch, bend: &[f32], table: &[AffineForm; 3]) {
-        self.camera = Vector3::from([0, 1, 2].map(|i| table[i].at(0.0, 0.0, 0.0)));
+    pub(crate) fn connect(&mut self, patch: &Patch, bend: &[f32], table: &TableReference) {
+        self.noise = table.noise;
+        self.camera = Vector3::from(table.axes.map(|axis| axis.at(0.0, 0.0, 0.0)));
         self.regions.clear();
         self.regions
             .extend(self.sums.iter().map(|sums| sums.describe(&self.camera)));
@@ -97,7 +101,7 @@ impl RegionAdjacency {
         self.edges.clear();
         for pairs in self.pairs.chunk_by(|a, b| a.regions == b.regions) {
             self.edges.push(RegionEdge {
-                boundary: RegionBoundary::of(pairs, patch, bend, &table[2]),
+                boundary: RegionBoundary::of(pairs, patch, bend, &table.axes[2]),
                 log_odds: 0.0,
             });
         }
@@ -177,6 +181,7 @@ impl RegionAdjacency {
             [&self.regions[a], &self.regions[b]],
             &both.describe(&self.camera),
             &self.cluster,
+            &self.noise,
         )
     }
 
@@ -243,7 +248,10 @@ mod tests {
         let cluster: Vec<u32> = (0..points.len() as u32).collect();
         let mut patch = Patch::default();
         patch.copy_cluster(&cloud, &cluster);
-        let table = AffineForm::coordinates_of(&RigidTransform::identity());
+        let table = TableReference {
+            axes: AffineForm::coordinates_of(&RigidTransform::identity()),
+            noise: DepthNoise::default(),
+        };
         let mut graph = RegionAdjacency::default();
         graph.clear(3);
         let columns: Vec<(usize, usize)> = patch
@@ -258,7 +266,7 @@ mod tests {
         for &(index, column) in &columns {
             let region = number_of[column / 30];
             graph.add_pixel(region, &patch.points[index]);
-            graph.add_position(region, &patch.points[index], &table);
+            graph.add_position(region, &patch.points[index], &table.axes);
             if column + 1 < WIDTH && number_of[(column + 1) / 30] != region {
                 graph.add_pair([region, number_of[(column + 1) / 30]], [index, index + 1]);
             }

@@ -2,7 +2,7 @@
 
 use super::boundary::RegionBoundary;
 use super::region::Region;
-use sensor_noise::depth_sigma_m;
+use sensor_noise::DepthNoise;
 
 /// Number of features of a pair.
 pub const N_FEATURES: usize = 32;
@@ -52,12 +52,14 @@ const DEVIATION_MAX: f32 = 30.0;
 /// Greatest distance, metres.
 const DISTANCE_MAX_M: f32 = 0.3;
 
-/// Features of two regions with their boundary, of both together, and of their cluster.
+/// Features of two regions with their boundary, of both together, and of their cluster,
+/// with the noise of the depth image.
 pub(super) fn pair_features(
     boundary: &RegionBoundary,
     [a, b]: [&Region; 2],
     both: &Region,
     cluster: &Region,
+    noise: &DepthNoise,
 ) -> PairFeatures {
     let (small, large) = if a.n_pixels_at_1m <= b.n_pixels_at_1m {
         (a, b)
@@ -75,7 +77,7 @@ pub(super) fn pair_features(
             .min(DISTANCE_MAX_M)
     };
     let deviation =
-        |region: &Region| (region.plane_rms_m / depth_sigma_m(region.depth_m)).min(DEVIATION_MAX);
+        |region: &Region| (region.plane_rms_m / noise.sigma_m(region.depth_m)).min(DEVIATION_MAX);
     let footprint_m2 = |region: &Region| region.sides_m[0] * region.sides_m[1];
     let [lower, upper] = by_height(small, large);
     let boundary_m = boundary.height_m / n_pairs;

@@ -227,6 +227,8 @@ fn as_table(found: &VoxelPlaneCandidate, choice: TableChoice, config: &RawConfig
             outline: Outline::around(&found.polygon),
             choice,
             n_samples: found.n_voxels,
+            depth_noise: config.depth_noise,
+            noise_ratio: 1.0,
         },
         lowest_m: config.height_min_m.max(NOISE_SIGMAS * found.scatter_m) as f32,
     }
