@@ -1,5 +1,5 @@
 //! File formats: point clouds (PCD), meshes (PLY, OBJ), RGB-D sequences,
-//! fakenect recordings and datasets of object views.
+//! registered RGB-D images, fakenect recordings and datasets of object views.
 //!
 //! Each format is a pure function over the bytes of a file, with a thin
 //! wrapper that reads the file. A size that a file announces is compared with
@@ -52,6 +52,7 @@ pub mod object_views;
 pub mod pcd;
 pub mod ply;
 pub mod recording_kind;
+pub mod registered_images;
 pub mod rgbd_sequence;
 pub mod scene_folder;
 pub mod washington;

@@ -1,7 +1,7 @@
 //! Detection of the kind of a recording by its file names.
 
 use crate::bounded_file::{FileError, file_names};
-use crate::{fakenect_folder, rgbd_sequence, scene_folder};
+use crate::{fakenect_folder, registered_images, rgbd_sequence, scene_folder};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,8 @@ pub enum RecordingKind {
     PcdScenes,
     /// RGB-D sequence, see [`crate::rgbd_sequence`].
     RgbdSequence,
+    /// Registered RGB-D images without poses, see [`crate::registered_images`].
+    RegisteredImages,
     /// Fakenect recording, see [`crate::fakenect_folder`].
     Fakenect,
 }
@@ -21,6 +23,7 @@ impl fmt::Display for RecordingKind {
         f.write_str(match self {
             Self::PcdScenes => "PCD scenes (*.pcd)",
             Self::RgbdSequence => "an RGB-D sequence (frame-*.depth.png)",
+            Self::RegisteredImages => "colour and depth images (*-color.png, *-depth.png)",
             Self::Fakenect => "a fakenect recording (INDEX.txt)",
         })
     }
@@ -41,10 +44,11 @@ pub enum Error {
     Empty(PathBuf),
     /// Folder without files of a known recording.
     #[error(
-        "the folder {} holds no recording; a recording is {}, {} or {}",
+        "the folder {} holds no recording; a recording is {}, {}, {} or {}",
         .0.display(),
         RecordingKind::PcdScenes,
         RecordingKind::RgbdSequence,
+        RecordingKind::RegisteredImages,
         RecordingKind::Fakenect
     )]
     Unknown(PathBuf),
@@ -63,6 +67,8 @@ pub enum Error {
 
 /// Detects the kind of a recording by the names of its files, without opening them.
 ///
+/// Registered images beside the files of another kind belong to that kind.
+///
 /// # Errors
 /// When the folder is missing, empty, holds no recording or several kinds.
 pub fn detect_recording_kind(folder: &Path) -> Result<RecordingKind, Error> {
@@ -71,9 +77,11 @@ pub fn detect_recording_kind(folder: &Path) -> Result<RecordingKind, Error> {
     }
     let names = file_names(folder, |_| true)?;
     let has = |is_wanted: fn(&str) -> bool| names.iter().any(|name| is_wanted(name));
+    let is_sequence =
+        has(rgbd_sequence::is_depth_name) && !registered_images::replaces_sequence(&names);
     let found = [
         has(scene_folder::is_scene_name).then_some(RecordingKind::PcdScenes),
-        has(rgbd_sequence::is_depth_name).then_some(RecordingKind::RgbdSequence),
+        is_sequence.then_some(RecordingKind::RgbdSequence),
         has(|name| name == fakenect_folder::INDEX_NAME).then_some(RecordingKind::Fakenect),
     ];
     let mut found = found.into_iter().flatten();
@@ -83,6 +91,7 @@ pub fn detect_recording_kind(folder: &Path) -> Result<RecordingKind, Error> {
             path: folder.to_owned(),
             kinds: [first, second],
         }),
+        (None, _) if registered_images::has_images(&names) => Ok(RecordingKind::RegisteredImages),
         (None, _) if names.is_empty() => Err(Error::Empty(folder.to_owned())),
         (None, _) => Err(Error::Unknown(folder.to_owned())),
     }

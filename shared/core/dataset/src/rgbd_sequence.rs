@@ -26,7 +26,7 @@ mod writer;
 
 pub use back_projection::BackProjection;
 pub use error::{ContentError, Error};
-pub(crate) use frame_files::is_depth_name;
+pub(crate) use frame_files::{is_depth_name, is_pose_name};
 pub use image::{decode_color, decode_depth, decode_mask, depth_image_size};
 pub use matrix_text::{parse_gravity, parse_intrinsics, parse_pose};
 pub use writer::{FrameView, SequenceWriter};
@@ -39,14 +39,15 @@ use point_cloud::Point;
 use std::path::{Path, PathBuf};
 
 /// Maximum size of a text file, bytes.
-const MAX_TEXT_BYTES: u64 = 1 << 16;
+pub(crate) const MAX_TEXT_BYTES: u64 = 1 << 16;
 /// Maximum size of an image file, bytes.
-const MAX_IMAGE_BYTES: u64 = 1 << 25;
+pub(crate) const MAX_IMAGE_BYTES: u64 = 1 << 25;
 
 /// Maximum size of a ground-truth file, bytes.
 const MAX_TRUTH_BYTES: u64 = 1 << 24;
 
-const INTRINSICS_NAME: &str = "camera-intrinsics.txt";
+/// Name of the file with the intrinsic matrix.
+pub(crate) const INTRINSICS_NAME: &str = "camera-intrinsics.txt";
 const GRAVITY_NAME: &str = "gravity-direction.txt";
 
 /// Open RGB-D sequence: its frames and its camera.
@@ -230,6 +231,6 @@ fn read_with<T>(
 }
 
 #[cfg(test)]
-mod test_flat_jpeg;
+pub(crate) mod test_flat_jpeg;
 #[cfg(test)]
 mod tests;

@@ -125,7 +125,10 @@ impl LabelledScenes {
             RecordingKind::RgbdSequence => {
                 LabelledRecording::Sequence(Box::new(RgbdSequence::open(folder)?))
             }
-            RecordingKind::Fakenect => return Err(Error::NoTruth(folder.to_owned())),
+            kind @ (RecordingKind::Fakenect | RecordingKind::RegisteredImages) => {
+                let path = folder.to_owned();
+                return Err(Error::NoTruth { path, kind });
+            }
         };
         let n_scenes = match &recording {
             LabelledRecording::Scenes(scenes) => scenes.len(),

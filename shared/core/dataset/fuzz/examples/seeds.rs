@@ -94,6 +94,10 @@ fn write_matrices(folder: &Path) -> Result<(), Box<dyn Error>> {
         b"\x03585 0 320\n0 585 240\n0 0 1\n",
     )?;
     std::fs::write(folder.join("gravity"), b"\x040 0.6 0.8\n")?;
+    let json = b"\x06{\"width\": 16, \"fx\": 16.0, \"fy\": 16, \"cx\": 7.5, \"cy\": 3, \"depth_scale\": 0.1}";
+    std::fs::write(folder.join("intrinsics_json"), json)?;
+    let json = b"\x06{\"intrinsic_matrix\": [16, 0, 0, 0, 16, 0, 7.5, 3.5, 1]}";
+    std::fs::write(folder.join("intrinsics_matrix_json"), json)?;
     Ok(())
 }
 

@@ -1,7 +1,8 @@
-//! Fuzz target: arbitrary bytes as a file of an RGB-D sequence; the first byte selects the
+//! Fuzz target: arbitrary bytes as a file of an RGB-D sequence or of registered images; the first byte selects the
 //! parser.
 #![no_main]
 
+use dataset::registered_images::parse_intrinsics_json;
 use dataset::rgbd_sequence::{
     ContentError, decode_color, decode_depth, decode_mask, depth_image_size, parse_gravity,
     parse_intrinsics, parse_pose,
@@ -15,7 +16,8 @@ fuzz_target!(|bytes: &[u8]| {
     let Some((kind, file)) = bytes.split_first() else {
         return;
     };
-    let result = match kind % 6 {
+    let result = match kind % 7 {
+        6 => return intrinsics_json(file),
         0 => depth(file),
         1 => decode_color(file, COLOR_SIZE).map(|color| assert_eq!(color.len(), 3 * 16 * 8)),
         2 => parse_pose(file).map(|pose| assert!(pose.rotation.coords.norm() > 0.99)),
@@ -27,6 +29,14 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(error.to_string().contains(' '));
     }
 });
+
+/// Parses intrinsics in JSON.
+fn intrinsics_json(file: &[u8]) {
+    match parse_intrinsics_json(file, COLOR_SIZE) {
+        Ok(read) => assert!(read.camera.fx_px > 0.0 && read.depth_unit_mm > 0.0),
+        Err(error) => assert!(error.to_string().contains(' ')),
+    }
+}
 
 /// Decodes a depth image of any size.
 fn depth(file: &[u8]) -> Result<(), ContentError> {

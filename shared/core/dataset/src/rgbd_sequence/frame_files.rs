@@ -27,6 +27,11 @@ pub(crate) fn is_depth_name(name: &str) -> bool {
     stem(name, DEPTH_SUFFIX).is_some()
 }
 
+/// True if a file name is that of a pose of a sequence.
+pub(crate) fn is_pose_name(name: &str) -> bool {
+    stem(name, POSE_SUFFIX).is_some()
+}
+
 /// True if a file name is that of a frame of a sequence.
 pub(super) fn is_frame_name(name: &str) -> bool {
     [

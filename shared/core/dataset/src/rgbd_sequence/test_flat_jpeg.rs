@@ -2,7 +2,7 @@
 
 /// Encodes a baseline JPEG of `columns` x `rows` blocks from their colours, row-major:
 /// luminance and two chrominances.
-pub(super) fn encode(columns: u16, rows: u16, blocks: &[[u8; 3]]) -> Vec<u8> {
+pub(crate) fn encode(columns: u16, rows: u16, blocks: &[[u8; 3]]) -> Vec<u8> {
     let mut file = vec![0xff, 0xd8, 0xff, 0xdb, 0, 67, 0];
     file.extend([1; 64]);
     let [[h1, h0], [w1, w0]] = [8 * rows, 8 * columns].map(u16::to_be_bytes);

@@ -1,6 +1,6 @@
 //! Errors of labelled scenes.
 
-use dataset::{recording_kind, rgbd_sequence, scene_folder};
+use dataset::{RecordingKind, recording_kind, rgbd_sequence, scene_folder};
 use std::path::PathBuf;
 
 /// Error of opening or reading labelled scenes.
@@ -18,13 +18,18 @@ pub enum Error {
         /// Cause reported by the operating system.
         source: std::io::Error,
     },
-    /// Folder that is a fakenect recording, which has no ground truth.
+    /// Folder with a recording of a kind that has no ground truth.
     #[error(
-        "{} is a fakenect recording, of which no truth is known; name labelled PCD scenes or a \
+        "the folder {} holds {kind}, of which no truth is known; name labelled PCD scenes or a \
          simulated sequence",
-        .0.display()
+        .path.display()
     )]
-    NoTruth(PathBuf),
+    NoTruth {
+        /// Folder of the recording.
+        path: PathBuf,
+        /// Kind of the recording.
+        kind: RecordingKind,
+    },
     /// Two scenes with the same name.
     #[error(
         "two scenes are called {0}, and their results would overwrite each other; rename a folder"
