@@ -1,5 +1,5 @@
-//! Camera service: a Kinect, a fakenect recording, an RGB-D sequence, a folder of scenes
-//! or a synthetic table, published as organised point clouds.
+//! Camera service: a Kinect, a fakenect recording, an RGB-D sequence, a folder of images or
+//! scenes, or a synthetic table, published as organised point clouds.
 //!
 //! Each is a [`capture::Source`]; the capture loop sends its frames. The synthetic table
 //! also serves as ground truth in tests:

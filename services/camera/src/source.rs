@@ -1,6 +1,7 @@
 //! Frame sources behind one trait, and their playback.
 
 mod kinect;
+mod registered;
 mod rgbd;
 mod scenes;
 mod spec;
@@ -49,6 +50,9 @@ pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Sou
             Ok(dataset::RecordingKind::RgbdSequence) => {
                 Ok(Box::new(rgbd::RgbdSource::open(folder, playback)?))
             }
+            Ok(dataset::RecordingKind::RegisteredImages) => Ok(Box::new(
+                registered::RegisteredImagesSource::open(folder, playback)?,
+            )),
             Ok(dataset::RecordingKind::Fakenect) => Err(SourceError::Unusable(format!(
                 "{0} is a recording of libfreenect; play it with --source fakenect:{0}",
                 folder.display()

@@ -211,8 +211,8 @@ pub(crate) struct LabelArguments {
 /// them.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
-    /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, or a folder of PCD scenes or
-    /// of an RGB-D sequence; SCENE is everyday, isolated, pile, bin, set-table, clutter or a TOML file
+    /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, or a folder of PCD scenes, of
+    /// an RGB-D sequence, or of colour and depth images with intrinsics; SCENE is everyday, isolated, pile, bin, set-table, clutter or a TOML file
     /// [default: simulation]
     #[arg(long, value_name = "SOURCE")]
     source: Option<String>,

@@ -17,15 +17,6 @@ impl RgbdSource {
     pub(super) fn open(folder: &Path, playback: &Playback) -> Result<Self, SourceError> {
         let sequence =
             RgbdSequence::open(folder).map_err(|e| SourceError::Unusable(e.to_string()))?;
-        let n_points = sequence.camera().n_pixels();
-        let max = channel::topic::MAX_FRAME_POINTS;
-        if n_points > max {
-            let sentence = format!(
-                "the frames of {} have {n_points} points, and at most {max} can be sent",
-                folder.display()
-            );
-            return Err(SourceError::Unusable(sentence));
-        }
         Ok(Self {
             frames: FrameCursor::new(folder, sequence.n_frames(), playback)?,
             sequence,
@@ -47,6 +38,10 @@ impl Source for RgbdSource {
 
     fn rate_hz(&self) -> Option<f64> {
         Some(self.frames.rate_hz)
+    }
+
+    fn max_points(&self) -> usize {
+        self.sequence.camera().n_pixels()
     }
 
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {

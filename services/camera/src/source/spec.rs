@@ -17,7 +17,7 @@ pub(crate) enum SourceSpec {
     Kinect,
     /// A recording played by fakenect.
     Fakenect(PathBuf),
-    /// Folder of PCD scenes or of an RGB-D sequence.
+    /// Folder of PCD scenes, an RGB-D sequence, or colour and depth images.
     Folder(PathBuf),
 }
 

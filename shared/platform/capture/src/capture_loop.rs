@@ -53,14 +53,14 @@ impl CaptureLoop {
     /// followers.
     ///
     /// # Errors
-    /// When the topic of the clouds cannot be opened.
+    /// When the topic of the clouds cannot be opened, or its shared memory is not free.
     pub fn new(
         context: Context,
         source: Box<dyn Source>,
         is_lockstep: bool,
         runtime: Handle,
     ) -> Result<Self, Failure> {
-        let publisher = Publisher::new(&context.domain)?;
+        let publisher = Publisher::for_items(&context.domain, source.max_points())?;
         let trace = TracePublisher::new(&context.domain, context.process)?;
         context.health.shared_memory_bytes.store(
             publisher.reservation().bytes() + trace.reserved_bytes(),

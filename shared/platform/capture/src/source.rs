@@ -1,6 +1,7 @@
 //! Camera source interface: live, recorded or simulated.
 
 use crate::source_error::SourceError;
+use channel::topic::MAX_FRAME_POINTS;
 use geometry::{PinholeCamera, RigidTransform};
 use message::FrameHeader;
 use nalgebra::{Unit, Vector3};
@@ -48,6 +49,11 @@ pub trait Source {
     /// Playback rate, frames per second; `None` for a live sensor, whose frames are
     /// sent as they arrive.
     fn rate_hz(&self) -> Option<f64>;
+
+    /// Number of points of the largest frame, for which memory is reserved at the start.
+    fn max_points(&self) -> usize {
+        MAX_FRAME_POINTS
+    }
 
     /// Prepares the next frame and returns its size; `None` at the end. It is filled
     /// later, as late as is safe: the content is determined here, and drawn there.

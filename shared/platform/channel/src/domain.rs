@@ -1,7 +1,7 @@
 //! Membership of a process in a domain: role lock, domain lock, iceoryx2 node.
 
 use crate::lock_file::LockFile;
-use crate::shared_memory::{SharedMemory, refuse_foreign_files, remove_leftovers};
+use crate::shared_memory::{check_shared_memory, refuse_foreign_files, remove_leftovers};
 use crate::trusted_folder::TrustedFolder;
 use crate::{DomainName, RunFolder};
 use crate::{Error, log_bridge};
@@ -66,7 +66,7 @@ impl Domain {
     pub fn join(name: &DomainName, run_folder: &RunFolder, role: Role<'_>) -> Result<Self, Error> {
         log_bridge::install();
         let (folder, role, presence) = enter_folder(name, run_folder, role)?;
-        check_shared_memory(name)?;
+        check_shared_memory(name, 0)?;
         let node = Some(make_node(name, &folder)?);
         let folder = folder.path().to_owned();
         Ok(Self(Arc::new(Membership {
@@ -205,16 +205,6 @@ fn enter(name: &DomainName, folder: &Arc<TrustedFolder>) -> Result<LockFile, Err
     }
     lock.share()?;
     Ok(lock)
-}
-
-fn check_shared_memory(name: &DomainName) -> Result<(), Error> {
-    match SharedMemory::of_domain(name) {
-        Some(state) if !state.is_sufficient() => Err(Error::SharedMemory {
-            needed: state.needed,
-            available: state.available(),
-        }),
-        _ => Ok(()),
-    }
 }
 
 fn make_node(name: &DomainName, folder: &TrustedFolder) -> Result<Node<Service>, Error> {

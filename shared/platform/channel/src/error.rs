@@ -55,10 +55,11 @@ pub enum Error {
     /// Insufficient shared memory for the daemon.
     #[error(
         "the daemon may use up to {} MB of shared memory and only {} MB of /dev/shm are free; \
-         stop what uses it, or enlarge it (mount -o remount,size=512M /dev/shm; \
+         stop what uses it, or enlarge it (mount -o remount,size={}M /dev/shm; \
          in a container start it with a larger --shm-size)",
         .needed.div_ceil(1_000_000),
-        .available / 1_000_000
+        .available / 1_000_000,
+        ample_mib(*.needed)
     )]
     SharedMemory {
         /// Upper bound of the domain's use, bytes.
@@ -128,6 +129,11 @@ impl Error {
 /// User id of this process, for sentences.
 fn own_uid() -> u32 {
     rustix::process::geteuid().as_raw()
+}
+
+/// Size of shared memory that leaves as much free as is needed, MiB.
+fn ample_mib(needed: u64) -> u64 {
+    (needed.div_ceil(1 << 20) * 2).next_multiple_of(256)
 }
 
 fn in_process(pid: Option<u32>) -> String {

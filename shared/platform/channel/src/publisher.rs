@@ -6,6 +6,7 @@
 
 use crate::domain::{Domain, Service};
 use crate::segment_map::SegmentMap;
+use crate::shared_memory::check_shared_memory;
 use crate::topic::{self, Topic};
 use crate::topic_service::{IoxService, open_service};
 use crate::wake_event::WakeNotifier;
@@ -27,6 +28,7 @@ pub struct Publisher<T: Topic> {
     service: IoxService<T>,
     waker: WakeNotifier,
     segments: SegmentMap,
+    max_items: usize,
     sent: u64,
     _domain: Domain,
 }
@@ -44,10 +46,23 @@ impl<T: Topic> Publisher<T> {
     /// When the service is of another version, has its publishers already, or the
     /// memory cannot be reserved.
     pub fn new(domain: &Domain) -> Result<Self, Error> {
+        Self::for_items(domain, T::MAX_ITEMS)
+    }
+
+    /// Creates a publisher of messages of at most `max_items` items, with all its memory
+    /// reserved. They may be more than the topic's [`MAX_ITEMS`](Topic::MAX_ITEMS): a camera
+    /// with large images needs more memory than the domain has reserved for every camera.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and when the additional memory is not free.
+    pub fn for_items(domain: &Domain, max_items: usize) -> Result<Self, Error> {
+        let reserved = topic::reservation::<T>(T::MAX_ITEMS).bytes();
+        let needed = topic::reservation::<T>(max_items).bytes();
+        check_shared_memory(domain.name(), needed.saturating_sub(reserved))?;
         let service = open_service::<T>(domain)?;
         let publisher = service
             .publisher_builder()
-            .initial_max_slice_len(T::MAX_ITEMS)
+            .initial_max_slice_len(max_items)
             .max_loaned_samples(T::LIMITS.loaned)
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
@@ -58,6 +73,7 @@ impl<T: Topic> Publisher<T> {
             service,
             waker: WakeNotifier::new(domain, T::NAME)?,
             segments: SegmentMap::default(),
+            max_items,
             sent: 0,
             _domain: domain.clone(),
         })
@@ -68,13 +84,13 @@ impl<T: Topic> Publisher<T> {
     /// would cost as much as writing them.
     ///
     /// # Errors
-    /// When all loans are held, or `n_items` is more than the topic carries.
+    /// When all loans are held, or `n_items` is more than was reserved.
     pub fn loan(&self, n_items: usize) -> Result<Loan<T>, Error> {
-        if n_items > T::MAX_ITEMS {
+        if n_items > self.max_items {
             return Err(Error::TooLong {
                 service: T::NAME,
                 len: n_items,
-                max: T::MAX_ITEMS,
+                max: self.max_items,
             });
         }
         let sample = self
@@ -146,7 +162,7 @@ impl<T: Topic> Publisher<T> {
 
     /// Shared memory reserved by this publisher.
     pub fn reservation(&self) -> Reservation {
-        let all = topic::reservation::<T>();
+        let all = topic::reservation::<T>(self.max_items);
         Reservation {
             slots: all.slots / T::LIMITS.publishers as u64,
             ..all

@@ -56,6 +56,21 @@ impl SharedMemory {
     }
 }
 
+/// Checks that the domain's upper bound and this many bytes more are free.
+pub(crate) fn check_shared_memory(name: &DomainName, additional_bytes: u64) -> Result<(), Error> {
+    let Some(mut state) = SharedMemory::of_domain(name) else {
+        return Ok(());
+    };
+    state.needed = state.needed.saturating_add(additional_bytes);
+    if state.is_sufficient() {
+        return Ok(());
+    }
+    Err(Error::SharedMemory {
+        needed: state.needed,
+        available: state.available(),
+    })
+}
+
 /// Shared-memory files of the domain in `/dev/shm`.
 pub(crate) fn files_of(domain: &DomainName) -> Vec<PathBuf> {
     let prefix = domain.prefix();

@@ -11,7 +11,8 @@ use message::{
 };
 use std::fmt::Debug;
 
-/// Number of points of the largest frame.
+/// Number of points of a frame for which every domain has room: those of a Kinect. A source of
+/// larger frames reserves more, see [`Publisher::for_items`](crate::Publisher::for_items).
 pub const MAX_FRAME_POINTS: usize = 640 * 480;
 
 /// Overflow policy: the treatment of a message for a full subscriber queue.
@@ -71,19 +72,19 @@ pub trait Topic: Debug + Send + Sync + 'static {
     type Overflow: Overflow;
     /// Name of the topic's service within the domain.
     const NAME: &'static str;
-    /// Largest number of items of a message.
+    /// Largest number of items of a message, unless its publisher reserves more.
     const MAX_ITEMS: usize;
     /// Limits of the topic's service.
     const LIMITS: Limits;
 }
 
-/// Reservation of a topic's publishers: each keeps one slot for each message that can
+/// Reservation of a topic's publishers for messages of at most `max_items`: each keeps one slot for each message that can
 /// wait at or be held by a subscriber, for its history and its loans.
-pub(crate) fn reservation<T: Topic>() -> Reservation {
+pub(crate) fn reservation<T: Topic>(max_items: usize) -> Reservation {
     let limits = T::LIMITS;
     let slots =
         limits.subscribers * (limits.buffer + limits.borrowed) + limits.history + limits.loaned;
-    let bytes = size_of::<T::Header>() + T::MAX_ITEMS * size_of::<T::Item>();
+    let bytes = size_of::<T::Header>() + max_items * size_of::<T::Item>();
     Reservation {
         service: T::NAME,
         slots: (slots * limits.publishers) as u64,
@@ -108,7 +109,7 @@ macro_rules! topics {
 
         /// Shared-memory reservations of all topics' publishers.
         pub(crate) fn reservations() -> Vec<Reservation> {
-            vec![$(reservation::<$topic>()),*]
+            vec![$(reservation::<$topic>($topic::MAX_ITEMS)),*]
         }
     };
 }

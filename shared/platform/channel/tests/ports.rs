@@ -98,6 +98,39 @@ async fn publisher_and_subscriber_share_the_memory_of_a_cloud() {
 }
 
 #[tokio::test]
+async fn publisher_reserves_memory_for_larger_frames() {
+    const N_POINTS: usize = 1280 * 720;
+    let test_domain = TestDomain::new();
+    let (camera, reader) = (test_domain.join(), test_domain.join());
+    let mut subscriber = Subscriber::<CameraCloud>::polled(&reader).unwrap();
+    let mut publisher = Publisher::<CameraCloud>::for_items(&camera, N_POINTS).unwrap();
+    assert!(publisher.reservation().bytes() > 26 * 16 * N_POINTS as u64);
+    for sequence in 0..40 {
+        let mut loan = publisher.loan(N_POINTS).unwrap();
+        loan.header_mut().sequence = sequence;
+        loan.items_mut()[N_POINTS - 1] = cloud_point(sequence as usize);
+        publisher.send(loan).unwrap();
+        let frame = subscriber.latest().unwrap().unwrap();
+        assert_eq!(frame.header().sequence, sequence);
+        assert_eq!(frame.items().len(), N_POINTS);
+        assert_eq!(frame.items()[N_POINTS - 1].x, sequence as f32);
+    }
+    let longer = publisher.loan(N_POINTS + 1);
+    assert!(matches!(longer, Err(Error::TooLong { max: N_POINTS, .. })));
+}
+
+#[tokio::test]
+async fn publisher_of_more_than_the_free_memory_is_refused() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
+    let Err(error) = Publisher::<CameraCloud>::for_items(&domain, 1 << 40) else {
+        panic!("there are not so many terabytes");
+    };
+    assert!(matches!(error, Error::SharedMemory { .. }), "{error}");
+    assert!(Publisher::<CameraCloud>::new(&domain).is_ok());
+}
+
+#[tokio::test]
 async fn overflow_of_sensor_data_drops_and_counts_the_oldest() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
