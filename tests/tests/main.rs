@@ -34,6 +34,8 @@ mod panics;
 mod read_your_writes;
 /// Real scenes: recognition after a restart, static tracks under a moving camera.
 mod real_scenes;
+/// Registered colour and depth images of any size.
+mod registered_images;
 /// Simulated table: ground truth, arm, person, recordings.
 mod simulation;
 /// Walking skeleton: start, teach, restart, recognise, stop.

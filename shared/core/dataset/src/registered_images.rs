@@ -65,17 +65,15 @@ pub struct Scratch {
 
 impl RegisteredImages {
     /// Opens a folder: pairs its images in natural order of their names and reads the
-    /// intrinsics. All images must have the size of the first depth image.
+    /// intrinsics. All images must have the size of the first usable depth image.
     ///
     /// # Errors
-    /// When there are no images, an image lacks its companion or has two, or the intrinsics or
-    /// the first depth image are missing or wrong.
+    /// When there are no images, an image lacks its companion or has two, no depth image is
+    /// usable, or the intrinsics are missing or wrong.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let PairList { pairs, n_unpaired } = list_pairs(folder)?;
         let mut file = Vec::new();
-        let first_depth = &pairs[0].depth;
-        read_file(first_depth, MAX_IMAGE_BYTES, &mut file)?;
-        let size = depth_image_size(&file).map_err(Error::image(first_depth))?;
+        let size = image_size(&pairs, &mut file)?;
         let DepthCamera {
             camera,
             depth_unit_mm,
@@ -156,6 +154,22 @@ pub(crate) fn replaces_sequence(names: &[String]) -> bool {
     let is_of_sequence = |name: &String| name == MATRIX_NAME || is_pose_name(name);
     let is_json = |name: &String| JSON_NAMES.contains(&name.as_str());
     !names.iter().any(is_of_sequence) && names.iter().any(is_json)
+}
+
+/// Size of the first usable depth image; if there is none, the error of the first.
+fn image_size(pairs: &[ImagePair], file: &mut Vec<u8>) -> Result<(u32, u32), Error> {
+    let mut first_error = None;
+    for ImagePair { depth, .. } in pairs {
+        let size = read_file(depth, MAX_IMAGE_BYTES, file).map_err(Error::from);
+        match size.and_then(|()| depth_image_size(file).map_err(Error::image(depth))) {
+            Ok(size) => return Ok(size),
+            Err(error) => first_error = first_error.or(Some(error)),
+        }
+    }
+    Err(first_error.unwrap_or(Error::NoSuchFrame {
+        index: 0,
+        n_frames: 0,
+    }))
 }
 
 /// Reads the preferred file with intrinsics for images of this size.

@@ -320,6 +320,23 @@ fn unusable_frames_are_explained() {
 }
 
 #[test]
+fn an_unusable_first_frame_hides_no_other() {
+    let folder = folder(&[
+        "a-color.png",
+        "a-depth.png",
+        "b-color.png",
+        "b-depth.png",
+        "camera.json",
+    ]);
+    fs::write(folder.path().join("a-depth.png"), "no image").unwrap();
+    let images = open(&folder).unwrap();
+    assert!(points(&images, 0).is_err() && points(&images, 1).is_ok());
+    fs::write(folder.path().join("b-depth.png"), "no image").unwrap();
+    let error = open(&folder).unwrap_err().to_string();
+    assert!(error.contains("a-depth.png"), "{error}");
+}
+
+#[test]
 fn impossible_arguments_are_refused() {
     let images = open(&folder(&["a-color.png", "a-depth.png", "camera.json"])).unwrap();
     let mut scratch = Scratch::default();
