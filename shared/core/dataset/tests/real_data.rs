@@ -3,7 +3,8 @@
 //! or units.
 
 use dataset::{
-    RecordingKind, detect_recording_kind, model_folder, pcd, ply, rgbd_sequence, scene_folder,
+    RecordingKind, detect_recording_kind, model_folder, pcd, ply, registered_images, rgbd_sequence,
+    scene_folder,
 };
 use point_cloud::Point;
 use std::collections::BTreeSet;
@@ -219,6 +220,44 @@ fn kitchen_sequence_is_read() {
             .replace(position)
             .map_or(0.0, |last| (position - last).norm());
         assert!(step_m < 0.1, "frame {index}: {step_m} m");
+    }
+}
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn images_of_another_camera_are_read() {
+    let folder = test_data::path("other-camera");
+    assert_eq!(
+        detect_recording_kind(&folder).unwrap(),
+        RecordingKind::RegisteredImages
+    );
+    let images = registered_images::RegisteredImages::open(&folder).unwrap();
+    let names: Vec<_> = (0..images.n_frames())
+        .map(|i| images.name(i).unwrap())
+        .collect();
+    assert_eq!(names, ["000000", "000002", "000004", "000006", "000008"]);
+    let camera = *images.camera();
+    assert_eq!((camera.width, camera.height), (640, 480));
+    assert_eq!(
+        [camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px],
+        [612.937, 613.173, 322.549, 248.158]
+    );
+    let mut points = vec![Point::default(); camera.n_pixels()];
+    for index in 0..images.n_frames() {
+        let mut scratch = registered_images::Scratch::default();
+        images.fill(index, &mut scratch, &mut points).unwrap();
+        let measured: Vec<&Point> = points.iter().filter(|point| point.is_finite()).collect();
+        let share = measured.len() as f64 / points.len() as f64;
+        assert!(share > 0.5, "frame {index}: {share}");
+        // A table-top scene: half of what is seen is within arm's reach.
+        let n_near = measured.iter().filter(|p| (0.3..2.0).contains(&p.z));
+        assert!(2 * n_near.count() > measured.len(), "frame {index}");
+        let colors: BTreeSet<[u8; 3]> = points.iter().map(|point| point.color.rgb()).collect();
+        assert!(
+            colors.len() > 5_000,
+            "frame {index}: {} colours",
+            colors.len()
+        );
     }
 }
 
