@@ -1,4 +1,4 @@
-//! Camera intrinsics in JSON, in the layouts of BOP, Open3D, RealSense and ROS.
+//! Camera intrinsics in JSON, in the layouts of BOP, `Open3D`, `RealSense` and ROS.
 
 use crate::rgbd_sequence::ContentError;
 use geometry::{InvalidIntrinsics, PinholeCamera};
@@ -79,7 +79,7 @@ struct RawIntrinsics {
     width: Option<u32>,
     #[serde(alias = "img_height")]
     height: Option<u32>,
-    /// Column-major, as Open3D writes it.
+    /// Column-major, as `Open3D` writes it.
     intrinsic_matrix: Option<[f64; 9]>,
     /// Row-major, as ROS and BOP write it.
     #[serde(rename = "K", alias = "k", alias = "cam_K")]
@@ -92,8 +92,8 @@ struct RawIntrinsics {
 /// | keys | written by |
 /// |---|---|
 /// | `fx`, `fy`, `cx`, `cy` | BOP and many others; preferred |
-/// | `fx`, `fy`, `x_offset`, `y_offset`; `ppx`, `ppy` | RealSense tools |
-/// | `intrinsic_matrix`: 9 numbers, column-major | Open3D |
+/// | `fx`, `fy`, `x_offset`, `y_offset`; `ppx`, `ppy` | `RealSense` tools |
+/// | `intrinsic_matrix`: 9 numbers, column-major | `Open3D` |
 /// | `K` or `cam_K`: 9 numbers, row-major | ROS, BOP |
 /// | optional: `width`, `height`; `img_width`, `img_height` | must be the images' size |
 /// | optional: `depth_scale` | BOP: millimetres a unit of depth, 1 if not given |
