@@ -7,7 +7,7 @@ use nalgebra::{Translation3, Unit, Vector3};
 use point_cloud::{Moments, Point};
 use tracking::{
     CoarseAppearance, ColorHistogram, HandContact, Measurement, ObservedCandidate,
-    ViewingConditions,
+    SightingEvidence, ViewingConditions,
 };
 
 /// Number of points, approximately, from which colours and variances are sampled.
@@ -29,6 +29,8 @@ pub struct CandidateMeasurement {
     pub n_points: usize,
     /// `true` when the candidate lies in the space of a person or the robot.
     pub overlaps_body: bool,
+    /// Evidence of the candidate for an object of its own.
+    pub evidence: SightingEvidence,
     /// `true` when the image border truncates the object.
     pub is_truncated_by_image: bool,
     /// `true` when a part may be missing: truncated by the image border or touched by a
@@ -80,6 +82,7 @@ impl CandidateMeasurement {
             mean_rgb: candidate.mean_rgb,
             n_points: candidate.n_points(),
             overlaps_body,
+            evidence: SightingEvidence::Separate,
             is_truncated_by_image: is_cut_by_image,
             is_truncated,
         })

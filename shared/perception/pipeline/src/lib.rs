@@ -46,6 +46,7 @@
 
 mod candidate_measurement;
 mod config;
+mod duplicate_tracks;
 mod error;
 mod frame_pipeline;
 mod frame_pose;
@@ -53,6 +54,8 @@ mod key_view_selector;
 mod lost_track_gallery;
 mod object_state;
 mod sequential_executor;
+mod shared_shift;
+mod sighting_evidence;
 mod track;
 mod track_recovery;
 mod track_table;

@@ -41,8 +41,8 @@ pub struct Track {
     pub(crate) appearance: CoarseAppearance,
     /// Capture stamp of the last measurement with hand contact; 0 for none.
     pub(crate) last_handled_ns: u64,
-    /// Number of frames without a candidate inside the measured box of another track.
-    pub(crate) n_frames_contained: u32,
+    /// Number of frames as a duplicate of another track since their boxes overlap.
+    pub(crate) n_frames_duplicate: u32,
 }
 
 impl Track {
@@ -81,6 +81,19 @@ impl Track {
         self.filter.rotation_covariance_rad2()
     }
 
+    /// Last motion state as the start of a prediction. An unseen object coasts only if a
+    /// hand may be moving it: without a hand, what looked like motion was a camera pose that
+    /// is wrong, an image border or another segmentation.
+    pub(crate) fn state_to_predict(&self, now_ns: u64) -> MotionFilter {
+        let may_be_moving = self.visibility() == Visibility::Visible
+            || self.was_handled(now_ns, MOVED_AFTER_HANDLED_NS);
+        if may_be_moving {
+            self.updated_filter
+        } else {
+            self.updated_filter.stopped()
+        }
+    }
+
     /// True if a hand touched the object within a time before a capture stamp.
     pub(crate) fn was_handled(&self, now_ns: u64, within_ns: u64) -> bool {
         self.last_handled_ns > 0 && now_ns.saturating_sub(self.last_handled_ns) < within_ns
@@ -101,6 +114,10 @@ impl Track {
         }
     }
 }
+
+/// Time after hand contact in which an object may still be moved, nanoseconds. Chosen;
+/// sensitivity: see `tabula-lab sweep`.
+const MOVED_AFTER_HANDLED_NS: u64 = 1_000_000_000;
 
 /// Visible fraction of the box above which a view shows the whole object. Chosen;
 /// sensitivity: see `tabula-lab sweep`.

@@ -1,8 +1,11 @@
 //! Track table: data association and track management, once per frame.
 
 use crate::candidate_measurement::CandidateMeasurement;
+use crate::duplicate_tracks::end_duplicates;
 use crate::frame_pose::FramePose;
 use crate::lost_track_gallery::LostTrackGallery;
+use crate::shared_shift::SharedShift;
+use crate::sighting_evidence::sighting_evidence;
 use crate::track::{Track, WHOLE_FRACTION_MIN};
 use crate::track_recovery::{TrackRecovery, occlusion_of_unmatched};
 use crate::{Config, Posterior};
@@ -43,17 +46,9 @@ const PART_DISTANCE_MAX_M: f64 = 0.035;
 /// candidate, per channel 0 to 255. Chosen; sensitivity: see `tabula-lab sweep`.
 const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 
-/// Fraction of a track's box inside another track's measurement above which the two may
-/// be duplicates. Chosen; sensitivity: see `tabula-lab sweep`.
-const CONTAINED_FRACTION_MIN: f64 = 0.8;
-
-/// Volume ratio of the containing measurement to the contained track that a duplicate
-/// requires. Chosen; sensitivity: see `tabula-lab sweep`.
-const CONTAINER_VOLUME_RATIO_MIN: f64 = 0.9;
-
-/// Number of frames contained without a candidate after which a track is merged into the
-/// other one. Chosen; sensitivity: see `tabula-lab sweep`.
-const N_FRAMES_CONTAINED_MAX: u32 = 3;
+/// Fraction of a candidate inside a visible track's box, or of that box inside the
+/// candidate, above which they fill the same space.
+const SAME_SPACE_FRACTION_MIN: f64 = 0.5;
 
 /// Track-to-candidate match of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,6 +89,7 @@ pub struct TrackTable {
     track_of_row: Vec<usize>,
     occlusions: Vec<Option<OcclusionState>>,
     recovery: TrackRecovery,
+    shared_shift: SharedShift,
 }
 
 impl TrackTable {
@@ -111,6 +107,7 @@ impl TrackTable {
             track_of_row: Vec::new(),
             occlusions: Vec::new(),
             recovery: TrackRecovery::default(),
+            shared_shift: SharedShift::default(),
         }
     }
 
@@ -166,8 +163,9 @@ impl TrackTable {
         self.measure(detection, cloud, frame);
         self.predict_tracks(frame);
         self.associate(frame, update);
+        self.attribute_shared_shift(update);
         self.classify_unmatched(cloud, frame);
-        self.merge_duplicate_tracks();
+        end_duplicates(&mut self.tracks, &mut self.occlusions);
         self.recover_tracks(frame, update);
         self.mark_missed(frame);
         self.remove_lost_tracks(frame, update);
@@ -215,7 +213,12 @@ impl TrackTable {
                     CandidateMeasurement::from_candidate(candidate, indices, cloud, frame).ok()
                 })
                 .flatten();
-            self.measured.push(measured);
+            let evidence = sighting_evidence(candidate, &detection.candidates);
+            self.measured
+                .push(measured.map(|measured| CandidateMeasurement {
+                    evidence,
+                    ..measured
+                }));
         }
     }
 
@@ -223,9 +226,8 @@ impl TrackTable {
         for track in &mut self.tracks {
             // Always predict from the measured state: predictions of predictions would
             // coast without end.
-            track.filter = track
-                .updated_filter
-                .predicted(frame.capture_ns, self.config.motion());
+            let known = track.state_to_predict(frame.capture_ns);
+            track.filter = known.predicted(frame.capture_ns, self.config.motion());
         }
     }
 
@@ -279,6 +281,31 @@ impl TrackTable {
         }
     }
 
+    /// Attributes the shift that the untouched objects share to the camera pose, as noise of
+    /// their measurements.
+    fn attribute_shared_shift(&mut self, update: &mut TrackUpdate) {
+        self.shared_shift.clear();
+        let sighted = |tracks: &[Track], sighting: &Sighting| {
+            let found = tracks.binary_search_by_key(&sighting.track_id, |track| track.id);
+            found.ok()
+        };
+        for sighting in &update.sightings {
+            let Some(track) = sighted(&self.tracks, sighting).map(|i| &self.tracks[i]) else {
+                continue;
+            };
+            if track.phase() == TrackPhase::Confirmed && !sighting.measured.is_truncated {
+                let measured = sighting.measured.measurement.box_in_world().centre();
+                self.shared_shift
+                    .add(&(measured - track.box_in_world().centre()));
+            }
+        }
+        let pose_sigma_m = self.shared_shift.pose_sigma_m();
+        for sighting in &mut update.sightings {
+            let measurement = &mut sighting.measured.measurement;
+            *measurement = measurement.with_pose_sigma_m(pose_sigma_m);
+        }
+    }
+
     /// Occlusion test of the tracks without a candidate.
     fn classify_unmatched(&mut self, cloud: &[Point], frame: &FramePose) {
         let Some(view) = frame.view(cloud) else {
@@ -310,33 +337,6 @@ impl TrackTable {
         }
     }
 
-    /// Merges duplicate tracks of an object that was first detected in two parts. The
-    /// smaller track ends after it lay repeatedly inside the measurement of the other
-    /// one.
-    fn merge_duplicate_tracks(&mut self) {
-        for i in 0..self.tracks.len() {
-            if self.occlusions[i] != Some(OcclusionState::Unknown) {
-                continue;
-            }
-            let own = self.tracks[i].box_in_world();
-            let is_contained =
-                self.tracks
-                    .iter()
-                    .zip(&self.occlusions)
-                    .any(|(other, occlusion)| {
-                        let seen = other.measured.measurement.box_in_world();
-                        occlusion.is_none()
-                            && seen.volume_m3() >= own.volume_m3() * CONTAINER_VOLUME_RATIO_MIN
-                            && fraction_inside(&own, seen) >= CONTAINED_FRACTION_MIN
-                    });
-            let track = &mut self.tracks[i];
-            track.n_frames_contained += u32::from(is_contained);
-            if track.n_frames_contained >= N_FRAMES_CONTAINED_MAX {
-                self.occlusions[i] = Some(OcclusionState::Empty);
-            }
-        }
-    }
-
     fn mark_missed(&mut self, frame: &FramePose) {
         for (track, occlusion) in self.tracks.iter_mut().zip(&self.occlusions) {
             if let Some(occlusion) = occlusion {
@@ -355,6 +355,12 @@ impl TrackTable {
             }
             !is_lost
         });
+        let TrackUpdate {
+            sightings,
+            ended_tracks,
+            ..
+        } = update;
+        sightings.retain(|sighting| !ended_tracks.contains(&sighting.track_id));
     }
 
     fn start_tracks(
@@ -370,6 +376,7 @@ impl TrackTable {
                 continue;
             };
             if is_part_of_handled(&self.tracks, &measured, frame)
+                || is_inside_visible(&self.tracks, &measured)
                 || is_part_of_larger(&detection.candidates[candidate], &detection.candidates)
             {
                 continue;
@@ -396,12 +403,12 @@ impl TrackTable {
                 reidentified_as: self
                     .lost_tracks
                     .reidentify(&measured.appearance, frame.capture_ns),
-                lifecycle: TrackLifecycle::start(frame.capture_ns),
+                lifecycle: TrackLifecycle::start(frame.capture_ns, measured.evidence),
                 updated_filter: filter,
                 filter,
                 appearance: measured.appearance,
                 last_handled_ns: 0,
-                n_frames_contained: 0,
+                n_frames_duplicate: 0,
             });
         }
     }
@@ -430,6 +437,21 @@ fn is_part_of_handled(
         track.was_handled(frame.capture_ns, HANDLED_NS)
             && track.box_in_world().contains(&centre, HANDLED_MARGIN_M)
     })
+}
+
+/// True if a candidate fills the same space as an object that was seen in this frame: it is
+/// a fragment of that object, or both are.
+fn is_inside_visible(tracks: &[Track], measured: &CandidateMeasurement) -> bool {
+    let seen = measured.measurement.box_in_world();
+    tracks
+        .iter()
+        .filter(|track| track.phase() == TrackPhase::Confirmed)
+        .filter(|track| track.visibility() == Visibility::Visible)
+        .any(|track| {
+            let known = track.box_in_world();
+            fraction_inside(seen, &known) >= SAME_SPACE_FRACTION_MIN
+                || fraction_inside(&known, seen) >= SAME_SPACE_FRACTION_MIN
+        })
 }
 
 /// True if a candidate is probably a detached part of a larger one, such as a mug's
@@ -462,7 +484,9 @@ fn update_track(
     frame: &FramePose,
     update: &mut TrackUpdate,
 ) {
-    track.lifecycle = track.lifecycle.observed(frame.capture_ns);
+    track.lifecycle = track
+        .lifecycle
+        .observed(frame.capture_ns, measured.evidence);
     track.last_seen_ns = frame.capture_ns;
     if measured.measurement.conditions().is_handled() {
         track.last_handled_ns = frame.capture_ns;

@@ -142,14 +142,27 @@ impl<'a> DepthView<'a> {
     /// which are outside the image. A surface at the far side of the box, such as the
     /// table, does not occlude it.
     pub fn occluded_fraction(&self, box_in_world: &OrientedBox) -> f64 {
-        let counts = self.cast_rays(box_in_world, |depth_m, [_, exit_m], tolerance_m| {
+        let counts = self.rays_to_far_side(box_in_world);
+        f64::from(counts.outside + counts.nearer) / counts.total()
+    }
+
+    /// Fraction of a box in which nothing can be seen, 0 to 1: samples as in
+    /// [`occluded_fraction`](Self::occluded_fraction), and those without a valid depth. The
+    /// depth image of a structured-light sensor has a border without depth.
+    pub fn unseen_fraction(&self, box_in_world: &OrientedBox) -> f64 {
+        let counts = self.rays_to_far_side(box_in_world);
+        f64::from(counts.outside + counts.nearer + counts.no_depth) / counts.total()
+    }
+
+    /// Casts rays through sample points of a box and compares the depth with its far side.
+    fn rays_to_far_side(&self, box_in_world: &OrientedBox) -> Counts {
+        self.cast_rays(box_in_world, |depth_m, [_, exit_m], tolerance_m| {
             if depth_m < exit_m - tolerance_m {
                 RayResult::Nearer
             } else {
                 RayResult::Farther
             }
-        });
-        f64::from(counts.outside + counts.nearer) / counts.total()
+        })
     }
 
     /// Casts rays through sample points of a box. `classify` receives the measured
@@ -332,6 +345,16 @@ mod tests {
                 is_obstructed,
                 "{depth_m}"
             );
+        }
+    }
+
+    #[test]
+    fn a_box_without_depth_is_unseen_but_not_occluded() {
+        let (cloud, camera) = wall(|column| if column < 320 { f32::NAN } else { 1.4 });
+        let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
+        for (x, unseen) in [(-0.2, 1.0), (0.2, 0.0)] {
+            assert_eq!(view.unseen_fraction(&box_at(x, 1.0)), unseen);
+            assert_eq!(view.occluded_fraction(&box_at(x, 1.0)), 0.0);
         }
     }
 

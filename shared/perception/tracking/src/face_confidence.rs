@@ -39,8 +39,20 @@ const OCCLUDED_FRACTION_MAX: f64 = 0.15;
 /// `tabula-lab sweep`.
 const FOOT_OCCLUDED_FRACTION_MAX: f64 = 0.7;
 
+/// Thickness of the slab beyond a measured face in which a truncated object may continue,
+/// metres. It is wider than the lateral noise of the depth image at 2 m (1.2 pixels of 3.4
+/// mm), so that a border of the image shows up in it.
+const CUT_SLAB_M: f64 = 0.01;
+
+/// Unseen fraction of the slab beyond a measured face above which the image border cuts the
+/// object there: the slab is more out of the image than in it.
+const CUT_UNSEEN_FRACTION_MIN: f64 = 0.5;
+
 /// Index of the box axis that points up.
 pub(crate) const UPRIGHT: usize = 2;
+
+/// Signs of the two faces along an axis.
+const SIGNS: [f64; 2] = [-1.0, 1.0];
 
 /// Confidence in a face of the measured box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,6 +81,11 @@ impl AxisComparison {
     /// selects the face (-1 or 1).
     fn beyond_m(&self, sign: f64) -> f64 {
         sign * self.shift_m + self.measured_half_m - self.expected_half_m
+    }
+
+    /// Coordinate of a measured face along the axis, metres.
+    fn measured_m(&self, sign: f64) -> f64 {
+        self.shift_m + sign * self.measured_half_m
     }
 
     fn growth_m(&self) -> f64 {
@@ -108,6 +125,7 @@ pub(crate) fn face_confidences(
     view: Option<&DepthView<'_>>,
 ) -> [[FaceConfidence; 2]; 3] {
     let shift = expected.frame_from_box.inverse() * measured.centre();
+    let may_be_cut = conditions.is_truncated && !conditions.is_handled();
     std::array::from_fn(|axis| {
         let comparison = AxisComparison {
             expected_half_m: expected.half_sides_m[axis],
@@ -133,7 +151,16 @@ pub(crate) fn face_confidences(
             // Either face may belong to the hand.
             return [FaceConfidence::Occluded; 2];
         }
-        let [low, high] = confidences_along_axis(&comparison, is_occluded).map(|confidence| {
+        let mut faces = confidences_along_axis(&comparison, is_occluded);
+        for (face, sign) in faces.iter_mut().zip(SIGNS) {
+            let face_m = comparison.measured_m(sign);
+            let beyond = slab(expected, axis, [face_m, face_m + sign * CUT_SLAB_M]);
+            let is_inside = comparison.beyond_m(sign) <= 0.0;
+            if may_be_cut && is_inside && is_out_of_sight(&beyond, view) {
+                *face = FaceConfidence::Occluded;
+            }
+        }
+        let [low, high] = faces.map(|confidence| {
             // A hand merged with the object must not make it grow.
             if conditions.is_handled()
                 && confidence == FaceConfidence::Doubtful
@@ -158,7 +185,6 @@ fn confidences_along_axis(
     comparison: &AxisComparison,
     is_occluded: impl Fn([f64; 2]) -> bool,
 ) -> [FaceConfidence; 2] {
-    const SIGNS: [f64; 2] = [-1.0, 1.0];
     let growth_m = comparison.growth_m();
     if growth_m > GROWTH_MAX_M {
         // The face that has moved less belongs to the object.
@@ -175,8 +201,8 @@ fn confidences_along_axis(
     }
     SIGNS.map(|sign| {
         let beyond_m = comparison.beyond_m(sign);
-        let seen_m = comparison.shift_m + sign * comparison.measured_half_m;
-        let other_seen_m = comparison.shift_m - sign * comparison.measured_half_m;
+        let seen_m = comparison.measured_m(sign);
+        let other_seen_m = comparison.measured_m(-sign);
         if beyond_m >= comparison.noise_m {
             FaceConfidence::Reliable
         } else if is_occluded([seen_m, sign * comparison.expected_half_m]) {
@@ -193,6 +219,14 @@ fn confidences_along_axis(
             FaceConfidence::Doubtful
         }
     })
+}
+
+/// True if most of the slab beyond a face is out of sight: there the border of the image
+/// cuts a truncated object, however little its face has moved. A track would otherwise
+/// follow the border over an object that leaves the image. A cut face beyond the expected
+/// one is a lower bound and still lets an object grow that enters the image.
+fn is_out_of_sight(beyond: &OrientedBox, view: Option<&DepthView<'_>>) -> bool {
+    view.is_some_and(|view| view.unseen_fraction(beyond) > CUT_UNSEEN_FRACTION_MIN)
 }
 
 /// Slab between two coordinates along an axis of the expected box.
@@ -287,6 +321,42 @@ mod tests {
         assert_eq!(along_x(-0.1, 0.11, false), [Reliable, Reliable]);
         assert_eq!(along_x(-0.1, 0.16, false), [Reliable, Doubtful]);
         assert_eq!(along_x(-0.17, 0.1, false), [Doubtful, Reliable]);
+    }
+
+    #[test]
+    fn a_face_at_the_image_border_is_occluded_however_little_it_has_moved() {
+        // A wall at 1.4 m with depth from column 320 on only: the object, 1 m away, leaves
+        // the view to the left.
+        let camera = geometry::PinholeCamera::KINECT_V1;
+        let column = |i: usize| i as u32 % camera.width;
+        let depth_m = |i: usize| if column(i) < 320 { f32::NAN } else { 1.4 };
+        let point = |i: usize| point_cloud::Point {
+            z: depth_m(i),
+            ..point_cloud::Point::default()
+        };
+        let cloud: Vec<_> = (0..camera.n_pixels()).map(point).collect();
+        let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
+        let shape = |low: f64, high: f64| OrientedBox {
+            frame_from_box: RigidTransform::translation(0.5 * (low + high), 0.0, 1.0),
+            half_sides_m: Vector3::new(0.5 * (high - low), 0.05, 0.05),
+        };
+        let conditions = |is_truncated| ViewingConditions {
+            depth_m: 1.0,
+            ray_in_world: Vector3::z_axis(),
+            variances_m2: Vector3::repeat(1e-3),
+            stands_on_table: false,
+            is_truncated,
+            hand_contact: HandContact::None,
+        };
+        let along_x = |low: f64, is_truncated| {
+            let (measured, expected) = (shape(low, 0.1), shape(-0.003, 0.1));
+            let (sigmas_m, conditions) = (Vector3::repeat(0.002), conditions(is_truncated));
+            face_confidences(&measured, &expected, &sigmas_m, &conditions, Some(&view))[0]
+        };
+        assert_eq!(along_x(0.0, true), [Occluded, Reliable]);
+        assert_eq!(along_x(0.0, false), [Reliable, Reliable]);
+        // It enters the image: the visible part is at least as large as this.
+        assert_eq!(along_x(-0.006, true), [Reliable, Reliable]);
     }
 
     #[test]

@@ -71,6 +71,6 @@ pub use measurement::Measurement;
 pub use motion_config::MotionConfig;
 pub use motion_filter::MotionFilter;
 pub use observation_context::ObservationContext;
-pub use track_lifecycle::{TrackLifecycle, TrackPhase};
+pub use track_lifecycle::{SightingEvidence, TrackLifecycle, TrackPhase};
 pub use viewing_conditions::{HandContact, ViewingConditions};
 pub use visibility::{OcclusionState, Visibility};

@@ -30,6 +30,11 @@ const TRUNCATED_SIGMA_RATIO: f64 = 0.25;
 /// sensitivity: see `tabula-lab sweep`.
 const TRUNCATED_SIGMA_MAX_M: f64 = 0.08;
 
+/// Standard deviation of the box centre due to segmentation, as a fraction of the longest
+/// side: points at the rim of an object are found in one frame and missed in the next.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const SEGMENTATION_SIGMA_RATIO: f64 = 0.05;
+
 /// Largest gap between the table and the lowest points of an object that stands on it,
 /// metres. Chosen; sensitivity: see `tabula-lab sweep`.
 const FOOT_GAP_MAX_M: f64 = 0.03;
@@ -40,6 +45,8 @@ pub struct Measurement {
     stamp_ns: u64,
     box_in_world: OrientedBox,
     conditions: ViewingConditions,
+    /// Standard deviation of the camera position, metres.
+    pose_sigma_m: f64,
 }
 
 impl Measurement {
@@ -59,8 +66,28 @@ impl Measurement {
                 stamp_ns,
                 box_in_world,
                 conditions,
+                pose_sigma_m: 0.0,
             }),
         }
+    }
+
+    /// The same measurement with an uncertain camera pose: the noise of its faces includes
+    /// this standard deviation of the camera's position, metres; 0 unless it is finite.
+    #[must_use]
+    pub fn with_pose_sigma_m(self, pose_sigma_m: f64) -> Self {
+        Self {
+            pose_sigma_m: if pose_sigma_m.is_finite() {
+                pose_sigma_m.abs().min(COORDINATE_MAX_M)
+            } else {
+                0.0
+            },
+            ..self
+        }
+    }
+
+    /// Standard deviation of the camera's position, metres.
+    pub fn pose_sigma_m(&self) -> f64 {
+        self.pose_sigma_m
     }
 
     /// Capture stamp of the measurement, nanoseconds.
@@ -88,7 +115,8 @@ impl Measurement {
         } else {
             0.0
         };
-        sensor_m * sensor_m + truncation_m * truncation_m
+        let segmentation_m = SEGMENTATION_SIGMA_RATIO * self.box_in_world.sides_m().max();
+        sensor_m * sensor_m + truncation_m * truncation_m + segmentation_m * segmentation_m
     }
 
     /// Measured box along the axes of an expected one, world frame. It encloses the
@@ -115,7 +143,7 @@ impl Measurement {
     }
 
     /// Standard deviation of a box face along each axis of a frame, metres: depth noise
-    /// along the ray, silhouette noise across it.
+    /// along the ray, silhouette noise across it, and the noise of the camera pose.
     pub(crate) fn face_sigmas_m(
         &self,
         world_from_axes: &Matrix3<f64>,
@@ -127,7 +155,8 @@ impl Measurement {
         ray.map(|share| {
             let share = (share * share).min(1.0);
             let variance = share * along * along + (1.0 - share) * across * across;
-            variance.sqrt().max(config.face_sigma_min_m)
+            let sensor_m = variance.sqrt().max(config.face_sigma_min_m);
+            sensor_m.hypot(self.pose_sigma_m)
         })
     }
 }

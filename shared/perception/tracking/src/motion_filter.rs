@@ -67,13 +67,18 @@ const HALF_SIDE_MIN_M: f64 = 1e-3;
 /// Chosen; sensitivity: see `tabula-lab sweep`.
 const DOUBTFUL_FACE_SIGMA_M: f64 = 0.010;
 
-/// Initial position uncertainty of a truncated box, as a fraction of its longest half
-/// side. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Additional position uncertainty of a truncated box, as a fraction of its longest half
+/// side: at the border of the image its points come and go. Chosen; sensitivity: see `tabula-lab sweep`.
 const TRUNCATED_SIGMA_RATIO: f64 = 0.25;
 
 /// Volume ratio of the measured to the expected box below which the measurement shows
 /// only a part of the object. Chosen; sensitivity: see `tabula-lab sweep`.
 const PARTIAL_VOLUME_RATIO: f64 = 0.8;
+
+/// Volume ratio of the measured to the expected box below which the measurement is a
+/// fragment: most of the object was found as other clusters, and the faces of the fragment
+/// are hardly those of the object.
+const FRAGMENT_VOLUME_RATIO: f64 = 0.5;
 
 /// Factor on the rotation noise when a side face is not reliable. Chosen; sensitivity:
 /// see `tabula-lab sweep`.
@@ -122,7 +127,7 @@ impl MotionFilter {
         let sigmas_m = measurement.face_sigmas_m(&axes_in_world(&rotation), config);
         let speed_m_s = initial_speed_sigma_m_s(config);
         let missing_m = if measurement.conditions().is_truncated {
-            TRUNCATED_SIGMA_RATIO * shape.half_sides_m.max()
+            truncated_sigma_m(shape)
         } else {
             0.0
         };
@@ -160,6 +165,16 @@ impl MotionFilter {
     #[must_use]
     pub fn predicted(&self, stamp_ns: u64, config: &MotionConfig) -> Self {
         self.propagated(stamp_ns, MotionModel::Handled, config)
+    }
+
+    /// State of an object that has stopped: the velocities are zero, all else is kept.
+    #[must_use]
+    pub fn stopped(&self) -> Self {
+        Self {
+            velocity_m_s: Vector3::zeros(),
+            angular_velocity_in_box_rad_s: Vector3::zeros(),
+            ..*self
+        }
     }
 
     fn propagated(&self, stamp_ns: u64, model: MotionModel, config: &MotionConfig) -> Self {
@@ -216,9 +231,21 @@ impl MotionFilter {
         let mut state = self.propagated(stamp_ns, MotionModel::Resting, config);
         let expected = state.box_in_world();
         let measured = measurement.aligned_box(&expected, context);
-        let sigmas_m = measurement.face_sigmas_m(&axes_in_world(&state.rotation), config);
+        let conditions = measurement.conditions();
+        let is_cut = conditions.is_truncated && !conditions.is_handled();
+        let is_fragment = !conditions.is_handled()
+            && measured.volume_m3() < FRAGMENT_VOLUME_RATIO * expected.volume_m3();
+        let missing_m = if is_cut || is_fragment {
+            truncated_sigma_m(&expected)
+        } else {
+            0.0
+        };
+        let sigmas_m = measurement
+            .face_sigmas_m(&axes_in_world(&state.rotation), config)
+            .map(|sigma_m| sigma_m.hypot(missing_m));
         let shifts_m = face_confidence::minimal_shifts_m(&measured, &expected);
-        let is_whole = measured.volume_m3() >= PARTIAL_VOLUME_RATIO * expected.volume_m3();
+        let is_whole =
+            !is_cut && measured.volume_m3() >= PARTIAL_VOLUME_RATIO * expected.volume_m3();
         let is_moved = measurement.conditions().is_handled()
             || state.translation_innovation_sigmas(&shifts_m, &sigmas_m) > MANOEUVRE_SIGMAS
             || (is_whole && state.rotation_innovation_sigmas(measurement) > MANOEUVRE_SIGMAS);
@@ -370,7 +397,10 @@ impl MotionFilter {
                     self.translation_covariances[axis].updated_by_face(side, sigma_m * sigma_m);
                 self.translation_covariances[axis] = covariance.bounded(SPEED_MAX_M_S);
                 moved[axis] += gain[0] * innovation_m;
-                velocity_change[axis] += gain[1] * innovation_m;
+                if confidence == FaceConfidence::Reliable {
+                    // A doubtful face tells of another segmentation, not of motion.
+                    velocity_change[axis] += gain[1] * innovation_m;
+                }
                 let half_m: f64 = self.half_sides_m[axis] + gain[2] * innovation_m;
                 self.half_sides_m[axis] = half_m.clamp(HALF_SIDE_MIN_M, HALF_SIDE_MAX_M);
             }
@@ -446,6 +476,11 @@ impl MotionFilter {
 /// Initial standard deviation of the speed, metres a second: that of a hand-held object.
 fn initial_speed_sigma_m_s(config: &MotionConfig) -> f64 {
     (0.5 * config.acceleration_sigma_m_s2).min(SPEED_MAX_M_S)
+}
+
+/// Additional standard deviation of the faces of a truncated box, metres.
+fn truncated_sigma_m(shape: &OrientedBox) -> f64 {
+    TRUNCATED_SIGMA_RATIO * shape.half_sides_m.max()
 }
 
 /// Axes of a box as matrix columns, world frame.

@@ -127,6 +127,13 @@ impl TableFixture {
             .update(&detection, &cloud(), &frame, next_id, &mut self.update);
     }
 
+    /// Frames with an object at each x coordinate, until its track is confirmed.
+    fn confirm(&mut self, places: &[f64]) {
+        for _ in 0..3 {
+            self.frame(places);
+        }
+    }
+
     fn ids(&self) -> Vec<u64> {
         self.table.tracks().iter().map(|track| track.id).collect()
     }
@@ -163,7 +170,7 @@ fn an_unseen_track_coasts_briefly_and_times_out() {
         let place = fixture.table.tracks()[0].box_in_world().centre();
         assert!(place.x.abs() < 0.05, "{place}");
     }
-    for _ in 0..10 {
+    for _ in 0..270 {
         fixture.frame(&[]);
     }
     assert_eq!(fixture.ids(), [0_u64; 0]);
@@ -212,7 +219,7 @@ fn only_an_accepted_candidate_starts_a_track() {
 fn a_track_continues_regardless_of_the_rule() {
     for verdict in [Ternary::False, Ternary::Unknown] {
         let mut fixture = TableFixture::new();
-        fixture.frame(&[0.0]);
+        fixture.confirm(&[0.0]);
         for _ in 0..60 {
             fixture.frame_of(vec![candidate_with_verdict(0.0, verdict)]);
             assert_eq!(fixture.table.tracks()[0].visibility(), Visibility::Visible);
@@ -228,7 +235,7 @@ fn a_track_continues_regardless_of_the_rule() {
 fn a_track_never_continues_with_a_hand_or_the_arm() {
     for constraint in [Constraint::Robot, Constraint::Instructor] {
         let mut fixture = TableFixture::new();
-        fixture.frame(&[0.0]);
+        fixture.confirm(&[0.0]);
         fixture.frame_of(vec![body_part_at(0.0, constraint)]);
         assert_ne!(fixture.table.tracks()[0].visibility(), Visibility::Visible);
         assert_eq!(fixture.update.rejected_candidates, [0]);
@@ -301,7 +308,7 @@ fn a_returning_object_is_reidentified() {
         let posterior = posterior_of(&fixture.table.tracks()[0]);
         fixture.table.apply_posterior(1, &posterior);
     }
-    for _ in 0..60 {
+    for _ in 0..310 {
         fixture.frame(&[]);
     }
     assert_eq!(fixture.ids(), [0_u64; 0]);
@@ -318,11 +325,11 @@ fn a_returning_object_is_reidentified() {
 #[test]
 fn prediction_supplies_the_boxes_of_the_tracks() {
     let mut fixture = TableFixture::new();
-    fixture.frame(&[0.0, 0.3]);
+    fixture.confirm(&[0.0, 0.3]);
     let world_from_camera =
         RigidTransform::new(Vector3::new(0.5, -0.2, 1.0), Vector3::new(2.0, 0.1, 0.0));
     let frame = FramePose {
-        capture_ns: FRAME_NS,
+        capture_ns: 3 * FRAME_NS,
         world_from_camera,
         camera: None,
     };
@@ -341,4 +348,85 @@ fn prediction_supplies_the_boxes_of_the_tracks() {
     fixture.frame(&[0.3]);
     fixture.table.predict(&frame, &mut boxes);
     assert_eq!(boxes.len(), 3);
+}
+
+#[test]
+fn duplicate_tracks_that_fill_the_same_space_are_merged() {
+    let mut fixture = TableFixture::new();
+    fixture.confirm(&[0.0, 0.3]);
+    // The second track was started from a part of the first one's object and has grown.
+    let grown = fixture.table.tracks[0].updated_filter;
+    fixture.table.tracks[1].updated_filter = grown;
+    let slice_at = |x: f64| {
+        let mut slice = candidate_at(x);
+        slice.oriented_box.half_sides_m.x = 0.02;
+        slice
+    };
+    for _ in 0..3 {
+        fixture.frame_of(vec![slice_at(-0.025), slice_at(0.025)]);
+    }
+    assert_eq!(fixture.ids(), [1]);
+    assert!(
+        fixture
+            .update
+            .sightings
+            .iter()
+            .all(|seen| seen.track_id == 1)
+    );
+}
+
+#[test]
+fn no_track_starts_in_the_space_of_a_visible_one() {
+    let mut fixture = TableFixture::new();
+    fixture.confirm(&[0.0]);
+    for _ in 0..5 {
+        fixture.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
+    }
+    assert_eq!(fixture.ids(), [1]);
+    fixture.frame_of(vec![candidate_at(0.0), small_at(0.12)]);
+    assert_eq!(fixture.ids(), [1, 2]);
+}
+
+#[test]
+fn an_unseen_track_without_a_hand_stays_where_it_was() {
+    let mut fixture = TableFixture::new();
+    fixture.confirm(&[0.0]);
+    // The innovations of a wrong camera pose look like motion.
+    for frame in 1..10 {
+        fixture.frame(&[0.02 * f64::from(frame)]);
+        let track = &fixture.table.tracks()[0];
+        let measurement = track.measured.measurement;
+        let config = *fixture.table.config.motion();
+        let filter = track.updated_filter.updated(&measurement, None, &config);
+        let posterior = Posterior {
+            filter: filter.unwrap(),
+            ..posterior_of(track)
+        };
+        fixture.table.apply_posterior(1, &posterior);
+    }
+    let last = fixture.table.tracks()[0].updated_filter;
+    assert!(last.velocity_m_s().x > 0.1, "{}", last.velocity_m_s());
+    fixture.frame(&[]);
+    fixture.frame(&[]);
+    let place = fixture.table.tracks()[0].box_in_world().centre();
+    assert!(
+        (place - last.box_in_world().centre()).norm() < 1e-9,
+        "{place}"
+    );
+}
+
+#[test]
+fn a_shift_that_all_objects_share_is_noise_of_the_camera_pose() {
+    let pose_noise = |places: &[f64]| {
+        let mut fixture = TableFixture::new();
+        fixture.confirm(&[0.0, 0.3, 0.6]);
+        fixture.frame(places);
+        let sigmas = fixture.update.sightings.iter();
+        sigmas
+            .map(|seen| seen.measured.measurement.pose_sigma_m())
+            .fold(0.0, f64::max)
+    };
+    assert!(pose_noise(&[0.02, 0.32, 0.62]) > 0.05);
+    assert_eq!(pose_noise(&[0.02, 0.3, 0.6]), 0.0);
+    assert_eq!(pose_noise(&[0.002, 0.302, 0.602]), 0.0);
 }

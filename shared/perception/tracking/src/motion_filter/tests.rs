@@ -311,3 +311,55 @@ fn a_jump_is_followed_at_once_and_noise_at_rest_is_damped() {
     filter = filter.updated(&noisy(60, 0.3), None, &config).unwrap();
     assert!((filter.box_in_world().centre().x - 0.3).abs() < 0.01);
 }
+
+/// Position after 20 frames with the same measurement of an object at the origin.
+fn position_after(measurement_of: impl Fn(u64) -> Measurement) -> Point3<f64> {
+    let config = MotionConfig::default();
+    let mut filter = MotionFilter::start(&seen(0, Point3::origin(), 0.0), &config);
+    for frame in 1..20 {
+        let next = seen(frame, Point3::origin(), 0.0);
+        filter = filter.updated(&next, None, &config).unwrap();
+    }
+    for frame in 20..40 {
+        filter = filter
+            .updated(&measurement_of(frame), None, &config)
+            .unwrap();
+    }
+    filter.box_in_world().centre()
+}
+
+#[test]
+fn an_object_at_rest_does_not_follow_a_wrong_camera_pose() {
+    let shifted = Point3::new(0.03, 0.0, 0.0);
+    let followed = position_after(|frame| seen(frame, shifted, 0.0));
+    assert!((followed - shifted).norm() < 0.005, "{followed}");
+    let noise_m = 0.15;
+    let at_rest = position_after(|frame| seen(frame, shifted, 0.0).with_pose_sigma_m(noise_m));
+    assert!(at_rest.coords.norm() < 0.01, "{at_rest}");
+    let unknown = seen(0, shifted, 0.0).with_pose_sigma_m(f64::NAN);
+    assert_eq!(unknown.pose_sigma_m(), 0.0);
+}
+
+#[test]
+fn a_fragment_does_not_move_an_object() {
+    let place = Point3::new(-0.06, 0.0, 0.0);
+    let fragment = upright(place, 0.0, Vector3::new(0.03, 0.03, 0.08));
+    let moved = position_after(|frame| measured(frame, fragment, false));
+    assert!(moved.coords.norm() < 0.04, "{moved}");
+}
+
+#[test]
+fn a_stopped_object_keeps_its_place() {
+    let config = MotionConfig::default();
+    let mut filter = MotionFilter::start(&seen(0, Point3::origin(), 0.0), &config);
+    for frame in 1..20 {
+        let place = Point3::new(0.01 * frame as f64, 0.0, 0.0);
+        filter = filter
+            .updated(&seen(frame, place, 0.0), None, &config)
+            .unwrap();
+    }
+    assert!(filter.velocity_m_s().norm() > 0.2);
+    let later = filter.stopped().predicted(30 * FRAME_NS, &config);
+    let apart = later.box_in_world().centre() - filter.box_in_world().centre();
+    assert_eq!(apart.norm(), 0.0);
+}
