@@ -79,7 +79,10 @@ mod tests {
         let both = [mug.clone(), handle.clone()];
         assert_eq!(sighting_evidence(&mug, &both), Separate);
         assert_eq!(sighting_evidence(&handle, &both), Adjoining);
-        assert_eq!(sighting_evidence(&handle, &[handle.clone()]), Separate);
+        assert_eq!(
+            sighting_evidence(&handle, std::slice::from_ref(&handle)),
+            Separate
+        );
         let apart = candidate(0.2, 0.02, 150);
         assert_eq!(sighting_evidence(&apart, &both), Separate);
     }
