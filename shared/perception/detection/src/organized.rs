@@ -53,7 +53,7 @@ const OVER_TABLE_SHARE_MIN: f64 = 0.25;
 
 /// Height of the highest point in sigmas of the depth noise up to which a cluster may be noise
 /// of the table. Chosen; sensitivity: see `tabula-lab sweep`.
-const NOISE_HEIGHT_SIGMAS: f32 = 4.5;
+const NOISE_HEIGHT_SIGMAS: f32 = 6.0;
 
 /// Ratio of the least number of points of such a cluster to that of any other. Chosen;
 /// sensitivity: see `tabula-lab sweep`.
