@@ -5,6 +5,7 @@ use crate::candidate::Support;
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::clusters::Clusters;
 use crate::table::Table;
+use crate::upright_box::UprightBox;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
@@ -55,6 +56,10 @@ const LEVEL_SIGMAS: f32 = 3.0;
 /// Chosen; sensitivity: see `tabula-lab sweep`.
 const OFF_TABLE_SHARE_MIN: f64 = 0.3;
 
+/// Distance from the border of the table at which an object stands on the table for certain,
+/// metres. Chosen; sensitivity: see `tabula-lab sweep`.
+const BORDER_MARGIN_M: f64 = 0.05;
+
 /// Find the support of each hypothesis that does not stand on the table: a supported
 /// hypothesis in contact, or an unseen one behind an occluded lower border. Without either
 /// it stays `None`, and furniture that begins off the table loses its support. People
@@ -68,6 +73,9 @@ pub(crate) fn find_support_relations(
     let up = &table.plane.normal;
     for hypothesis in hypotheses.iter_mut().filter(|one| !one.is_masked) {
         let is_supported = hypothesis.support.is_some();
+        if is_supported && is_inside_border(&hypothesis.upright_box, table) {
+            continue;
+        }
         if !is_supported && is_seen_from_above(&hypothesis.statistics.centroid, up) {
             hypothesis.support = Some(Support::Occluded);
             continue;
@@ -88,6 +96,15 @@ pub(crate) fn find_support_relations(
     }
     // Each pass carries support one object higher; a pass without change ends it.
     while propagate_support(hypotheses) {}
+}
+
+/// `true` when a box is so far inside the border of the table that nothing of it can begin
+/// beside the table.
+fn is_inside_border(upright_box: &UprightBox, table: &Table) -> bool {
+    let (centre, radius_m) = upright_box.disc();
+    table
+        .outline
+        .contains_disc(&centre, radius_m + BORDER_MARGIN_M)
 }
 
 /// Propagate support by contact to hypotheses without one; returns `true` on a change.

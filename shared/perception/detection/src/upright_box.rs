@@ -3,7 +3,7 @@
 use crate::affine_form::AffineForm;
 use crate::footprint::{Footprint, Rectangle};
 use geometry::{OrientedBox, RigidTransform};
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Point2, Translation3, UnitQuaternion, Vector3};
 use point_cloud::Point;
 
 /// Greatest number of points of which a footprint is taken.
@@ -53,6 +53,16 @@ impl UprightBox {
     /// Area of the box's footprint, square metres.
     pub(crate) fn footprint_m2(&self) -> f64 {
         4.0 * self.footprint.half_sides_m.product()
+    }
+
+    /// Disc around the footprint: centre in the table's frame, and radius, metres.
+    pub(crate) fn disc(&self) -> (Point2<f64>, f64) {
+        let Rectangle {
+            centre,
+            half_sides_m,
+            ..
+        } = self.footprint;
+        (Point2::from(centre), half_sides_m.norm())
     }
 
     /// Contact test: `true` when two boxes are within a horizontal and a vertical distance
