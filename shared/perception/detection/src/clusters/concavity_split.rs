@@ -61,6 +61,8 @@ pub(crate) struct ConcavitySplit {
     pub(super) parents: Vec<u32>,
     /// Per label: number of its pixels, then the number of its part.
     number_of: Vec<u32>,
+    /// Pixels of no part, as patch indices.
+    unassigned: Vec<u32>,
     /// Growth front of the region, as patch indices.
     front: Vec<u32>,
     /// Per patch index: `true` when it is in the initial front.
@@ -181,6 +183,7 @@ impl ConcavitySplit {
     fn split_patch(&mut self, n_min: u32, table: &TableReference) -> bool {
         self.label_between_creases();
         let n_parts = self.keep_large_parts(n_min);
+        self.list_unassigned();
         self.grow(&GROWTH_STEPS);
         self.grow(&LINK_STEPS);
         self.find_boundaries(n_parts, table);
@@ -268,10 +271,21 @@ impl ConcavitySplit {
         n_parts
     }
 
+    /// List the pixels of no part, in image order.
+    fn list_unassigned(&mut self) {
+        let Self {
+            patch, unassigned, ..
+        } = self;
+        let indices = patch.pixels.iter().map(|pixel| pixel.index);
+        unassigned.clear();
+        unassigned.extend(indices.filter(|&index| patch.part_of[index as usize] == UNASSIGNED));
+    }
+
     /// Grow the parts breadth-first over unassigned pixels.
     fn grow(&mut self, steps: &[[isize; 2]; 8]) {
         let Self {
             patch,
+            unassigned,
             front,
             is_queued,
             ..
@@ -280,12 +294,14 @@ impl ConcavitySplit {
         let steps = steps.map(|[columns, rows]| columns + rows * width);
         let neighbours = |index: u32| steps.map(|step| (index as usize).wrapping_add_signed(step));
         let part_of = &mut patch.part_of;
+        if unassigned.is_empty() {
+            return;
+        }
         is_queued.clear();
         is_queued.resize(part_of.len(), false);
         // Initial front: pixels of parts next to an unassigned pixel.
         front.clear();
-        let indices = patch.pixels.iter().map(|pixel| pixel.index);
-        for index in indices.filter(|&index| part_of[index as usize] == UNASSIGNED) {
+        for &index in &*unassigned {
             for near in neighbours(index) {
                 if part_of[near] < UNASSIGNED && !is_queued[near] {
                     is_queued[near] = true;
@@ -304,6 +320,7 @@ impl ConcavitySplit {
                 }
             }
         }
+        unassigned.retain(|&index| part_of[index as usize] == UNASSIGNED);
     }
 
     /// Collect the statistics of parts and boundaries. Pixels that no part reaches form one

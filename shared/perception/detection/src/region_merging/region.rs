@@ -15,7 +15,7 @@ const SIDE_MIN_M: f32 = 0.005;
 pub(super) struct RegionSums {
     color: ColorSum,
     /// Sum of the squares of red, green and blue.
-    rgb_squares: f64,
+    rgb_squares: u64,
     /// Area as the number of pixels that it would have at 1 m.
     n_pixels_at_1m: f32,
     moments: PointSums,
@@ -57,7 +57,7 @@ impl Default for RegionSums {
     fn default() -> Self {
         Self {
             color: ColorSum::default(),
-            rgb_squares: 0.0,
+            rgb_squares: 0,
             n_pixels_at_1m: 0.0,
             moments: PointSums::default(),
             extent: Extent {
@@ -97,10 +97,8 @@ impl RegionSums {
     pub(super) fn add_pixel(&mut self, point: &Point) {
         let rgb = point.color.rgb();
         self.color.add(rgb);
-        self.rgb_squares += rgb
-            .map(|value| f64::from(value).powi(2))
-            .iter()
-            .sum::<f64>();
+        let squares = rgb.map(|value| u32::from(value) * u32::from(value));
+        self.rgb_squares += u64::from(squares.iter().sum::<u32>());
         self.n_pixels_at_1m += point.z * point.z;
     }
 
@@ -170,7 +168,7 @@ impl RegionSums {
         Region {
             n_pixels_at_1m: self.n_pixels_at_1m.max(1.0),
             color: self.color.mean(),
-            color_sigma: self.color.sigma(self.rgb_squares),
+            color_sigma: self.color.sigma(self.rgb_squares as f64),
             centroid,
             normal: if is_towards { normal } else { -normal },
             plane_rms_m: eigen.eigenvalues[least].max(0.0).sqrt() as f32,
