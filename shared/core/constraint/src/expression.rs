@@ -23,20 +23,7 @@ pub struct Expression {
 
 impl Default for Expression {
     fn default() -> Self {
-        use Constraint::{Instructor, Robot, Table, Track};
-        use PostfixOp::{And, Is, Not, Or};
-        Self {
-            ops: vec![
-                Is(Table),
-                Is(Track),
-                And,
-                Is(Instructor),
-                Is(Robot),
-                Or,
-                Not,
-                And,
-            ],
-        }
+        Self::untracked_on_table(Constraint::Instructor, &[Constraint::Robot])
     }
 }
 
@@ -84,22 +71,19 @@ impl Expression {
     /// Rule of the paper (Kasaei et al. 2018):
     /// `C_table ∧ C_track ∧ ¬(C_instructor ∨ C_robot ∨ C_edge)`.
     pub fn paper() -> Self {
-        use Constraint::{Edge, Instructor, Robot, Table, Track};
+        Self::untracked_on_table(
+            Constraint::Instructor,
+            &[Constraint::Robot, Constraint::Edge],
+        )
+    }
+
+    /// Rule `C_table ∧ C_track ∧ ¬(first ∨ …)` with the excluded constraints in their order.
+    fn untracked_on_table(first: Constraint, others: &[Constraint]) -> Self {
         use PostfixOp::{And, Is, Not, Or};
-        Self {
-            ops: vec![
-                Is(Table),
-                Is(Track),
-                And,
-                Is(Instructor),
-                Is(Robot),
-                Or,
-                Is(Edge),
-                Or,
-                Not,
-                And,
-            ],
-        }
+        let mut ops = vec![Is(Constraint::Table), Is(Constraint::Track), And, Is(first)];
+        ops.extend(others.iter().flat_map(|&other| [Is(other), Or]));
+        ops.extend([Not, And]);
+        Self { ops }
     }
 
     /// Evaluate the rule for the findings of a candidate. Allocates nothing.

@@ -78,8 +78,9 @@ pub trait Topic: Debug + Send + Sync + 'static {
     const LIMITS: Limits;
 }
 
-/// Reservation of a topic's publishers for messages of at most `max_items`: each keeps one slot for each message that can
-/// wait at or be held by a subscriber, for its history and its loans.
+/// Reservation of a topic's publishers for messages of at most `max_items`: each keeps one
+/// slot for each message that can wait at or be held by a subscriber, for its history and
+/// its loans.
 pub(crate) fn reservation<T: Topic>(max_items: usize) -> Reservation {
     let limits = T::LIMITS;
     let slots =
