@@ -1,20 +1,22 @@
 //! Scene generators: random choice of objects and collision-free placement.
 
 mod clutter;
+mod scene_setting;
 
 use crate::error::Error;
 use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::ModelChoice;
 use crate::object_model::ObjectModel;
 use crate::random_stream::{random_rotation, random_stream};
-use crate::scene::{ObjectPlacement, SceneKind};
+use crate::scene::ObjectPlacement;
 use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion};
 use random::Random;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
-pub(crate) use clutter::{clutter, clutter_camera, clutter_table, clutter_table_finish};
+pub(crate) use clutter::clutter;
+pub(crate) use scene_setting::SceneSetting;
 
 /// Free space around an isolated object, metres; the second value is used when the first leaves
 /// no room. Chosen.
@@ -69,22 +71,32 @@ fn sample_in_rounds<T: Clone>(items: &[T], n: usize, random: &mut Random) -> Vec
     chosen
 }
 
-/// Placements of the models by the kind of scene. Set tables with generated models use
-/// [`set_table`] instead, crowded tables [`clutter`].
+/// Placement rule for models without a plan of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PlacementRule {
+    /// Upright at random free positions.
+    Apart,
+    /// Dropped onto one spot of the table.
+    Pile,
+    /// Dropped into the bin.
+    Bin,
+}
+
+/// Placements of the models by a rule.
 ///
 /// # Errors
 /// [`Error::NoRoom`] when isolated objects do not all fit onto the table.
 pub(crate) fn place(
-    kind: SceneKind,
+    rule: PlacementRule,
     models: &[&ObjectModel],
     table: &TableDimensions,
     bin: Option<&Bin>,
     seed: u64,
 ) -> Result<Vec<ObjectPlacement>, Error> {
     let mut random = random_stream(seed, STREAM_PLACEMENT);
-    match kind {
-        SceneKind::Isolated | SceneKind::SetTable => isolated(models, table, &mut random),
-        SceneKind::Pile | SceneKind::Clutter => Ok(dropped(
+    match rule {
+        PlacementRule::Apart => isolated(models, table, &mut random),
+        PlacementRule::Pile => Ok(dropped(
             models.len(),
             table,
             PILE_DROP_M,
@@ -94,7 +106,7 @@ pub(crate) fn place(
                 [reach * angle.cos(), reach * angle.sin()]
             },
         )),
-        SceneKind::Bin => {
+        PlacementRule::Bin => {
             let inner_size_m = bin.copied().unwrap_or_default().inner_size_m;
             let [x, y, _] = inner_size_m.map(|side| side * 0.25);
             Ok(dropped(models.len(), table, BIN_DROP_M, &mut random, |r| {

@@ -8,7 +8,7 @@ mod scene_variation;
 
 use crate::action::PersonPlan;
 use crate::arm_mount::ArmMount;
-use crate::arrangement;
+use crate::arrangement::{self, PlacementRule, SceneSetting};
 use crate::error::Error;
 use crate::furniture::Bin;
 use crate::model_choice::{ModelChoice, ModelSource};
@@ -52,16 +52,16 @@ impl Scene {
         seed: u64,
         library: &mut ModelLibrary,
     ) -> Result<Self, Error> {
+        let setting = SceneSetting::of(Some(kind), seed);
+        let table = setting.table();
         let mut scene = Self {
             seed,
+            table,
+            table_finish: setting.table_finish(),
             bin: (kind == SceneKind::Bin).then(Bin::default),
+            camera: setting.camera(&table, n_objects),
             ..Self::default()
         };
-        if kind == SceneKind::Clutter {
-            scene.table = arrangement::clutter_table(seed);
-            scene.table_finish = arrangement::clutter_table_finish(seed);
-            scene.camera = arrangement::clutter_camera(seed, &scene.table, n_objects);
-        }
         scene.objects = generated_objects(&scene, kind, n_objects, library)?;
         Ok(scene)
     }
@@ -80,7 +80,7 @@ impl Scene {
             seed,
             ..Self::default()
         };
-        scene.objects = placed(&scene, SceneKind::Isolated, choices, library)?;
+        scene.objects = placed(&scene, PlacementRule::Apart, choices, library)?;
         Ok(scene)
     }
 
@@ -102,7 +102,7 @@ impl Scene {
             ModelSource::Generated => arrangement::choose(&EVERYDAY, n_objects, seed),
             ModelSource::Folder(_) => library.choose(n_objects, seed),
         };
-        scene.objects = placed(&scene, SceneKind::Isolated, choices, library)?;
+        scene.objects = placed(&scene, PlacementRule::Apart, choices, library)?;
         scene.arm = Some(ArmMount::default());
         scene.person = Some(PersonPlan {
             random_pause_s: Some(RANDOM_PAUSE_S),
@@ -155,40 +155,51 @@ fn generated_objects(
             rule: format!("at most {MAX_OBJECTS} fit a scene, not {n_objects}"),
         });
     }
-    if kind == SceneKind::Clutter {
-        return arrangement::clutter(&scene.table, n_objects, scene.seed, library);
-    }
-    if kind == SceneKind::SetTable && *library.source() == ModelSource::Generated {
-        let laid = arrangement::set_table(&category_names(), n_objects, scene.seed);
-        if laid.len() < n_objects {
-            return Err(Error::NoRoom {
-                n_objects,
-                n_placed: laid.len(),
-            });
+    let rule = match kind {
+        SceneKind::Clutter => {
+            return arrangement::clutter(&scene.table, n_objects, scene.seed, library);
         }
-        let plans = laid.into_iter();
-        return Ok(plans
-            .map(|(model, placing)| ObjectPlan {
-                model,
-                placement: placing,
-            })
-            .collect());
-    }
+        SceneKind::SetTable if *library.source() == ModelSource::Generated => {
+            return set_table(n_objects, scene.seed);
+        }
+        // Models of a folder have no place at a set table.
+        SceneKind::Isolated | SceneKind::SetTable => PlacementRule::Apart,
+        SceneKind::Pile => PlacementRule::Pile,
+        SceneKind::Bin => PlacementRule::Bin,
+    };
     let choices = library.choose(n_objects, scene.seed);
-    placed(scene, kind, choices, library)
+    placed(scene, rule, choices, library)
+}
+
+/// Generated objects of a set table.
+fn set_table(n_objects: usize, seed: u64) -> Result<Vec<ObjectPlan>, Error> {
+    let laid = arrangement::set_table(&category_names(), n_objects, seed);
+    if laid.len() < n_objects {
+        return Err(Error::NoRoom {
+            n_objects,
+            n_placed: laid.len(),
+        });
+    }
+    let plans = laid.into_iter();
+    Ok(plans
+        .map(|(model, placing)| ObjectPlan {
+            model,
+            placement: placing,
+        })
+        .collect())
 }
 
 /// Objects of the chosen models with their placements.
 fn placed(
     scene: &Scene,
-    kind: SceneKind,
+    rule: PlacementRule,
     choices: Vec<ModelChoice>,
     library: &mut ModelLibrary,
 ) -> Result<Vec<ObjectPlan>, Error> {
     let models = choices.iter().map(|choice| library.load(choice));
     let models: Vec<Arc<ObjectModel>> = models.collect::<Result<_, _>>()?;
     let models: Vec<&ObjectModel> = models.iter().map(|model| &**model).collect();
-    let places = arrangement::place(kind, &models, &scene.table, scene.bin.as_ref(), scene.seed)?;
+    let places = arrangement::place(rule, &models, &scene.table, scene.bin.as_ref(), scene.seed)?;
     let plans = choices.into_iter().zip(places);
     Ok(plans
         .map(|(model, placing)| ObjectPlan {

@@ -4,10 +4,10 @@ use super::scene_variation::SceneVariation;
 use super::{MAX_OBJECTS, RANDOM_PAUSE_S, generated_objects};
 use crate::action::{Action, PersonPlan, TimedAction};
 use crate::arm_mount::ArmMount;
-use crate::arrangement;
+use crate::arrangement::SceneSetting;
 use crate::camera_mount::CameraMount;
 use crate::error::Error;
-use crate::furniture::{Bin, TableDimensions, TableFinish};
+use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::{ModelChoice, ModelSource};
 use crate::model_library::ModelLibrary;
 use crate::scene::{ObjectPlacement, ObjectPlan, Scene, SceneKind};
@@ -167,27 +167,18 @@ pub(super) fn scene(
     let kind = raw.kind.as_deref().map(str::parse::<SceneKind>);
     let kind = kind.transpose().map_err(|rule| wrong("kind", rule))?;
     let seed = seed.unwrap_or(raw.seed);
-    let is_clutter = kind == Some(SceneKind::Clutter);
-    let table = table(&raw.table, is_clutter.then_some(seed))?;
+    let setting = SceneSetting::of(kind, seed);
+    let table = table(&raw.table, &setting.table())?;
     let n_objects = raw
         .objects
         .or(kind.map(SceneKind::default_n_objects))
         .unwrap_or(0);
-    let usual_camera = if is_clutter {
-        arrangement::clutter_camera(seed, &table, n_objects)
-    } else {
-        CameraMount::default()
-    };
     let mut scene = Scene {
         seed,
         table,
-        table_finish: if is_clutter {
-            arrangement::clutter_table_finish(seed)
-        } else {
-            TableFinish::default()
-        },
+        table_finish: setting.table_finish(),
         bin: bin(raw.bin.as_ref(), kind)?,
-        camera: camera(&raw.camera, usual_camera)?,
+        camera: camera(&raw.camera, setting.camera(&table, n_objects))?,
         objects: Vec::new(),
         arm: raw.arm.as_ref().map(arm).transpose()?,
         person: raw.person.as_ref().map(person).transpose()?,
@@ -234,9 +225,8 @@ fn variation(raw: &RawVariation) -> Result<SceneVariation, Error> {
     })
 }
 
-/// Table of a scene file; missing keys of a crowded table are drawn from its seed.
-fn table(raw: &RawTable, clutter_seed: Option<u64>) -> Result<TableDimensions, Error> {
-    let default = clutter_seed.map_or_else(TableDimensions::default, arrangement::clutter_table);
+/// Table of a scene file; missing keys are those of `default`.
+fn table(raw: &RawTable, default: &TableDimensions) -> Result<TableDimensions, Error> {
     let [x, y] = raw.size_m.unwrap_or(default.size_m);
     Ok(TableDimensions {
         size_m: [
