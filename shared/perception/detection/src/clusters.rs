@@ -49,7 +49,7 @@ const LINKS: LinkDistance = LinkDistance {
 /// Pixel clusters found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Clusters {
-    /// Per pixel: [`NO_CLUSTER`] or the number of its cluster.
+    /// Per pixel: [`NO_CLUSTER`] or the number of its cluster, for exactly those of `pixels`.
     pub(crate) cluster_of: Vec<u32>,
     bands: Vec<Band>,
     /// Union-find forest, per label: the parent label; a root is its own parent.
@@ -58,11 +58,14 @@ pub(crate) struct Clusters {
     number_of: Vec<u32>,
     /// Start of each cluster in `pixels`, with one more entry at the end.
     starts: Vec<u32>,
-    /// Pixel indices sorted by cluster.
+    /// Pixel indices sorted by cluster, those of a cluster in image order.
     pixels: Vec<u32>,
+    /// All labelled pixels in image order, with those of dropped small components.
     ungrouped: Vec<u32>,
-    /// Pixels added by growth towards the support plane.
+    /// Pixels added to one cluster by growth towards the support plane.
     front: Vec<u32>,
+    /// Pixel indices sorted by cluster with the added ones.
+    grown: Vec<u32>,
     /// Cluster numbers, largest cluster first.
     by_size: Vec<u32>,
 }
@@ -135,7 +138,7 @@ fn squared_distance(a: &Point, b: &Point) -> f32 {
 
 /// Union of two clusters under the lower label; returns the root.
 #[inline]
-fn union(parents: &mut [u32], a: u32, b: u32) -> u32 {
+pub(crate) fn union(parents: &mut [u32], a: u32, b: u32) -> u32 {
     let (a, b) = (find_root(parents, a), find_root(parents, b));
     let (first, second) = (a.min(b), a.max(b));
     parents[second as usize] = first;

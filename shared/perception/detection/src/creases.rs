@@ -144,8 +144,8 @@ impl BendFit {
         let most = (n - 1) / 2;
         let arm = arm_px(surface[0].z, pixel_rad, noise).min(most);
         for short in ARM_PX[0]..arm {
-            self.fit_bends(short..short + 1, short);
-            self.fit_bends(n - 1 - short..n - short, short);
+            self.fit_bend(short, short);
+            self.fit_bend(n - 1 - short, short);
         }
         self.fit_bends(arm..n - arm, arm);
         for (bend, pixel) in self.bends.iter_mut().zip(surface) {
@@ -156,40 +156,79 @@ impl BendFit {
 
     fn accumulate(&mut self, surface: &[PatchPixel]) {
         let [plain, weighted] = &mut self.sums;
-        let mut sum = [0.0; 2];
         for sums in [&mut *plain, &mut *weighted] {
             sums.clear();
-            sums.push(0.0);
+            sums.resize(surface.len() + 1, 0.0);
         }
-        plain.extend(surface.iter().map(|pixel| {
-            sum[0] += f64::from(1.0 / pixel.z);
-            sum[0]
-        }));
-        weighted.extend(surface.iter().enumerate().map(|(i, pixel)| {
-            sum[1] += i as f64 * f64::from(1.0 / pixel.z);
-            sum[1]
-        }));
+        let mut sum = [0.0; 2];
+        let sums = plain[1..].iter_mut().zip(&mut weighted[1..]);
+        for ((i, pixel), (plain, weighted)) in surface.iter().enumerate().zip(sums) {
+            let inverse_depth = f64::from(1.0 / pixel.z);
+            sum[0] += inverse_depth;
+            sum[1] += i as f64 * inverse_depth;
+            (*plain, *weighted) = (sum[0], sum[1]);
+        }
     }
 
     /// Fit the bend at a range of pixels with a given arm length. Branch-free, so that the
     /// compiler vectorises it.
     fn fit_bends(&mut self, pixels: Range<usize>, arm: usize) {
         let (first, n) = (pixels.start, pixels.len());
-        let [plain, weighted] = &self.sums;
-        let ends = [first - arm, first, first + 1, first + arm + 1];
-        let p = ends.map(|end| &plain[end..end + n]);
-        let w = ends.map(|end| &weighted[end..end + n]);
-        let mean = 0.5 * (arm as f64 + 1.0);
-        // Sum of (|j| - mean)² over both arms.
-        let spread = arm as f64 * ((arm * arm) as f64 - 1.0) / 6.0;
+        let arms = Arms::new(arm);
+        let [p, w] = self.sums.each_ref().map(|sums| {
+            let ends = arms.ends(first);
+            ends.map(|end| &sums[end..end + n])
+        });
         let bends = &mut self.bends[pixels];
         for i in 0..n {
-            let at = (first + i) as f64;
-            let (left, right) = (p[1][i] - p[0][i], p[3][i] - p[2][i]);
-            // Sum of |j| w and of w over both arms, without the pixel itself.
-            let weighted = (w[3][i] - w[2][i]) - at * right + at * left - (w[1][i] - w[0][i]);
-            bends[i] = ((weighted - mean * (right + left)) / spread) as f32;
+            let ends = [p, w].map(|sums| sums.map(|sums| sums[i]));
+            bends[i] = arms.bend((first + i) as f64, ends);
         }
+    }
+
+    /// Fit the bend at one pixel with a given arm length.
+    fn fit_bend(&mut self, pixel: usize, arm: usize) {
+        let arms = Arms::new(arm);
+        let ends = arms.ends(pixel);
+        let ends = self.sums.each_ref().map(|sums| ends.map(|end| sums[end]));
+        self.bends[pixel] = arms.bend(pixel as f64, ends);
+    }
+}
+
+/// Arms on either side of a pixel, of the same length.
+struct Arms {
+    length_px: usize,
+    /// Mean of the distance |j| from the pixel over both arms.
+    mean: f64,
+    /// Sum of (|j| - mean)² over both arms.
+    spread: f64,
+}
+
+impl Arms {
+    fn new(length_px: usize) -> Self {
+        let arm = length_px as f64;
+        Self {
+            length_px,
+            mean: 0.5 * (arm + 1.0),
+            spread: arm * ((length_px * length_px) as f64 - 1.0) / 6.0,
+        }
+    }
+
+    /// Start and end of the left and of the right arm of a pixel in the prefix sums.
+    #[inline]
+    fn ends(&self, pixel: usize) -> [usize; 4] {
+        let arm = self.length_px;
+        [pixel - arm, pixel, pixel + 1, pixel + arm + 1]
+    }
+
+    /// Bend at a pixel from the prefix sums `p` and the weighted ones `w` at the ends of its
+    /// arms.
+    #[inline]
+    fn bend(&self, at: f64, [p, w]: [[f64; 4]; 2]) -> f32 {
+        let (left, right) = (p[1] - p[0], p[3] - p[2]);
+        // Sum of |j| w and of w over both arms, without the pixel itself.
+        let weighted = (w[3] - w[2]) - at * right + at * left - (w[1] - w[0]);
+        ((weighted - self.mean * (right + left)) / self.spread) as f32
     }
 }
 

@@ -283,12 +283,9 @@ fn grow_to_support_plane(
         (point.z - above.z).abs() <= BASE_STEP_M * point.z * point.z
             && (lowest_m..=BASE_HEIGHT_MAX_M).contains(&height.at(point.x, point.y, point.z))
     };
-    let OrganizedBuffers {
-        clusters,
-        over_table,
-        ..
-    } = buffers;
-    clusters.grow_to_support_plane(over_table, cloud.width() as isize, is_base);
+    buffers
+        .clusters
+        .grow_to_support_plane(cloud.width() as isize, is_base);
 }
 
 /// Hypotheses of the clusters with enough points, nearest first, with their support.

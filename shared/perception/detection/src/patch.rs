@@ -2,6 +2,7 @@
 
 use crate::clusters::NO_CLUSTER;
 use point_cloud::{OrganizedCloud, Point};
+use std::ops::Range;
 
 /// Label of a patch pixel that belongs to the cluster but to no part yet.
 pub(crate) const UNASSIGNED: u32 = u32::MAX - 1;
@@ -39,40 +40,53 @@ impl Patch {
     /// Copy a cluster, given by its pixels in image order.
     pub(crate) fn copy_cluster(&mut self, cloud: &OrganizedCloud<'_>, cluster: &[u32]) {
         let image_width = cloud.width();
-        let first_row = cluster
-            .first()
-            .map_or(0, |&pixel| pixel as usize / image_width);
-        let mut row_start = first_row * image_width;
-        let (mut row, mut columns) = (MARGIN_PX, [u32::MAX, 0]);
+        let (columns, rows) = pixel_range(cluster, image_width);
+        self.width = columns.len() + 2 * MARGIN_PX;
+        let n_cells = (rows.len() + 2 * MARGIN_PX) * self.width;
+        self.points
+            .resize(n_cells.max(self.points.len()), Point::default());
+        self.part_of.clear();
+        self.part_of.resize(n_cells, NO_CLUSTER);
+        let (points, part_of) = (self.points.as_mut_slice(), self.part_of.as_mut_slice());
+        let (mut row, mut row_start) = (MARGIN_PX, rows.start * image_width);
         self.pixels.clear();
         self.pixels.extend(cluster.iter().map(|&pixel| {
             while pixel as usize >= row_start + image_width {
                 row_start += image_width;
                 row += 1;
             }
-            let column = pixel - row_start as u32;
-            columns = [columns[0].min(column), columns[1].max(column)];
+            let column = pixel as usize - row_start - columns.start + MARGIN_PX;
+            let index = row * self.width + column;
+            let point = &cloud.points()[pixel as usize];
+            points[index] = *point;
+            part_of[index] = UNASSIGNED;
             PatchPixel {
-                index: 0,
+                index: index as u32,
                 row: row as u32,
-                column,
-                z: 0.0,
+                column: column as u32,
+                z: point.z,
             }
         }));
-        let shift = MARGIN_PX as u32;
-        self.width = (columns[1] + 1).saturating_sub(columns[0]) as usize + 2 * MARGIN_PX;
-        let n_cells = (row + 1 + MARGIN_PX) * self.width;
-        self.points
-            .resize(n_cells.max(self.points.len()), Point::default());
-        self.part_of.clear();
-        self.part_of.resize(n_cells, NO_CLUSTER);
-        for (own, &pixel) in self.pixels.iter_mut().zip(cluster) {
-            let point = &cloud.points()[pixel as usize];
-            own.column = own.column - columns[0] + shift;
-            own.index = own.row * self.width as u32 + own.column;
-            own.z = point.z;
-            self.points[own.index as usize] = *point;
-            self.part_of[own.index as usize] = UNASSIGNED;
+    }
+}
+
+/// Columns and rows of a cluster in the image, given by its pixels in image order.
+fn pixel_range(cluster: &[u32], image_width: usize) -> (Range<usize>, Range<usize>) {
+    let [Some(&first), Some(&last)] = [cluster.first(), cluster.last()] else {
+        return (0..0, 0..0);
+    };
+    let rows = first as usize / image_width..last as usize / image_width + 1;
+    let (mut columns, mut others) = (image_width..0, cluster);
+    for row in rows.clone() {
+        let row_start = row * image_width;
+        let n = others.partition_point(|&pixel| (pixel as usize) < row_start + image_width);
+        let own;
+        (own, others) = others.split_at(n);
+        // The outermost pixels of the row.
+        if let (Some(&first), Some(&last)) = (own.first(), own.last()) {
+            columns.start = columns.start.min(first as usize - row_start);
+            columns.end = columns.end.max(last as usize - row_start + 1);
         }
     }
+    (columns, rows)
 }

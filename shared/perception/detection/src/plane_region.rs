@@ -34,15 +34,27 @@ pub(crate) struct PlaneRegionBuffers {
     outline: Vec<Point2<f64>>,
 }
 
-/// Inlier of a plane: sample index and coordinates in the frame of the plane, metres.
+/// Inlier of a plane: sample index, coordinates in the frame of the plane, metres, and cell of
+/// the occupancy grid.
 #[derive(Debug, Clone, Copy)]
 struct Inlier {
     sample: u32,
     u: f32,
     v: f32,
+    cell: u32,
 }
 
 impl PlaneRegionBuffers {
+    /// Samples of the region found last, in the order of the image.
+    pub(crate) fn samples(&self) -> impl Iterator<Item = usize> {
+        self.inliers.iter().map(|inlier| inlier.sample as usize)
+    }
+
+    /// Number of samples of the region found last.
+    pub(crate) fn n_samples(&self) -> usize {
+        self.inliers.len()
+    }
+
     /// Number of connected regions with at least `n_min` samples.
     pub(crate) fn n_regions_of_at_least(&self, n_min: usize) -> usize {
         let is_large = |&&size: &&u32| size as usize >= n_min;
@@ -109,23 +121,24 @@ pub(crate) fn find_region(
     let [u, v, _] = AffineForm::coordinates_of(plane_from_camera);
     buffers.sizes.clear();
     buffers.inliers.clear();
-    buffers.inliers.extend(
-        (0..samples.len())
-            .filter(|&i| samples.is_inlier(i, &height))
-            .map(|i| Inlier {
-                sample: i as u32,
-                u: samples.coordinate(&u, i),
-                v: samples.coordinate(&v, i),
-            }),
-    );
+    samples.visit_inliers(&height, |sample, [x, y, z]| {
+        buffers.inliers.push(Inlier {
+            sample: sample as u32,
+            u: u.at(x, y, z),
+            v: v.at(x, y, z),
+            cell: 0,
+        });
+    });
     if buffers.inliers.is_empty() {
         return 0;
     }
     let grid = CellGrid::around(&buffers.inliers);
     buffers.n_in_cell.clear();
     buffers.n_in_cell.resize(grid.width * grid.height, 0);
-    for inlier in &buffers.inliers {
-        buffers.n_in_cell[grid.cell_of(inlier)] += 1;
+    for inlier in &mut buffers.inliers {
+        let cell = grid.cell_of(inlier);
+        inlier.cell = cell as u32;
+        buffers.n_in_cell[cell] += 1;
     }
     match parts {
         RegionFilter::WideOnly => keep_wide_parts(&grid, buffers),
@@ -139,7 +152,7 @@ pub(crate) fn find_region(
     let regions = &buffers.region_of_cell;
     buffers
         .inliers
-        .retain(|inlier| regions[grid.cell_of(inlier)] == largest);
+        .retain(|inlier| regions[inlier.cell as usize] == largest);
     buffers.inliers.len()
 }
 
@@ -202,17 +215,19 @@ fn flood(grid: &CellGrid, start: usize, region: u32, buffers: &mut PlaneRegionBu
         n_samples += buffers.n_in_cell[cell];
         let (column, row) = ((cell % grid.width) as isize, (cell / grid.width) as isize);
         let rows = (row - GAP_CELLS).max(0)..=(row + GAP_CELLS).min(grid.height as isize - 1);
+        let from = (column - GAP_CELLS).max(0);
+        let to = (column + GAP_CELLS).min(grid.width as isize - 1);
         for near_row in rows {
-            let from = (column - GAP_CELLS).max(0);
-            let to = (column + GAP_CELLS).min(grid.width as isize - 1);
             for near_column in from..=to {
                 let near = near_row as usize * grid.width + near_column as usize;
+                // Most cells around one of the region are in the region already.
+                if buffers.region_of_cell[near] != 0 || buffers.n_in_cell[near] < CELL_SAMPLES_MIN {
+                    continue;
+                }
                 // A gap is bridged to a wide part only: behind the rim the plane also cuts
                 // through the backs of chairs.
                 let is_adjacent = row.abs_diff(near_row).max(column.abs_diff(near_column)) <= 1;
-                let is_reached = buffers.n_in_cell[near] >= CELL_SAMPLES_MIN
-                    && (is_adjacent || buffers.is_table[near]);
-                if buffers.region_of_cell[near] == 0 && is_reached {
+                if is_adjacent || buffers.is_table[near] {
                     buffers.region_of_cell[near] = region;
                     buffers.stack.push(near);
                 }

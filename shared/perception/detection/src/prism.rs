@@ -92,30 +92,32 @@ impl<'a> Prism<'a> {
         })
     }
 
-    /// [`is_in_slab`](Self::is_in_slab) for each point of a block, coordinate by
-    /// coordinate, so that the compiler vectorises it.
+    /// Prism test of each point of a block, coordinate by coordinate, so that the compiler
+    /// vectorises it.
     #[inline]
     #[expect(
         clippy::needless_bitwise_bool,
         reason = "unpredictable branches cost more than comparisons"
     )]
-    fn slab_mask(&self, block: &[Point; BLOCK]) -> [bool; BLOCK] {
+    fn block_mask(&self, block: &[Point; BLOCK]) -> [bool; BLOCK] {
         let (mut x, mut y, mut z) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
         for i in 0..BLOCK {
             (x[i], y[i], z[i]) = (block[i].x, block[i].y, block[i].z);
         }
         let side_max = sideways_max_m(self.z_range[1]);
-        let mut mask = [false; BLOCK];
+        let (mut is_in_slab, mut cells) = ([false; BLOCK], [0; BLOCK]);
         for i in 0..BLOCK {
-            let height = self.height.at(x[i], y[i], z[i]);
-            mask[i] = (z[i] >= self.z_range[0])
+            let [u, v, height] =
+                [&self.u, &self.v, &self.height].map(|axis| axis.at(x[i], y[i], z[i]));
+            cells[i] = self.surface.cell_index(u, v);
+            is_in_slab[i] = (z[i] >= self.z_range[0])
                 & (z[i] <= self.z_range[1])
                 & (x[i].abs() <= side_max)
                 & (y[i].abs() <= side_max)
                 & (height >= lowest_m(z[i], self.height_range[0], &self.noise))
                 & (height <= self.height_range[1]);
         }
-        mask
+        std::array::from_fn(|i| is_in_slab[i] & self.surface.is_near_cell(cells[i]))
     }
 
     /// `true` when a point is above the table or near its rim, at any height.
@@ -178,35 +180,28 @@ impl<'a> Prism<'a> {
         }
     }
 
-    /// List the pixels of a row without holes: first by height, then by position above the
-    /// table.
+    /// List the pixels of a row without holes, block by block.
     fn list_row_without_holes(&self, start: u32, points: &[Point], pixels: &mut Vec<u32>) {
         let n_before = pixels.len();
         pixels.resize(n_before + points.len(), 0);
         let row = &mut pixels[n_before..];
-        let (mut n_in_slab, mut column) = (0, 0);
+        let (mut n_inside, mut pixel) = (0, start);
         let (blocks, rest) = points.as_chunks::<BLOCK>();
         for block in blocks {
             if !self.block_meets_slab(block) {
-                column += BLOCK as u32;
+                pixel += BLOCK as u32;
                 continue;
             }
-            for is_in_slab in self.slab_mask(block) {
-                row[n_in_slab] = column;
-                n_in_slab += usize::from(is_in_slab);
-                column += 1;
+            for is_inside in self.block_mask(block) {
+                row[n_inside] = pixel;
+                n_inside += usize::from(is_inside);
+                pixel += 1;
             }
         }
         for point in rest {
-            row[n_in_slab] = column;
-            n_in_slab += usize::from(self.is_in_slab(point));
-            column += 1;
-        }
-        let mut n_inside = 0;
-        for i in 0..n_in_slab {
-            let column = row[i];
-            row[n_inside] = start + column;
-            n_inside += usize::from(self.is_near_table(&points[column as usize]));
+            row[n_inside] = pixel;
+            n_inside += usize::from(self.is_in_slab(point) && self.is_near_table(point));
+            pixel += 1;
         }
         pixels.truncate(n_before + n_inside);
     }

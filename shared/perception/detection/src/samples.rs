@@ -8,6 +8,9 @@ use point_cloud::{Moments, OrganizedCloud, Point};
 /// Target number of samples of an image.
 const N_SAMPLES_TARGET: usize = 20_000;
 
+/// Number of samples tested together in one vectorised block.
+const BLOCK: usize = 64;
+
 /// Greatest tangent of a viewing ray; a view wider than 150 degrees is a damaged point.
 const TANGENT_MAX: f32 = 3.8;
 
@@ -104,6 +107,13 @@ impl Samples {
         self.stride
     }
 
+    /// Index of a sample's pixel in an image of a width in pixels.
+    pub(crate) fn pixel(&self, sample: usize, width_px: usize) -> usize {
+        let middle = self.stride / 2;
+        let [row, column] = [sample / self.width, sample % self.width];
+        (row * self.stride + middle) * width_px + column * self.stride + middle
+    }
+
     /// Number of columns of the subsampled image.
     pub(crate) fn width(&self) -> usize {
         self.width
@@ -125,6 +135,14 @@ impl Samples {
         self.band[sample] >= 0.0
     }
 
+    /// Coordinates of the samples, camera frame, and whether they are in range and not assigned
+    /// to a plane.
+    pub(crate) fn points(&self) -> impl Iterator<Item = ([f32; 3], bool)> {
+        let coordinates = self.x.iter().zip(&self.y).zip(&self.z);
+        let points = coordinates.map(|((&x, &y), &z)| [x, y, z]);
+        points.zip(self.band.iter().map(|&band| band >= 0.0))
+    }
+
     /// Position of a sampled point, camera frame.
     #[inline]
     pub(crate) fn position(&self, sample: usize) -> Point3<f64> {
@@ -132,11 +150,25 @@ impl Samples {
         Point3::new(as_f64(&self.x), as_f64(&self.y), as_f64(&self.z))
     }
 
-    /// Inlier test: `true` when a sample is within its own band of the plane.
+    /// Visit the inliers of a plane with their coordinates, camera frame, in the order of the
+    /// image. The distances are computed block by block, so that the compiler vectorises them.
     #[inline]
-    pub(crate) fn is_inlier(&self, sample: usize, plane: &AffineForm) -> bool {
-        let height = plane.at(self.x[sample], self.y[sample], self.z[sample]);
-        height.abs() <= self.band[sample]
+    pub(crate) fn visit_inliers(&self, plane: &AffineForm, mut visit: impl FnMut(usize, [f32; 3])) {
+        let n = self.len();
+        let (x, y, z, band) = (&self.x[..n], &self.y[..n], &self.z[..n], &self.band[..n]);
+        let mut distance_m = [0.0; BLOCK];
+        for first in (0..n).step_by(BLOCK) {
+            let block = first..n.min(first + BLOCK);
+            let [x, y, z, band] = [x, y, z, band].map(|values| &values[block.clone()]);
+            for (distance_m, ((x, y), z)) in distance_m.iter_mut().zip(x.iter().zip(y).zip(z)) {
+                *distance_m = plane.at(*x, *y, *z).abs();
+            }
+            for (i, (distance_m, band)) in distance_m.iter().zip(band).enumerate() {
+                if distance_m <= band {
+                    visit(first + i, [x[i], y[i], z[i]]);
+                }
+            }
+        }
     }
 
     /// Number of samples that are inliers of a plane.
@@ -151,11 +183,9 @@ impl Samples {
     /// Moments of the inliers of a plane.
     pub(crate) fn inlier_moments(&self, plane: &AffineForm) -> Moments {
         let mut moments = Moments::default();
-        for sample in 0..self.len() {
-            if self.is_inlier(sample, plane) {
-                moments.add(&self.position(sample));
-            }
-        }
+        self.visit_inliers(plane, |_, position| {
+            moments.add(&Point3::from(position.map(f64::from)));
+        });
         moments
     }
 
@@ -178,10 +208,16 @@ impl Samples {
 
     /// Assign the inliers of a plane, which removes them from further searches.
     pub(crate) fn assign_inliers(&mut self, plane: &AffineForm) {
-        for sample in 0..self.len() {
-            if self.is_inlier(sample, plane) {
-                self.band[sample] = NO_BAND;
-            }
+        let n = self.len();
+        let (x, y, z, band) = (
+            &self.x[..n],
+            &self.y[..n],
+            &self.z[..n],
+            &mut self.band[..n],
+        );
+        for i in 0..n {
+            let is_inlier = plane.at(x[i], y[i], z[i]).abs() <= band[i];
+            band[i] = if is_inlier { NO_BAND } else { band[i] };
         }
     }
 

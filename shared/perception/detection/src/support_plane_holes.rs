@@ -2,10 +2,11 @@
 //! floor of a pot or the middle of a plate.
 
 use crate::affine_form::AffineForm;
+use crate::clusters::union;
 use crate::samples::Samples;
 
 /// Label of samples that are not level with the table.
-const NO_REGION: u16 = 0;
+const NO_REGION: u32 = 0;
 
 /// Least number of samples of a hole. Chosen; sensitivity: see `tabula-lab sweep`.
 const SAMPLES_MIN: u32 = 4;
@@ -33,9 +34,15 @@ const NO_ROWS: [usize; 2] = [1, 0];
 #[derive(Debug, Default)]
 pub(crate) struct SupportPlaneHoles {
     height_classes: Vec<HeightClass>,
-    region_of: Vec<u16>,
+    /// Per sample, `width + 1` places later: `true` when it and its neighbours right, below
+    /// and right below are level.
+    is_level_square: Vec<bool>,
+    /// Per sample: [`NO_REGION`] or its label.
+    label_of: Vec<u32>,
+    /// Union-find forest, per label: the parent label; a root is its own parent.
+    parents: Vec<u32>,
+    /// Per root label: the region.
     regions: Vec<LevelRegion>,
-    stack: Vec<u32>,
     /// Stride: pixels between samples.
     stride: usize,
     width: usize,
@@ -54,9 +61,13 @@ struct LevelRegion {
 }
 
 impl LevelRegion {
+    fn has_size_of_hole(&self) -> bool {
+        (SAMPLES_MIN..=SAMPLES_MAX).contains(&self.n)
+    }
+
     fn is_hole(&self) -> bool {
         let surrounded = self.n_rim as f32 >= RIM_SHARE_MIN * (self.n_rim + self.n_open) as f32;
-        (SAMPLES_MIN..=SAMPLES_MAX).contains(&self.n)
+        self.has_size_of_hole()
             && self.height_sum_m > MEAN_HEIGHT_MIN_M * self.n as f32
             && surrounded
     }
@@ -83,10 +94,9 @@ impl SupportPlaneHoles {
         height: &AffineForm,
         lowest_m: impl Fn(f32) -> f32,
     ) {
-        let height_class = |sample: usize| {
-            let above = samples.coordinate(height, sample);
-            let lowest_m = lowest_m(samples.depth(sample));
-            if !samples.is_unassigned(sample) || above < -lowest_m {
+        let height_class = |([x, y, z], is_unassigned): ([f32; 3], bool)| {
+            let (above, lowest_m) = (height.at(x, y, z), lowest_m(z));
+            if !is_unassigned || above < -lowest_m {
                 HeightClass::BelowOrUnknown
             } else if above > lowest_m {
                 HeightClass::Above
@@ -96,80 +106,128 @@ impl SupportPlaneHoles {
         };
         self.height_classes.clear();
         self.height_classes
-            .extend((0..samples.len()).map(height_class));
+            .extend(samples.points().map(height_class));
         (self.stride, self.width) = (samples.stride(), samples.width());
-        self.region_of.clear();
-        self.region_of.resize(samples.len(), NO_REGION);
-        self.regions.clear();
-        self.regions.push(LevelRegion::default());
-        for start in 0..samples.len() {
-            let is_new = self.region_of[start] == NO_REGION
-                && self.height_classes[start] == HeightClass::Level;
-            if is_new && self.regions.len() < usize::from(u16::MAX) {
-                let region = self.flood(start, samples, height);
-                self.regions.push(region);
-            }
-        }
-        let is_in_hole = |region: &u16| self.regions[usize::from(*region)].is_hole();
-        let row = |at: Option<usize>| at.map_or(usize::MAX, |at| at / self.width);
-        self.rows = if self.regions.iter().any(LevelRegion::is_hole) {
-            let regions = self.region_of.iter();
-            [
-                row(regions.clone().position(is_in_hole)),
-                row(regions.clone().rposition(is_in_hole)),
-            ]
-        } else {
-            NO_ROWS
-        };
+        self.find_level_squares();
+        self.label_regions();
+        self.count_samples();
+        self.measure_regions(samples, height);
     }
 
-    /// Flood fill of the level samples connected with `start`.
-    fn flood(&mut self, start: usize, samples: &Samples, height: &AffineForm) -> LevelRegion {
-        let (number, width) = (self.regions.len() as u16, self.width);
-        let mut region = LevelRegion::default();
-        self.region_of[start] = number;
-        self.stack.push(start as u32);
-        while let Some(sample) = self.stack.pop() {
-            let sample = sample as usize;
-            region.n += 1;
+    /// Mark the squares of two by two level samples by their upper left one.
+    fn find_level_squares(&mut self) {
+        let Self {
+            height_classes,
+            is_level_square,
+            width,
+            ..
+        } = self;
+        is_level_square.clear();
+        is_level_square.resize(height_classes.len() + *width + 1, false);
+        let is_level = |class: HeightClass| class == HeightClass::Level;
+        let rows = height_classes.chunks_exact((*width).max(1));
+        let squares = is_level_square[*width + 1..].chunks_exact_mut((*width).max(1));
+        for ((upper, lower), squares) in rows.clone().zip(rows.skip(1)).zip(squares) {
+            for (i, square) in squares.iter_mut().take(*width - 1).enumerate() {
+                *square = is_level(upper[i])
+                    & is_level(upper[i + 1])
+                    & is_level(lower[i])
+                    & is_level(lower[i + 1]);
+            }
+        }
+    }
+
+    /// Label the regions of level samples. Neighbours are connected within a level square
+    /// only: a thin wall seen edge-on leaves gaps of one sample.
+    fn label_regions(&mut self) {
+        let Self {
+            height_classes,
+            is_level_square,
+            label_of,
+            parents,
+            width,
+            ..
+        } = self;
+        label_of.clear();
+        parents.clear();
+        parents.push(NO_REGION);
+        for (sample, class) in height_classes.iter().enumerate() {
+            if *class != HeightClass::Level {
+                label_of.push(NO_REGION);
+                continue;
+            }
+            // Squares whose lower right, upper right and lower left sample this is.
+            let is_last = is_level_square[sample];
+            let is_right = is_level_square[sample + *width];
+            let is_lower = is_level_square[sample + 1];
+            label_of.push(match (is_last || is_right, is_last || is_lower) {
+                (true, true) if !is_last => {
+                    union(parents, label_of[sample - 1], label_of[sample - *width])
+                }
+                (true, _) => label_of[sample - 1],
+                (false, true) => label_of[sample - *width],
+                (false, false) => {
+                    parents.push(parents.len() as u32);
+                    parents.len() as u32 - 1
+                }
+            });
+        }
+    }
+
+    /// Count the samples of each region and relabel them with the roots.
+    fn count_samples(&mut self) {
+        let Self {
+            label_of,
+            parents,
+            regions,
+            ..
+        } = self;
+        for i in 0..parents.len() {
+            // A root is its own parent and precedes its members.
+            parents[i] = parents[parents[i] as usize];
+        }
+        regions.clear();
+        regions.resize(parents.len(), LevelRegion::default());
+        for label in label_of.iter_mut().filter(|label| **label != NO_REGION) {
+            *label = parents[*label as usize];
+            regions[*label as usize].n += 1;
+        }
+    }
+
+    /// Measure the regions that have the size of a hole, and find the rows with holes.
+    fn measure_regions(&mut self, samples: &Samples, height: &AffineForm) {
+        let n_samples = self.label_of.len();
+        for sample in 0..n_samples {
+            let region = &mut self.regions[self.label_of[sample] as usize];
+            if !region.has_size_of_hole() {
+                continue;
+            }
             region.height_sum_m += samples.coordinate(height, sample);
-            let column = sample % width;
-            let left = (column > 0).then(|| sample - 1);
-            let right = (column + 1 < width).then_some(sample + 1);
-            let up = sample.checked_sub(width);
-            let down = Some(sample + width).filter(|&below| below < samples.len());
-            let is_level = |at: Option<usize>| {
-                at.is_some_and(|at| self.height_classes[at] == HeightClass::Level)
-            };
-            for (near, sides) in [
-                (left, [up, down]),
-                (right, [up, down]),
-                (up, [left, right]),
-                (down, [left, right]),
-            ] {
-                match near.map_or(HeightClass::BelowOrUnknown, |near| {
-                    self.height_classes[near]
-                }) {
-                    HeightClass::Above => region.n_rim += 1,
-                    HeightClass::BelowOrUnknown => region.n_open += 1,
-                    HeightClass::Level => {
-                        // Require a width of two: a thin wall seen edge-on leaves gaps of
-                        // one sample.
-                        let step = near.map(|near| near.wrapping_sub(sample));
-                        let is_wide = sides.into_iter().any(|side| {
-                            let ahead = side.zip(step).map(|(side, step)| side.wrapping_add(step));
-                            is_level(side) && is_level(ahead.filter(|&at| at < samples.len()))
-                        });
-                        let new = near.filter(|&near| self.region_of[near] == NO_REGION);
-                        if let Some(near) = new.filter(|_| is_wide) {
-                            self.region_of[near] = number;
-                            self.stack.push(near as u32);
-                        }
-                    }
+            let column = sample % self.width;
+            let neighbours = [
+                (column > 0).then(|| sample - 1),
+                (column + 1 < self.width).then_some(sample + 1),
+                sample.checked_sub(self.width),
+                Some(sample + self.width).filter(|&below| below < n_samples),
+            ];
+            for near in neighbours {
+                match near.map(|near| self.height_classes[near]) {
+                    Some(HeightClass::Above) => region.n_rim += 1,
+                    Some(HeightClass::BelowOrUnknown) | None => region.n_open += 1,
+                    Some(HeightClass::Level) => {}
                 }
             }
         }
-        region
+        let is_in_hole = |label: &u32| self.regions[*label as usize].is_hole();
+        self.rows = NO_ROWS;
+        if self.regions.iter().any(LevelRegion::is_hole) {
+            let row = |at: Option<usize>| at.map_or(usize::MAX, |at| at / self.width);
+            let labels = self.label_of.iter();
+            self.rows = [
+                row(labels.clone().position(is_in_hole)),
+                row(labels.clone().rposition(is_in_hole)),
+            ];
+        }
     }
 
     /// `true` when a row of the image may contain a hole.
@@ -182,10 +240,7 @@ impl SupportPlaneHoles {
     pub(crate) fn contains(&self, column: usize, row: usize, height_m: f32) -> bool {
         let sample_column = (column / self.stride).min(self.width - 1);
         let sample = row / self.stride * self.width + sample_column;
-        let region = self
-            .region_of
-            .get(sample)
-            .map(|&region| usize::from(region));
+        let region = self.label_of.get(sample).map(|&label| label as usize);
         region.is_some_and(|region| self.regions[region].is_hole()) && HEIGHT_M.contains(&height_m)
     }
 }

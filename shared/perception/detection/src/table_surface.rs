@@ -85,6 +85,20 @@ impl TableSurface {
             .is_some_and(|cell| self.is_near[cell])
     }
 
+    /// Index of the cell of a point, for [`is_near_cell`](Self::is_near_cell); vectorised by
+    /// the compiler.
+    #[inline]
+    pub(crate) fn cell_index(&self, u: f32, v: f32) -> u32 {
+        self.grid.index_of(u, v)
+    }
+
+    /// `true` when a cell is table or within the overhang of an object; `false` outside of the
+    /// grid.
+    #[inline]
+    pub(crate) fn is_near_cell(&self, cell: u32) -> bool {
+        self.is_near.get(cell as usize) == Some(&true)
+    }
+
     /// `true` when the table is not its polygon: it has gaps, or goes on behind objects.
     pub(crate) fn differs_from_polygon(&self) -> bool {
         self.gaps.is_any() || self.extent.is_any()

@@ -183,19 +183,20 @@ impl ConcavitySplit {
     fn split_patch(&mut self, n_min: u32, table: &TableReference) -> bool {
         self.label_between_creases();
         let n_parts = self.keep_large_parts(n_min);
-        self.list_unassigned();
         self.grow(&GROWTH_STEPS);
         self.grow(&LINK_STEPS);
         self.find_boundaries(n_parts, table);
         self.adjacency.n_edges() > 0
     }
 
-    /// Label the connected components of the patch without its crease pixels.
+    /// Label the connected components of the patch without its crease pixels, and count the
+    /// pixels of each label.
     fn label_between_creases(&mut self) {
         let Self {
             patch,
             creases,
             parents,
+            number_of,
             ..
         } = self;
         let Patch {
@@ -204,81 +205,90 @@ impl ConcavitySplit {
             points,
             part_of,
         } = patch;
+        // As slices, so that their addresses stay in registers.
+        let (points, part_of) = (points.as_slice(), part_of.as_mut_slice());
+        let is_crease = creases.is_crease.as_slice();
         parents.clear();
+        number_of.clear();
         for pixel in pixels {
             let index = pixel.index as usize;
-            if creases.is_crease[index] {
+            if is_crease[index] {
                 continue;
             }
-            let squared_max = NARROW_LINKS.squared_max(pixel.z);
+            let (point, squared_max) = (&points[index], NARROW_LINKS.squared_max(pixel.z));
+            let is_linked = |near: usize| squared_distance(point, &points[near]) <= squared_max;
+            let above = index - *width;
+            let near = [index - 1, above, above - 1, above + 1];
+            let labels = near.map(|near| part_of[near]);
             let mut own = UNASSIGNED;
-            for near in [
-                index - 1,
-                index - *width,
-                index - *width - 1,
-                index - *width + 1,
-            ] {
-                let other = part_of[near];
-                if other < UNASSIGNED
-                    && other != own
-                    && squared_distance(&points[index], &points[near]) <= squared_max
-                {
-                    own = match own {
-                        UNASSIGNED => other,
-                        own => union(parents, own, other),
-                    };
+            if labels[0] < UNASSIGNED
+                && labels[1..].iter().all(|label| *label == labels[0])
+                && is_linked(near[0])
+            {
+                // Inside a region, one distance is enough.
+                own = labels[0];
+            } else {
+                for (near, other) in near.into_iter().zip(labels) {
+                    if other != own && other < UNASSIGNED && is_linked(near) {
+                        own = match own {
+                            UNASSIGNED => other,
+                            own => union(parents, own, other),
+                        };
+                    }
                 }
             }
             if own == UNASSIGNED {
                 own = parents.len() as u32;
                 parents.push(own);
+                number_of.push(0);
             }
+            number_of[own as usize] += 1;
             part_of[index] = own;
         }
     }
 
-    /// Number the parts with at least `n_min` pixels in image order and unassign the pixels
-    /// of the others. Returns the number of parts.
+    /// Number the parts with at least `n_min` pixels in image order, unassign the pixels of the
+    /// others, and list the pixels of no part. Returns the number of parts.
     fn keep_large_parts(&mut self, n_min: u32) -> u32 {
         let Self {
             patch,
             parents,
             number_of,
+            unassigned,
             ..
         } = self;
-        for label in 0..parents.len() as u32 {
-            parents[label as usize] = find_root(parents, label);
-        }
-        number_of.clear();
-        number_of.resize(parents.len(), 0);
-        let labels = || patch.part_of.iter().filter(|&&label| label < UNASSIGNED);
-        for &label in labels() {
-            number_of[parents[label as usize] as usize] += 1;
+        for label in 0..parents.len() {
+            // A root precedes its members.
+            let root = parents[parents[label] as usize];
+            parents[label] = root;
+            if root as usize != label {
+                number_of[root as usize] += std::mem::take(&mut number_of[label]);
+            }
         }
         let mut n_parts = 0;
-        for n in number_of.iter_mut() {
-            let is_large = *n >= n_min;
-            *n = if is_large { n_parts } else { UNASSIGNED };
-            n_parts += u32::from(is_large);
+        for label in 0..parents.len() {
+            let root = parents[label] as usize;
+            number_of[label] = if root != label {
+                number_of[root]
+            } else if number_of[label] >= n_min {
+                n_parts += 1;
+                n_parts - 1
+            } else {
+                UNASSIGNED
+            };
         }
-        for label in patch
-            .part_of
-            .iter_mut()
-            .filter(|label| **label < UNASSIGNED)
-        {
-            *label = number_of[parents[*label as usize] as usize];
+        unassigned.clear();
+        let part_of = patch.part_of.as_mut_slice();
+        for pixel in &patch.pixels {
+            let part = &mut part_of[pixel.index as usize];
+            if *part != UNASSIGNED {
+                *part = number_of[*part as usize];
+            }
+            if *part == UNASSIGNED {
+                unassigned.push(pixel.index);
+            }
         }
         n_parts
-    }
-
-    /// List the pixels of no part, in image order.
-    fn list_unassigned(&mut self) {
-        let Self {
-            patch, unassigned, ..
-        } = self;
-        let indices = patch.pixels.iter().map(|pixel| pixel.index);
-        unassigned.clear();
-        unassigned.extend(indices.filter(|&index| patch.part_of[index as usize] == UNASSIGNED));
     }
 
     /// Grow the parts breadth-first over unassigned pixels.
@@ -330,22 +340,23 @@ impl ConcavitySplit {
             patch,
             adjacency,
             creases,
+            unassigned,
             ..
         } = self;
-        for part in patch.part_of.iter_mut().filter(|part| **part == UNASSIGNED) {
-            *part = n_parts;
+        for &index in &*unassigned {
+            patch.part_of[index as usize] = n_parts;
         }
         adjacency.clear(n_parts as usize + 1);
+        let (points, part_of) = (patch.points.as_slice(), patch.part_of.as_slice());
         for pixel in &patch.pixels {
             let index = pixel.index as usize;
-            let part = patch.part_of[index];
-            let point = &patch.points[index];
+            let (part, point) = (part_of[index], &points[index]);
             adjacency.add_pixel(part, point);
             if pixel.row % POSITION_STRIDE == 0 && pixel.column % POSITION_STRIDE == 0 {
                 adjacency.add_position(part, point, &table.axes);
             }
             for near in [index + 1, index + patch.width] {
-                let other = patch.part_of[near];
+                let other = part_of[near];
                 if other != part && other != NO_CLUSTER {
                     adjacency.add_pair([part, other], [index, near]);
                 }
@@ -369,11 +380,15 @@ impl ConcavitySplit {
         adjacency.merge_regions(|a, b| {
             union(parents, a, b);
         });
+        for part in 0..parents.len() as u32 {
+            parents[part as usize] = find_root(parents, part);
+        }
         number_of.clear();
         number_of.resize(parents.len(), 0);
+        let part_of = patch.part_of.as_mut_slice();
         for pixel in &patch.pixels {
-            let part = &mut patch.part_of[pixel.index as usize];
-            *part = find_root(parents, *part);
+            let part = &mut part_of[pixel.index as usize];
+            *part = parents[*part as usize];
             number_of[*part as usize] += 1;
         }
         number_of.iter().filter(|&&n| n > 0).count() > 1

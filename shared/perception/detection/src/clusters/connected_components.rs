@@ -33,6 +33,7 @@ impl Clusters {
         pixels: &[u32],
         n_min: u32,
     ) {
+        self.clear_labels(cloud.points().len());
         self.ungrouped.clear();
         self.ungrouped.extend_from_slice(pixels);
         let n_rows = cloud.height().div_ceil(N_BANDS).max(LINKS.reach_px);
@@ -40,6 +41,19 @@ impl Clusters {
         self.merge_seams(cloud, n_rows);
         self.number_large_components(n_min);
         self.sort_by_cluster();
+    }
+
+    /// Clear the labels of an image of `n_pixels`: only those of the clusters found last, when it
+    /// had the same size.
+    fn clear_labels(&mut self, n_pixels: usize) {
+        if self.cluster_of.len() == n_pixels {
+            for &pixel in &self.pixels {
+                self.cluster_of[pixel as usize] = NO_CLUSTER;
+            }
+        } else {
+            self.cluster_of.clear();
+            self.cluster_of.resize(n_pixels, NO_CLUSTER);
+        }
     }
 
     /// Labels the components of each band of `n_rows` rows.
@@ -59,7 +73,6 @@ impl Clusters {
                 first + self.ungrouped[first..].partition_point(|&p| (p as usize) < end_pixel);
             first = band.end;
         }
-        self.cluster_of.resize(cloud.points().len(), NO_CLUSTER);
         let pixels = &self.ungrouped;
         let images = cloud
             .points()
@@ -67,7 +80,6 @@ impl Clusters {
             .zip(self.cluster_of.chunks_mut(n_pixels));
         let bands = self.bands.iter_mut().zip(images).zip(0..);
         for_each(parallelism, bands, |((band, (points, labels)), number)| {
-            labels.fill(NO_CLUSTER);
             let pixels = &pixels[band.first..band.end];
             band.label(points, cloud.width(), pixels, number * n_pixels, labels);
         });
@@ -128,20 +140,26 @@ impl Band {
                 row_start += width;
                 row += 1;
             }
-            self.link_pixel(points, width, labels, [pixel - row_start, row]);
+            let column = pixel - row_start;
+            let link = LinkTest::of(points, labels, pixel);
+            let is_inner = row > 0 && column > 0 && column + 1 < width;
+            labels[pixel] = if is_inner && link.is_surrounded(pixel, width) {
+                labels[pixel - 1]
+            } else {
+                self.linked_label(points, width, labels, [column, row])
+            };
         }
     }
 
-    /// Label a pixel with the component of its linked neighbours to the left and above, or
-    /// with a new label.
-    #[inline]
-    fn link_pixel(
+    /// Label of a pixel: that of its linked neighbours to the left and above, whose components
+    /// are united, or a new one.
+    fn linked_label(
         &mut self,
         points: &[Point],
         width: usize,
-        labels: &mut [u32],
+        labels: &[u32],
         [column, row]: [usize; 2],
-    ) {
+    ) -> u32 {
         let parents = &mut self.parents;
         let pixel = row * width + column;
         let link = LinkTest::of(points, labels, pixel);
@@ -160,7 +178,7 @@ impl Band {
             own = parents.len() as u32;
             parents.push(own);
         }
-        labels[pixel] = own;
+        own
     }
 }
 
@@ -197,12 +215,31 @@ impl<'a> LinkTest<'a> {
     #[inline]
     fn label(&self, neighbour: usize) -> u32 {
         let label = self.labels[neighbour];
-        let squared_distance = squared_distance(&self.point, &self.points[neighbour]);
-        if label != NO_CLUSTER && squared_distance <= self.squared_max {
+        if label != NO_CLUSTER && self.is_linked(neighbour) {
             label
         } else {
             NO_CLUSTER
         }
+    }
+
+    /// `true` when the neighbours to the left and above and the diagonal ones have the same
+    /// label, and the former two are linked: then the pixel has that label too. So it is for
+    /// most pixels.
+    #[inline]
+    fn is_surrounded(&self, pixel: usize, width: usize) -> bool {
+        let above = pixel - width;
+        let near = [pixel - 1, above, above - 1, above + 1];
+        let labels = near.map(|near| self.labels[near]);
+        labels[0] != NO_CLUSTER
+            && labels[1..].iter().all(|label| *label == labels[0])
+            && self.is_linked(near[0])
+            && self.is_linked(near[1])
+    }
+
+    /// `true` when a neighbour is near enough in space.
+    #[inline]
+    fn is_linked(&self, neighbour: usize) -> bool {
+        squared_distance(&self.point, &self.points[neighbour]) <= self.squared_max
     }
 
     /// Label of the first linked one of `n` neighbours at multiples of `step` before the

@@ -10,6 +10,15 @@ const CELL_M: f64 = 0.02;
 /// Greatest number of cells per side.
 const CELLS_MAX: usize = 256;
 
+/// Least number of which the next one in single precision is larger by 1. There are fewer cells.
+const TWO_TO_23: f32 = 8_388_608.0;
+
+/// Bits of the mantissa in single precision.
+const MANTISSA: u32 = (1 << 23) - 1;
+
+/// Cell number of a point outside of the grid.
+const OUTSIDE: u32 = u32::MAX;
+
 /// Grid of square cells in the frame of the table.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct CellGrid {
@@ -81,18 +90,30 @@ impl CellGrid {
 
     /// Cell of a point in the table's frame; `None` outside of the grid.
     #[inline]
+    pub(crate) fn cell_of(&self, u: f32, v: f32) -> Option<usize> {
+        let index = self.index_of(u, v);
+        (index != OUTSIDE).then_some(index as usize)
+    }
+
+    /// Cell of a point in the table's frame; outside of the grid a number larger than all
+    /// cells. In 32 bits, so that the compiler vectorises it.
+    #[inline]
     #[expect(
         clippy::needless_bitwise_bool,
         reason = "unpredictable branches cost more than comparisons"
     )]
-    pub(crate) fn cell_of(&self, u: f32, v: f32) -> Option<usize> {
+    pub(crate) fn index_of(&self, u: f32, v: f32) -> u32 {
         let column = (u - self.u_min) * self.cells_per_m;
         let row = (v - self.v_min) * self.cells_per_m;
         let inside = (column >= 0.0)
             & (row >= 0.0)
             & (column < self.width as f32)
             & (row < self.height as f32);
-        inside.then(|| row as usize * self.width + column as usize)
+        // An integer below 2²³, added to 2²³, is the mantissa. A cast would saturate, which the
+        // compiler does not vectorise.
+        let index = row.floor() * self.width as f32 + column.floor();
+        let index = (index + TWO_TO_23).to_bits() & MANTISSA;
+        if inside { index } else { OUTSIDE }
     }
 
     /// Neighbours of a cell by side. The outermost cells are never part of a table, except
@@ -110,36 +131,34 @@ impl CellGrid {
         scratch: &mut Vec<bool>,
         dilated: &mut Vec<bool>,
     ) {
-        for cells in [&mut *scratch, &mut *dilated] {
-            cells.clear();
-            cells.resize(marked.len(), false);
+        scratch.clear();
+        scratch.extend_from_slice(marked);
+        let width = self.width.max(1);
+        let lines = marked.chunks_exact(width);
+        for (line, dilated) in lines.zip(scratch.chunks_exact_mut(width)) {
+            mark_shifted(line, reach.min(width), 1, dilated);
         }
-        for row in 0..self.height {
-            let line = row * self.width..(row + 1) * self.width;
-            dilate_line(&marked[line.clone()], 1, reach, &mut scratch[line]);
-        }
-        for column in 0..self.width.min(marked.len()) {
-            dilate_line(
-                &scratch[column..],
-                self.width,
-                reach,
-                &mut dilated[column..],
-            );
-        }
+        dilated.clear();
+        dilated.extend_from_slice(scratch);
+        mark_shifted(scratch, reach.min(self.height), width, dilated);
     }
 }
 
-/// One-dimensional dilation of a line with its cells `stride` apart.
-fn dilate_line(marked: &[bool], stride: usize, reach: usize, dilated: &mut [bool]) {
-    let n = marked.len().div_ceil(stride);
-    let mut until = 0;
-    for i in 0..n + reach {
-        if i < n && marked[i * stride] {
-            until = i + 2 * reach + 1;
-        }
-        if i < until && i >= reach {
-            dilated[(i - reach) * stride] = true;
-        }
+/// Dilation along one direction: mark the cells up to `reach` strides of `stride` cells before
+/// and after each marked one. Whole slices at a time, so that the compiler vectorises it.
+fn mark_shifted(marked: &[bool], reach: usize, stride: usize, dilated: &mut [bool]) {
+    for step in 1..=reach {
+        let shift = step * stride;
+        let n = marked.len() - shift;
+        mark_all(&mut dilated[shift..], &marked[..n]);
+        mark_all(&mut dilated[..n], &marked[shift..]);
+    }
+}
+
+/// Mark the cells that are marked in another slice.
+fn mark_all(marked: &mut [bool], others: &[bool]) {
+    for (marked, &other) in marked.iter_mut().zip(others) {
+        *marked |= other;
     }
 }
 
