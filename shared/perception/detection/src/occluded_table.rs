@@ -1,106 +1,172 @@
-//! Occluded-table search: the table around an object whose top is the largest plane.
+//! Occluded-table search: the plane of the table under an object whose top is a larger plane.
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::footprint::Footprint;
-use crate::plane_region::{
-    PlaneRegionBuffers, RegionFilter, find_region, region_plane, region_polygon,
-};
+use crate::plane_region::PlaneRegionBuffers;
 use crate::samples::{Samples, plane_band_m};
 use crate::table::FLOOR_GAP_M;
-use geometry::{ConvexPolygon, Plane};
+use geometry::Plane;
 
-/// Bin width of the height histogram under a plane, metres. Chosen; sensitivity: see
+/// Least cosine of the angle between a table and the top of an object that leans on
+/// another (20 degrees). Chosen; sensitivity: see `tabula-lab sweep`.
+const LEANING_COS_MIN: f64 = 0.94;
+
+/// Greatest share of a top's samples below the table. Chosen; sensitivity: see
 /// `tabula-lab sweep`.
-const STEP_M: f64 = 0.008;
+const BELOW_SHARE_MAX: f64 = 0.05;
 
-/// Number of histogram bins down to the floor gap.
-const N_STEPS: usize = (FLOOR_GAP_M / STEP_M) as usize;
-
-/// Greatest overhang of an object's top over the visible table, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
-const OVERHANG_M: f64 = 0.02;
+/// Greatest share of a top's samples as high over the table as a table is over its floor.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const HIGH_SHARE_MAX: f64 = 0.5;
 
 /// Buffers of the occluded-table search.
 #[derive(Debug, Default)]
 pub(crate) struct OccludedTableBuffers {
-    top: ConvexPolygon,
-    table: ConvexPolygon,
+    /// First and last column of a region in each row of the image.
+    row_ends: Vec<Option<[usize; 2]>>,
+    /// First and last row of a region in each column of the image.
+    column_ends: Vec<Option<[usize; 2]>>,
 }
 
-/// Plane of the table under an object whose top is `plane`: a parallel plane a little lower
-/// that is visible on all sides of it. `None` when the plane is too large for an object's
-/// top or no such table exists.
-pub(crate) fn find_occluded_table(
+/// Place of a sample relative to a plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    Above,
+    On,
+    Below,
+}
+
+/// Plane that may be the table under another, with the samples that are compared with it.
+struct LowerPlane<'a> {
+    height: AffineForm,
+    samples: &'a Samples,
+    config: &'a RawConfig,
+}
+
+/// Support test: `true` when `upper` is the top of an object on the table `lower`, or a
+/// mixture of both. Of the wide region of `upper`, which was found last, nothing is below
+/// `lower`, an object's size is above it, and around the region more rays meet `lower` than
+/// pass it.
+///
+/// A table over a chair or a lower table fails: beside it, most rays meet the floor.
+pub(crate) fn stands_on(
     samples: &Samples,
-    plane: &Plane,
+    [upper, lower]: [&Plane; 2],
     config: &RawConfig,
     n_min: usize,
-    region: &mut PlaneRegionBuffers,
+    region: &PlaneRegionBuffers,
     buffers: &mut OccludedTableBuffers,
-) -> Option<Plane> {
-    let OccludedTableBuffers { top, table } = buffers;
-    let gap_m = most_frequent_gap_m(samples, plane, config, n_min)?;
-    // One frame for both polygons, so that they are comparable.
-    let plane_from_camera = plane.plane_from_source();
-    find_region(
-        samples,
-        plane,
-        &plane_from_camera,
-        RegionFilter::WideOnly,
-        region,
-    );
-    region_polygon(samples, region, top);
-    if longest_side_m(top)? > config.side_max_m {
-        return None;
+) -> bool {
+    if upper.normal.dot(&lower.normal) < LEANING_COS_MIN {
+        return false;
     }
-    let mut lower = *plane;
-    lower.offset_m += gap_m;
-    let n_around = find_region(
+    let upper_from_camera = upper.plane_from_source();
+    let lower = LowerPlane {
+        height: AffineForm::from(lower),
         samples,
-        &lower,
-        &plane_from_camera,
-        RegionFilter::All,
-        region,
-    );
-    region_polygon(samples, region, table);
-    let is_around = |corner| table.signed_distance_m(corner) >= -OVERHANG_M;
-    let surrounds = n_around >= n_min && top.corners().iter().all(is_around);
-    surrounds.then(|| region_plane(samples, region).unwrap_or(lower))
+        config,
+    };
+    let top_axes = AffineForm::coordinates_of(&upper_from_camera);
+    lower.is_under(region, &top_axes, n_min) && lower.is_around(region, buffers)
 }
 
-/// Mode of the height histogram under a plane, metres below it; `None` when it holds fewer
-/// than `n_min` samples.
-fn most_frequent_gap_m(
-    samples: &Samples,
-    plane: &Plane,
-    config: &RawConfig,
-    n_min: usize,
-) -> Option<f64> {
-    let height = AffineForm::from(plane);
-    let mut counts = [0_usize; N_STEPS];
-    for sample in (0..samples.len()).filter(|&sample| samples.is_unassigned(sample)) {
-        let below = -samples.coordinate(&height, sample);
-        if below > 2.0 * plane_band_m(samples.depth(sample), config) {
-            let step = (f64::from(below) / STEP_M) as usize;
-            counts
-                .get_mut(step)
-                .into_iter()
-                .for_each(|count| *count += 1);
+impl LowerPlane<'_> {
+    fn place(&self, sample: usize) -> Place {
+        let height_m = self.samples.coordinate(&self.height, sample);
+        let band_m = plane_band_m(self.samples.depth(sample), self.config);
+        if height_m > band_m {
+            Place::Above
+        } else if height_m < -band_m {
+            Place::Below
+        } else {
+            Place::On
         }
     }
-    let pairs = counts.windows(2).map(|pair| pair[0] + pair[1]);
-    let (step, n) = pairs.enumerate().max_by_key(|&(_, n)| n)?;
-    (n >= n_min).then_some((step + 1) as f64 * STEP_M)
+
+    /// `true` when a region is on the plane or above it, and at least `n_min` samples of an
+    /// object's size above it.
+    fn is_under(
+        &self,
+        region: &PlaneRegionBuffers,
+        [u, v, _]: &[AffineForm; 3],
+        n_min: usize,
+    ) -> bool {
+        let mut top = Footprint::new();
+        let (mut n, mut n_above, mut n_below, mut n_high) = (0, 0, 0, 0);
+        for sample in region.samples() {
+            n += 1;
+            match self.place(sample) {
+                Place::On => {}
+                Place::Below => n_below += 1,
+                Place::Above => {
+                    n_above += 1;
+                    let height_m = self.samples.coordinate(&self.height, sample);
+                    n_high += usize::from(f64::from(height_m) >= FLOOR_GAP_M);
+                    let [u, v] = [u, v].map(|axis| self.samples.coordinate(axis, sample));
+                    top.add(u, v);
+                }
+            }
+        }
+        let is_at_most = |n_of: usize, share: f64| n_of as f64 <= share * f64::from(n);
+        let is_object_sized = || {
+            let rectangle = top.min_area_rectangle();
+            rectangle.is_some_and(|top| 2.0 * top.half_sides_m.x <= self.config.side_max_m)
+        };
+        n_above >= n_min
+            && is_at_most(n_below, BELOW_SHARE_MAX)
+            && is_at_most(n_high, HIGH_SHARE_MAX)
+            && is_object_sized()
+    }
+
+    /// `true` when of the rays beside a region in its rows and columns more meet the plane
+    /// than pass it; rays that meet what is above the plane tell nothing.
+    fn is_around(&self, region: &PlaneRegionBuffers, buffers: &mut OccludedTableBuffers) -> bool {
+        let (width, height) = (self.samples.width(), self.samples.height());
+        let OccludedTableBuffers {
+            row_ends,
+            column_ends,
+        } = buffers;
+        for (ends, n) in [(&mut *row_ends, height), (&mut *column_ends, width)] {
+            ends.clear();
+            ends.resize(n, None);
+        }
+        for sample in region.samples() {
+            let (row, column) = (sample / width, sample % width);
+            extend(&mut row_ends[row], column);
+            extend(&mut column_ends[column], row);
+        }
+        let (mut n_on, mut n_below) = (0, 0);
+        let mut count = |place: Option<Place>| {
+            n_on += usize::from(place == Some(Place::On));
+            n_below += usize::from(place == Some(Place::Below));
+        };
+        for (row, ends) in row_ends.iter().enumerate() {
+            let Some([first, last]) = *ends else { continue };
+            let at = |column| row * width + column;
+            count(self.first_not_above((0..=first).rev().map(at)));
+            count(self.first_not_above((last..width).map(at)));
+        }
+        for (column, ends) in column_ends.iter().enumerate() {
+            let Some([first, last]) = *ends else { continue };
+            let at = |row| row * width + column;
+            count(self.first_not_above((0..=first).rev().map(at)));
+            count(self.first_not_above((last..height).map(at)));
+        }
+        n_on > n_below
+    }
+
+    /// Place of the first sample that is not above the plane; `None` without one.
+    fn first_not_above(&self, samples: impl Iterator<Item = usize>) -> Option<Place> {
+        samples
+            .filter(|&sample| self.samples.depth(sample) > 0.0)
+            .map(|sample| self.place(sample))
+            .find(|&place| place != Place::Above)
+    }
 }
 
-/// Longer side of the minimum-area rectangle around a polygon, metres; `None` without
-/// corners.
-fn longest_side_m(polygon: &ConvexPolygon) -> Option<f64> {
-    let mut footprint = Footprint::new();
-    for corner in polygon.corners() {
-        footprint.add(corner.x as f32, corner.y as f32);
-    }
-    let rectangle = footprint.min_area_rectangle()?;
-    Some(2.0 * rectangle.half_sides_m.x)
+/// Extend an interval, first and last, by a place.
+fn extend(interval: &mut Option<[usize; 2]>, place: usize) {
+    let [first, last] = interval.unwrap_or([place, place]);
+    *interval = Some([first.min(place), last.max(place)]);
 }

@@ -2,7 +2,7 @@
 
 use crate::outline::Outline;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3, Vector2};
 use sensor_noise::DepthNoise;
 use std::fmt;
 
@@ -40,6 +40,19 @@ impl Table {
     pub fn rim_distance_m(&self, place: &Point2<f64>) -> f64 {
         self.outline.rim_distance_m(place)
     }
+
+    /// Depth of the middle of the visible part of the table along the optical axis, metres.
+    pub fn middle_depth_m(&self) -> f64 {
+        self.middle_in_camera().z
+    }
+
+    /// Middle of the visible part of the table, camera frame.
+    pub fn middle_in_camera(&self) -> Point3<f64> {
+        let corners = self.polygon.corners();
+        let sum: Vector2<f64> = corners.iter().map(|corner| corner.coords).sum();
+        let middle = (sum / corners.len().max(1) as f64).push(0.0);
+        self.table_from_camera.inverse() * Point3::from(middle)
+    }
 }
 
 /// Reason for the selection of a table. Two tables of one height count as two surfaces.
@@ -59,7 +72,7 @@ pub enum TableChoice {
         /// Number of other surfaces that can be a table.
         n_others: usize,
     },
-    /// Surface around a larger one a little above it, the top of an object.
+    /// Surface around a larger one above it, the top of an object, level or leaning.
     Around,
 }
 
@@ -68,7 +81,7 @@ impl fmt::Display for TableChoice {
         let others = |n: usize| if n == 1 { "surface" } else { "surfaces" };
         match *self {
             Self::Only => write!(f, "the only surface that can be a table"),
-            Self::Around => write!(f, "around the top of an object that covers most of it"),
+            Self::Around => write!(f, "around the top of an object that covers much of it"),
             Self::Most => write!(f, "most of the points in range"),
             Self::Largest { n_others: n } => {
                 write!(f, "larger than {n} other {} that can be a table", others(n))

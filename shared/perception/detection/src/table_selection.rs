@@ -2,7 +2,7 @@
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
-use crate::occluded_table::{OccludedTableBuffers, find_occluded_table};
+use crate::occluded_table::{OccludedTableBuffers, stands_on};
 use crate::plane_ransac::{NormalConstraint, PlaneSearchBuffers, largest_plane};
 use crate::plane_region::{
     PlaneRegionBuffers, RegionFilter, find_region, region_plane, region_polygon,
@@ -22,7 +22,7 @@ const N_PLANES_MAX: usize = 5;
 const SHARE_MIN: f64 = 0.02;
 
 /// Share of the samples in range at which a table ends the search, unless enough is above
-/// it for a table over a floor. Chosen; sensitivity: see `tabula-lab sweep`.
+/// it for a table over a floor or below it for a table under the top of an object. Chosen; sensitivity: see `tabula-lab sweep`.
 const DOMINANT_SHARE: f64 = 0.5;
 
 /// Least ratio of samples of the upper to the lower of two parallel planes at which the
@@ -95,17 +95,56 @@ pub(crate) fn select_table(
     random: &mut Random,
     buffers: &mut TableSelectionBuffers,
 ) -> Option<Table> {
+    let n_min = ((samples.len() as f64 * SHARE_MIN) as usize).max(8);
+    let is_all = find_planes(samples, up_in_camera, config, n_min, random, buffers);
+    samples.reset_assignment(config);
+    let (chosen, mut choice) = choose_table(&buffers.found, n_min)?;
+    if choice == TableChoice::Only && !is_all {
+        choice = TableChoice::Most;
+    }
+    find_wide_region(samples, &chosen.plane, &mut buffers.region);
+    if let Some(plane) = find_table_under(samples, &chosen, config, n_min, buffers) {
+        let (plane_from_camera, region) = (plane.plane_from_source(), &mut buffers.region);
+        find_region(
+            samples,
+            &plane,
+            &plane_from_camera,
+            RegionFilter::All,
+            region,
+        );
+        return outlined_table(samples, plane, TableChoice::Around, buffers);
+    }
+    outlined_table(samples, chosen.plane, choice, buffers)
+}
+
+/// Find the largest region of a plane that is somewhere wider than a strip; returns its number
+/// of samples.
+fn find_wide_region(samples: &Samples, plane: &Plane, region: &mut PlaneRegionBuffers) -> usize {
+    let plane_from_camera = plane.plane_from_source();
+    let parts = RegionFilter::WideOnly;
+    find_region(samples, plane, &plane_from_camera, parts, region)
+}
+
+/// Plane search: the largest planes of an image, of which the samples stay assigned. `true`
+/// when all were searched; `false` when a dominant one, with too little above and below it
+/// for another table, ended the search.
+fn find_planes(
+    samples: &mut Samples,
+    up_in_camera: Option<Unit<Vector3<f64>>>,
+    config: &RawConfig,
+    n_min: usize,
+    random: &mut Random,
+    buffers: &mut TableSelectionBuffers,
+) -> bool {
     let limit = up_in_camera.map(|up| NormalConstraint {
         up,
         cos_min: config.table_tilt_max_rad.cos(),
     });
-    let n_min = ((samples.len() as f64 * SHARE_MIN) as usize).max(8);
     let n_dominant = ((0..samples.len())
         .filter(|&i| samples.is_unassigned(i))
         .count() as f64
         * DOMINANT_SHARE) as usize;
     buffers.found.clear();
-    let mut is_all = true;
     for _ in 0..N_PLANES_MAX {
         let Some(plane) =
             largest_plane(samples, limit.as_ref(), n_min, random, &mut buffers.search)
@@ -119,36 +158,56 @@ pub(crate) fn select_table(
         if found.likelihood == TableLikelihood::Likely
             && found.n_samples >= n_dominant
             && !may_be_floor(samples, &found)
+            && !may_be_top(samples, &found, n_min)
         {
-            is_all = false;
-            break;
+            return false;
         }
     }
-    samples.reset_assignment(config);
-    let (chosen, mut choice) = choose_table(&buffers.found, n_min)?;
-    if choice == TableChoice::Only && !is_all {
-        choice = TableChoice::Most;
-    }
+    true
+}
+
+/// Table on which the object stands whose top is the chosen plane, or the object under it
+/// in a pile; `None` when the chosen plane stands on no other. The wide region of the chosen
+/// plane comes as the region found last, and stays it when the result is `None`.
+fn find_table_under(
+    samples: &Samples,
+    chosen: &PlaneCandidate,
+    config: &RawConfig,
+    n_min: usize,
+    buffers: &mut TableSelectionBuffers,
+) -> Option<Plane> {
     let TableSelectionBuffers {
-        region, occluded, ..
+        region,
+        found,
+        occluded,
+        ..
     } = buffers;
-    let occluded = find_occluded_table(samples, &chosen.plane, config, n_min, region, occluded);
-    if let Some(plane) = occluded {
-        return outlined_table(
-            samples,
-            plane,
-            RegionFilter::All,
-            TableChoice::Around,
-            buffers,
-        );
+    let mut lowest = chosen;
+    for _ in 0..found.len() {
+        let mut carries = |lower: &&PlaneCandidate| {
+            let planes = [&lowest.plane, &lower.plane];
+            stands_on(samples, planes, config, n_min, region, occluded)
+        };
+        let under = found
+            .iter()
+            .filter(|lower| lower.likelihood == chosen.likelihood && lower.plane != lowest.plane)
+            .find(&mut carries);
+        let Some(under) = under else { break };
+        lowest = under;
+        find_wide_region(samples, &lowest.plane, region);
     }
-    outlined_table(
+    if lowest.plane == chosen.plane {
+        return None;
+    }
+    let lowest_from_camera = lowest.plane.plane_from_source();
+    find_region(
         samples,
-        chosen.plane,
-        RegionFilter::WideOnly,
-        choice,
-        buffers,
-    )
+        &lowest.plane,
+        &lowest_from_camera,
+        RegionFilter::All,
+        region,
+    );
+    Some(region_plane(samples, region).unwrap_or(lowest.plane))
 }
 
 /// `true` when enough of the unassigned samples are above a plane for a table over it.
@@ -162,6 +221,17 @@ fn may_be_floor(samples: &Samples, found: &PlaneCandidate) -> bool {
     n_over as f64 >= TABLE_SHARE_OF_FLOOR * found.n_samples as f64
 }
 
+/// `true` when enough of the unassigned samples are a little below a plane for a table under
+/// it.
+fn may_be_top(samples: &Samples, found: &PlaneCandidate, n_min: usize) -> bool {
+    let height = AffineForm::from(&found.plane);
+    let is_under = |&sample: &usize| {
+        let below_m = -f64::from(samples.coordinate(&height, sample));
+        samples.is_unassigned(sample) && (0.0..FLOOR_GAP_M).contains(&below_m)
+    };
+    (0..samples.len()).filter(is_under).count() >= n_min
+}
+
 /// Plane refitted to its own largest connected region.
 fn through_largest_region(
     samples: &Samples,
@@ -170,14 +240,7 @@ fn through_largest_region(
     n_min: usize,
     region: &mut PlaneRegionBuffers,
 ) -> PlaneCandidate {
-    let plane_from_camera = plane.plane_from_source();
-    let n_samples = find_region(
-        samples,
-        &plane,
-        &plane_from_camera,
-        RegionFilter::WideOnly,
-        region,
-    );
+    let n_samples = find_wide_region(samples, &plane, region);
     let plane = region_plane(samples, region).unwrap_or(plane);
     PlaneCandidate {
         plane,
@@ -234,17 +297,15 @@ fn is_above(upper: &PlaneCandidate, lower: &PlaneCandidate) -> bool {
         && upper.n_samples as f64 >= TABLE_SHARE_OF_FLOOR * lower.n_samples as f64
 }
 
-/// Table of a plane with the polygon of its region.
+/// Table of a plane with the polygon of its region, which was found last.
 fn outlined_table(
     samples: &Samples,
     plane: Plane,
-    parts: RegionFilter,
     choice: TableChoice,
     buffers: &mut TableSelectionBuffers,
 ) -> Option<Table> {
     let region = &mut buffers.region;
     let table_from_camera = plane.plane_from_source();
-    let n_samples = find_region(samples, &plane, &table_from_camera, parts, region);
     let (mut polygon, mut outline) = match buffers.spare.take() {
         Some(spare) => (spare.polygon, spare.outline),
         None => Default::default(),
@@ -257,7 +318,7 @@ fn outlined_table(
         polygon,
         outline,
         choice,
-        n_samples,
+        n_samples: region.n_samples(),
         depth_noise: DepthNoise::default(),
         noise_ratio: 1.0,
     };

@@ -174,3 +174,58 @@ fn box_that_occludes_the_table_is_selected_as_table() {
         outcome.assert_objects(&[], 1.0);
     }
 }
+
+/// Close view of a table that fills the image but for a strip of floor behind it.
+fn close_view() -> SyntheticScene {
+    let table = PlacedShape::rectangle([1.8, 1.0], HIGH, TABLE);
+    SyntheticScene::seen_from([0.0, -0.55, HIGH + 0.45], [0.0, 0.0, HIGH])
+        .with([table, PlacedShape::floor()])
+}
+
+#[test]
+fn occluded_table_is_found_under_a_book_cut_by_the_image() {
+    for (sides, x) in [
+        ([0.55, 0.75, 0.015], 0.0),
+        ([0.6, 0.7, 0.03], 0.05),
+        ([0.65, 0.6, 0.06], -0.05),
+    ] {
+        for outcome in DetectionOutcome::both(&close_view().with([on_table(sides, [x, -0.2], 0)])) {
+            for place in [[0.0, 0.0], [-0.4, 0.3], [0.4, 0.3], [0.0, -0.3]] {
+                let error_m = outcome.table_height_m(place) - HIGH;
+                assert!(error_m.abs() < 0.004, "{error_m} {sides:?} {place:?}");
+            }
+            assert_eq!(outcome.table().choice, TableChoice::Around, "{sides:?}");
+        }
+    }
+}
+
+#[test]
+fn occluded_table_is_found_under_a_leaning_book() {
+    for deg in [3.0_f64, 6.0, 10.0] {
+        // The near edge lies on the table.
+        let rise_m = 0.25 * deg.to_radians().sin() + 0.001;
+        let book = PlacedShape::cuboid([0.7, 0.5, 0.02], [0.0, -0.1, HIGH + rise_m], OBJECT)
+            .tilted(Vector3::x_axis(), deg);
+        for outcome in DetectionOutcome::both(&close_view().with([book])) {
+            for place in [[0.0, 0.0], [-0.4, 0.3], [0.4, 0.3], [0.0, -0.3]] {
+                let error_m = outcome.table_height_m(place) - HIGH;
+                assert!(error_m.abs() < 0.004, "{error_m} {deg} {place:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_table_over_a_bench_is_no_top_of_an_object() {
+    // The bench is in view along one side of the table; beside the others is the floor.
+    for low_m in [0.1, 0.2, 0.3] {
+        let sides = [0.7, 0.3, HIGH - low_m];
+        let bench = PlacedShape::cuboid(sides, [0.0, 0.42, 0.0], OBJECT);
+        let table = PlacedShape::rectangle([0.7, 0.5], HIGH, TABLE);
+        let scene = view().with([table, bench, PlacedShape::floor()]);
+        for outcome in DetectionOutcome::both(&scene) {
+            let error_m = outcome.table_height_m([0.0, 0.0]) - HIGH;
+            assert!(error_m.abs() < 0.003, "{error_m} {low_m}");
+        }
+    }
+}
