@@ -531,13 +531,14 @@ fn as_root_other_accounts_need_the_group() {
 }
 
 /// Names of the checks of `tabula doctor`.
-const CHECKS: [&str; 11] = [
+const CHECKS: [&str; 12] = [
     "shared memory",
     "largest services",
     "open files",
     "domain",
     "stale nodes",
     "control socket",
+    "depth noise",
     "data folder",
     "ports",
     "libfreenect",
@@ -606,6 +607,46 @@ fn doctor_lists_every_check_and_succeeds_without_failures() {
     wait_for_all(&daemon, 0);
     check(true);
     daemon.stop();
+}
+
+/// Scene of a table that a simulated Kinect sees from afar.
+const FAR_TABLE: &str = "
+seed = 11
+[camera]
+distance_m = 1.7
+[[object]]
+category = 'bottle'
+position_m = [-0.12, 0.20]
+";
+
+#[test]
+fn doctor_tells_the_noise_measured_on_the_table() {
+    let sandbox = Sandbox::new();
+    let sentence = || {
+        let (findings, _) = examined(&mut sandbox.command("tabula"));
+        let (verdict, sentence) = of_check(&findings, "depth noise");
+        (verdict.to_owned(), sentence.to_owned())
+    };
+    let (verdict, alone) = sentence();
+    assert_eq!(verdict, "ok", "{alone}");
+    assert!(alone.contains("no daemon runs"), "{alone}");
+    let scene = sandbox.home().join("far.toml");
+    std::fs::write(&scene, FAR_TABLE).unwrap();
+    let source = format!("simulation:{}", scene.display());
+    let config = sandbox.home().join("tabula.toml");
+    for (law, verdict, words) in [
+        ("kinect-v1", "ok", "times the configured law kinect-v1"),
+        ("time-of-flight", "warning", "depth_noise = \"kinect-v1\""),
+    ] {
+        std::fs::write(&config, format!("[perception]\ndepth_noise = \"{law}\"\n")).unwrap();
+        let daemon = sandbox.start(&["--source", &source, "--rate", "10"]);
+        let is_measured = || !sentence().1.contains("not measured yet");
+        eventually("the noise is measured", is_measured);
+        let (found, told) = sentence();
+        assert_eq!(found, verdict, "{told}");
+        assert!(told.contains(words), "{told}");
+        daemon.stop();
+    }
 }
 
 #[test]

@@ -64,6 +64,7 @@ async fn labelled_after(
 fn answer(scene: &LatestScene, command: &Command) -> Reply {
     match command {
         Command::Objects => Reply::Objects(scene.objects()),
+        Command::DepthNoise => Reply::DepthNoise(scene.depth_noise()),
         Command::Ask { track_id } => match scene.object(*track_id) {
             Some(object) => Reply::Object(Box::new(object)),
             None => Reply::Refused(no_such_track(scene, *track_id)),

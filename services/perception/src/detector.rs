@@ -134,6 +134,7 @@ fn search(
             observer: Some(on_stage),
         };
         let found = detect(&frame, config, workspace, detection, execution);
+        priors.bodies.assign(&detection.bodies);
         helper_threads.take_spans(spans);
         // Discards the time after the last stage.
         let _ = watch.lap(Stage::Detection, 0);

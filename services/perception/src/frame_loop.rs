@@ -20,6 +20,7 @@ use crate::track_ids::TrackIds;
 use actor::{Progress, WorkerPool};
 use channel::{Domain, Error};
 use constraint::Assumptions;
+use detection::Table;
 use message::{
     FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
@@ -306,7 +307,11 @@ impl FrameLoop {
         self.assumption_log
             .update(Assumptions::from_bits(summary.assumptions));
         self.table_log.update(detected.detection.table.as_ref());
-        self.noise_log.update(detected.detection.table.as_ref());
+        let noise_ratio = self.pipeline.noise_ratio();
+        self.noise_log.update(noise_ratio);
+        let table_depth_m = detected.detection.table.as_ref().map(Table::middle_depth_m);
+        self.latest_scene
+            .set_depth_noise(noise_ratio, table_depth_m);
         summary.stamps.published_ns = monotonic_ns();
         let newest = self.categories.get().position;
         let position = newest_view::oldest_position(&self.live.newest_views, newest);

@@ -24,12 +24,13 @@ impl ReceivedFrame {
         self.frame.header().has(frame_flag::LOCKSTEP)
     }
 
-    /// Capture time, camera pose and intrinsics. Without a pose the world frame is the
+    /// Capture time, camera pose, up direction and intrinsics. Without a pose the world frame is the
     /// camera frame.
     pub(crate) fn frame_pose(&self) -> FramePose {
         FramePose {
             capture_ns: self.frame.header().capture_stamp_ns,
             world_from_camera: self.checked.world_from_camera.unwrap_or_default(),
+            up_in_camera: self.checked.up_in_camera,
             camera: Some(self.checked.camera),
         }
     }

@@ -1,7 +1,7 @@
-//! Latest scene and its labels, for the answers to clients.
+//! Latest scene, its labels and the measured depth noise, for the answers to clients.
 
 use crate::memory_replica::HistoryPosition;
-use message::control::{ObjectReport, ObjectsReport};
+use message::control::{DepthNoiseReport, ObjectReport, ObjectsReport};
 use message::{SceneObject, SceneSummary};
 use parking_lot::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,11 +12,32 @@ use tokio::sync::{Notify, watch};
 pub(crate) struct LatestScene {
     scene: Mutex<(SceneSummary, Vec<SceneObject>)>,
     position: watch::Sender<HistoryPosition>,
+    depth_noise: Mutex<DepthNoiseReport>,
     is_outdated: AtomicBool,
     outdated: Notify,
 }
 
 impl LatestScene {
+    /// Latest scene before the first frame, of a camera with this law of the depth noise.
+    pub(crate) fn new(law: &str) -> Self {
+        let scene = Self::default();
+        law.clone_into(&mut scene.depth_noise.lock().law);
+        scene
+    }
+
+    /// Sets the measured ratio to the law; a table's depth along the optical axis, metres,
+    /// stays until there is another.
+    pub(crate) fn set_depth_noise(&self, ratio: Option<f32>, table_depth_m: Option<f64>) {
+        let mut held = self.depth_noise.lock();
+        held.ratio = ratio.map(f64::from);
+        held.table_depth_m = table_depth_m.or(held.table_depth_m);
+    }
+
+    /// Report of the depth noise.
+    pub(crate) fn depth_noise(&self) -> DepthNoiseReport {
+        self.depth_noise.lock().clone()
+    }
+
     /// Replaces the scene; `position` is the oldest of all its labels.
     pub(crate) fn set(
         &self,

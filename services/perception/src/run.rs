@@ -46,7 +46,9 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let outbox_client = Arc::new(Client::new(domain, ProcessKind::Memory)?);
     let (outbox, outbox_sender) = outbox(outbox_client);
     let ids = Arc::new(TrackIds::default());
-    let latest_scene = Arc::new(LatestScene::default());
+    // The configuration has laws with names only.
+    let noise_law = config.detection.get().depth_noise.name().unwrap_or("");
+    let latest_scene = Arc::new(LatestScene::new(noise_law));
     let backoff = Arc::new(RestartBackoff::default());
     let mut event_publisher =
         ActorEventPublisher::new(domain, events, backoff.clone(), health.clone())?;

@@ -1,6 +1,6 @@
 //! Scene priors: the known bodies and tracks in view before a frame is searched.
 
-use detection::{ExpectedTrack, ScenePriors};
+use detection::{BodyMap, ExpectedTrack, ScenePriors};
 use geometry::{Capsule, RigidTransform};
 
 /// Capsules of a body in the camera frame, or an unknown body.
@@ -36,6 +36,8 @@ impl BodyPrior {
 pub(crate) struct PriorBuffers {
     pub(crate) robot: BodyPrior,
     pub(crate) people: BodyPrior,
+    /// Bodies found in depth in the previous frame.
+    pub(crate) bodies: BodyMap,
     /// Live tracks, predicted to the frame's capture.
     pub(crate) tracks: Vec<ExpectedTrack>,
 }
@@ -46,6 +48,7 @@ impl PriorBuffers {
         ScenePriors {
             instructor: self.people.capsules(),
             robot: self.robot.capsules(),
+            bodies: Some(&self.bodies),
             tracks: &self.tracks,
         }
     }

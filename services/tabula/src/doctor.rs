@@ -1,6 +1,7 @@
 //! `tabula doctor`: diagnosis of this machine.
 
 mod checks;
+mod depth_noise;
 
 use command_line::Output;
 use serde::Serialize;

@@ -1,6 +1,7 @@
-//! Checks of `tabula doctor`: shared memory, descriptors, domain, socket, disk, camera.
+//! Checks of `tabula doctor`: shared memory, descriptors, domain, socket, depth noise, disk,
+//! camera.
 
-use super::{Finding, Severity};
+use super::{Finding, Severity, depth_noise};
 use channel::control::SocketClient;
 use channel::{DomainState, RunFolder, SharedMemory, domain_reservation};
 use freenect::{Library, LibraryKind, Presence};
@@ -15,6 +16,8 @@ use std::time::Duration;
 const DESCRIPTORS_NEEDED: u64 = 256;
 /// Free bytes on the data disk below which a warning is given. Chosen.
 const FREE_BYTES_MIN: u64 = 100_000_000;
+/// Time limit of a connection to the daemon, and of each of its answers.
+const DEADLINE: Duration = Duration::from_secs(2);
 
 /// Findings of all checks, in the order in which a new user meets the problems.
 pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
@@ -27,6 +30,7 @@ pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
         domain(common, &run_folder, &state),
         crashed_run(&state),
         control_socket(common, &state),
+        noise(common, &state),
         data_folder(common.home().path()),
         ports(),
         library("libfreenect", LibraryKind::Real),
@@ -138,9 +142,7 @@ fn crashed_run(state: &DomainState) -> Finding {
 
 fn control_socket(common: &CommonArguments, state: &DomainState) -> Finding {
     let name = "control socket";
-    let folders = RunFolder::candidates();
-    let connected = SocketClient::connect(&common.domain, &folders, Duration::from_secs(2));
-    match connected {
+    match SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE) {
         Ok(mut client) => match client.call(Command::Health) {
             Ok(Reply::Health(processes)) => all_processes(name, processes.len()),
             Ok(other) => Finding::new(name, Severity::Failure, format!("it answers {other:?}")),
@@ -148,6 +150,19 @@ fn control_socket(common: &CommonArguments, state: &DomainState) -> Finding {
         },
         Err(error) if state.is_alive => Finding::new(name, Severity::Warning, error.to_string()),
         Err(_) => Finding::new(name, Severity::Ok, "no daemon runs, so there is none"),
+    }
+}
+
+/// Depth noise measured by a running daemon.
+fn noise(common: &CommonArguments, state: &DomainState) -> Finding {
+    let client = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE);
+    match client.map(|mut client| client.call(Command::DepthNoise)) {
+        Ok(Ok(Reply::DepthNoise(report))) => depth_noise::finding(&report),
+        Ok(Ok(Reply::Refused(refusal))) => depth_noise::unknown(&refusal.to_string()),
+        Ok(Ok(other)) => depth_noise::unknown(&format!("the daemon answers {other:?}")),
+        Ok(Err(error)) => depth_noise::unknown(&error.to_string()),
+        Err(error) if state.is_alive => depth_noise::unknown(&error.to_string()),
+        Err(_) => depth_noise::without_daemon(),
     }
 }
 

@@ -35,7 +35,9 @@ impl Assumption {
     /// Description of the assumption as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {
-            Self::NoPersonKnown => "no person state received: people cannot be excluded",
+            Self::NoPersonKnown => {
+                "no person state received: people are excluded only where depth shows them"
+            }
             Self::NoRobotKnown => "no arm state received: arm points cannot be excluded",
             Self::UpGuessed => {
                 "the direction of gravity is not known: the plane that looks most like a table \

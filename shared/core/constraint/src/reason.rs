@@ -191,6 +191,9 @@ reasons! {
         /// Distance threshold from the body's capsules, metres.
         margin_m
     } => "a person touches it, so a part of it may be missing ({} of its points within {} of the body)", Percent(share), Cm(margin_m);
+    /// The candidate reaches over the table from beside it, as a person's arm does.
+    35 ReachesOverTable
+        => "it reaches over the table from beside it, as a person's arm does";
     /// No robot state is available.
     40 NoRobotKnown
         => "no arm state was received";
@@ -261,7 +264,7 @@ mod tests {
         let all: Vec<_> = (0..u16::MAX)
             .filter_map(|code| Some((code, Reason::from_parts(code, values)?)))
             .collect();
-        assert_eq!(all.len(), 33);
+        assert_eq!(all.len(), 34);
         for (code, reason) in all {
             assert_eq!(reason.code(), code);
             let n_values = reason

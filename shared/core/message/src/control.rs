@@ -39,8 +39,8 @@ pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use refusal::{Refusal, RefusalKind};
 pub use rejected::{AssumptionReport, FindingReport, RejectedCandidateReport};
 pub use report::{
-    ActorStampsReport, CategoryReport, CovarianceReport, LearningReport, NearCategoryReport,
-    ObjectReport, ObjectsReport, ProcessReport,
+    ActorStampsReport, CategoryReport, CovarianceReport, DepthNoiseReport, LearningReport,
+    NearCategoryReport, ObjectReport, ObjectsReport, ProcessReport,
 };
 pub use world::{
     EventReport, EventsReport, FactFilter, FactReport, FactsReport, MAX_EVENT_WAIT_MS,
@@ -90,6 +90,8 @@ pub enum Command {
     },
     /// Report the health of all processes.
     Health,
+    /// Report the depth noise measured on the table.
+    DepthNoise,
     /// Label a track that has no other label.
     Teach(Labelling),
     /// Label a track, replacing any label it has.
@@ -177,6 +179,8 @@ pub enum Reply {
     Object(Box<ObjectReport>),
     /// Reply to [`Command::Health`].
     Health(Vec<ProcessReport>),
+    /// Reply to [`Command::DepthNoise`].
+    DepthNoise(DepthNoiseReport),
     /// Reply to teach, correct, forget and revise: the change is on disk.
     Learned(LearningReport),
     /// Reply to [`Command::Memory`].
@@ -214,7 +218,7 @@ impl Command {
     /// Process that answers the command.
     pub fn owner(&self) -> ProcessKind {
         match self {
-            Self::Objects | Self::Ask { .. } => ProcessKind::Perception,
+            Self::Objects | Self::Ask { .. } | Self::DepthNoise => ProcessKind::Perception,
             Self::Arm(_) => ProcessKind::Simulator,
             Self::ReadAfter { command, .. } => command.owner(),
             _ => ProcessKind::Memory,

@@ -1,4 +1,4 @@
-//! Points, organised point clouds as borrowed views, and principal axes.
+//! Points, organised point clouds as borrowed views, principal axes and colour histograms.
 //!
 //! A cloud is a slice of [`Point`]s; the memory (a vector, a shared frame, a
 //! file) belongs to the caller. An organised cloud keeps the image grid it was
@@ -24,10 +24,12 @@
 //! # Ok::<(), point_cloud::SizeMismatch>(())
 //! ```
 
+mod color_histogram;
 mod organized_cloud;
 mod point;
 mod principal_axes;
 
+pub use color_histogram::ColorHistogram;
 pub use organized_cloud::{OrganizedCloud, SizeMismatch};
 pub use point::{Point, Rgba};
 pub use principal_axes::{Moments, PrincipalAxes};

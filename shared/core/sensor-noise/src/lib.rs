@@ -64,6 +64,13 @@ impl DepthNoise {
         }
     }
 
+    /// Name of the law in the configuration; `None` for a law that has none.
+    pub fn name(&self) -> Option<&'static str> {
+        Self::NAMES
+            .into_iter()
+            .find(|name| Self::named(name) == Some(*self))
+    }
+
     /// Law with `factor` times the standard deviation.
     #[must_use]
     pub fn scaled(self, factor: f32) -> Self {
@@ -130,5 +137,16 @@ mod tests {
     #[test]
     fn an_unknown_name_has_no_law() {
         assert_eq!(DepthNoise::named("kinect"), None);
+    }
+
+    #[test]
+    fn a_law_knows_its_name() {
+        for name in DepthNoise::NAMES {
+            assert_eq!(
+                DepthNoise::named(name).and_then(|law| law.name()),
+                Some(name)
+            );
+        }
+        assert_eq!(DepthNoise::KINECT_V1.scaled(2.0).name(), None);
     }
 }

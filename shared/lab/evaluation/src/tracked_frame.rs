@@ -72,6 +72,8 @@ pub struct TrackedFrame {
     pub objects: Vec<GroundTruthObject>,
     /// All live tracks of the frame.
     pub tracks: Vec<TrackState>,
+    /// Ids of the output tracks that are made of a person; empty where that is not known.
+    pub tracks_of_people: Vec<u64>,
     /// Ids of the tracks that ended in this frame.
     pub ended: Vec<u64>,
 }

@@ -32,6 +32,8 @@ pub struct TrackingScore {
     pub n_tracks: usize,
     /// Number of output tracks never matched with a scored object.
     pub n_tracks_of_nothing: usize,
+    /// Number of frames with at least one output track made of a person.
+    pub n_frames_with_person_track: u64,
     /// Number of tracks that ended although their object was scored later.
     pub n_lost: usize,
     /// Number of distinct tracks per object, summed over objects.
@@ -82,6 +84,7 @@ impl TrackingScore {
         self.n_objects += other.n_objects;
         self.n_tracks += other.n_tracks;
         self.n_tracks_of_nothing += other.n_tracks_of_nothing;
+        self.n_frames_with_person_track += other.n_frames_with_person_track;
         self.n_lost += other.n_lost;
         self.n_ids += other.n_ids;
         self.removed_after_s.extend(&other.removed_after_s);
@@ -195,6 +198,7 @@ impl TrackingScorer {
             })
             .collect();
         self.measure(frame, &matches);
+        self.score.n_frames_with_person_track += u64::from(!frame.tracks_of_people.is_empty());
         matches
     }
 

@@ -160,6 +160,9 @@ pub struct TrackingArguments {
     /// are in view [default: resting-objects.toml of the recording, if it exists]
     #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
+    /// Hide the poses of people from tracking, as with a camera alone
+    #[arg(long)]
+    pub(crate) hidden_people: bool,
 }
 
 impl SceneArguments {

@@ -4,5 +4,5 @@ mod body_mask;
 mod box_iou;
 mod constraint_evaluator;
 
-pub(crate) use body_mask::BodyMask;
+pub(crate) use body_mask::{BodyMask, is_expected};
 pub(crate) use constraint_evaluator::ConstraintEvaluator;

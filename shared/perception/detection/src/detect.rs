@@ -35,6 +35,7 @@ pub fn detect(
     } = workspace;
     organized.recycle(detection);
     detection.assumptions = assumptions(frame);
+    detection.depth_noise = config.get().depth_noise;
     check_size(&frame.cloud)?;
     if is_unorganized(&frame.cloud) {
         let buffers = unorganized.get_or_insert_default();

@@ -1,8 +1,9 @@
 //! Detection input: the cloud of one frame and the scene priors.
 
+use crate::body_map::BodyMap;
 use geometry::{Capsule, OrientedBox};
 use nalgebra::{Unit, Vector3};
-use point_cloud::OrganizedCloud;
+use point_cloud::{ColorHistogram, OrganizedCloud};
 
 /// Detection input: one point cloud, the up direction, a seed and scene priors.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +27,8 @@ pub struct ScenePriors<'a> {
     pub instructor: Option<&'a [Capsule]>,
     /// Capsules of the robot's links; `None` when no source reports the robot.
     pub robot: Option<&'a [Capsule]>,
+    /// Bodies found in depth in the previous frame; `None` for a single frame.
+    pub bodies: Option<&'a BodyMap>,
     /// Live tracks, with boxes predicted to this frame.
     pub tracks: &'a [ExpectedTrack],
 }
@@ -38,6 +41,8 @@ pub struct ExpectedTrack {
     /// Number of points at the last observation. 0 marks a box that may be empty; no
     /// cluster is split by it.
     pub n_points: usize,
+    /// Colours of the object; `None` when they are not known.
+    pub colors: Option<ColorHistogram>,
 }
 
 impl From<OrientedBox> for ExpectedTrack {
@@ -45,6 +50,7 @@ impl From<OrientedBox> for ExpectedTrack {
         Self {
             oriented_box: shape,
             n_points: 0,
+            colors: None,
         }
     }
 }

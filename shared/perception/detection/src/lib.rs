@@ -35,6 +35,7 @@
 //! ```
 
 mod affine_form;
+mod body_map;
 mod candidate;
 mod cielab;
 mod cluster_hypothesis;
@@ -58,6 +59,7 @@ mod pixel_bounds;
 mod plane_ransac;
 mod plane_region;
 mod prism;
+mod reaching_bodies;
 mod region_merging;
 mod region_training;
 mod samples;
@@ -74,6 +76,7 @@ mod unorganized;
 mod upright_box;
 mod workspace;
 
+pub use body_map::BodyMap;
 pub use candidate::{Candidate, Support};
 pub use config::{Config, InvalidConfig, RawConfig};
 pub use detect::detect;

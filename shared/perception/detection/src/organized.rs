@@ -12,6 +12,7 @@ use crate::output::Detection;
 use crate::parallelism::{Parallelism, ScratchPool};
 use crate::pixel_bounds::PixelBounds;
 use crate::prism::{Prism, TableOverlap, lowest_m};
+use crate::reaching_bodies::ReachingBodies;
 use crate::region_merging::RegionPair;
 use crate::samples::Samples;
 use crate::stage::DetectionStage;
@@ -71,6 +72,7 @@ pub(crate) struct OrganizedBuffers {
     /// Pixels in the prism above the table.
     over_table: Vec<u32>,
     body_mask: BodyMask,
+    reaching_bodies: ReachingBodies,
     /// Pixels that show people or the robot.
     masked: Vec<u32>,
     /// Clusters of people and the robot; stale when `masked` is empty.
@@ -88,6 +90,7 @@ impl OrganizedBuffers {
     /// Empty a detection and keep the memory of its table for the next one.
     pub(crate) fn recycle(&mut self, detection: &mut Detection) {
         self.table.recycle(detection.table.take());
+        detection.bodies.clear();
         detection.candidates.clear();
         detection.point_indices.clear();
     }
@@ -128,6 +131,7 @@ pub(crate) fn detect_organized(
         find_hypotheses(&frame.cloud, &table, raw, parallelism, buffers);
         execution.end_stage(DetectionStage::BoundingBoxes);
         write_candidates(frame, &table, config, parallelism, buffers, detection);
+        detection.bodies.assign(buffers.reaching_bodies.map());
         detection.table = Some(table);
         execution.end_stage(DetectionStage::ConstraintEvaluation);
     }
@@ -197,8 +201,11 @@ fn cluster_pixels(
     buffers: &mut OrganizedBuffers,
 ) {
     let OrganizedBuffers {
+        samples,
+        surface,
         over_table,
         body_mask,
+        reaching_bodies,
         masked,
         masked_clusters,
         clusters,
@@ -207,6 +214,12 @@ fn cluster_pixels(
     body_mask.refill(&frame.priors, table, config);
     let tracks = frame.priors.tracks;
     body_mask.extract(&frame.cloud, tracks, over_table, masked);
+    if frame.priors.instructor.is_none() {
+        reaching_bodies.find(frame, samples, table, surface, config);
+        reaching_bodies.extract(&frame.cloud, samples, over_table, masked);
+    } else {
+        reaching_bodies.clear();
+    }
     let n_min = (config.points_min_at_1m / (config.range_max_m * config.range_max_m)) as u32;
     clusters.label_components(&frame.cloud, parallelism, over_table, n_min);
     if !masked.is_empty() {
@@ -374,6 +387,11 @@ fn write_candidates(
         table,
         priors: frame.priors,
         body_mask: &buffers.body_mask,
+        depth_bodies: buffers
+            .reaching_bodies
+            .map()
+            .is_any()
+            .then_some((&buffers.reaching_bodies, &buffers.samples)),
         config: config.get(),
     };
     let indices = &mut detection.point_indices;

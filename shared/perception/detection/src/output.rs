@@ -1,17 +1,23 @@
 //! Detection output: the table, the candidates and the assumptions made.
 
+use crate::body_map::BodyMap;
 use crate::candidate::Candidate;
 use crate::table::Table;
 use constraint::Assumptions;
+use sensor_noise::DepthNoise;
 
 /// Detection output of one frame. Reused from frame to frame.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Detection {
     /// Table; without one there are no candidates.
     pub table: Option<Table>,
+    /// Configured depth noise law of the camera; the table has the ratio of its noise to it.
+    pub depth_noise: DepthNoise,
     /// All clusters with enough points, nearest first, including those that the rule
     /// rejects.
     pub candidates: Vec<Candidate>,
+    /// Bodies found in depth; empty when people are known.
+    pub bodies: BodyMap,
     /// Assumptions made in place of absent sources.
     pub assumptions: Assumptions,
     /// Indices of the candidates' points in the cloud: candidate by candidate, in the

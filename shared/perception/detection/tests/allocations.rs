@@ -6,7 +6,8 @@ mod synthetic;
 
 use allocation_counter::CountingAllocator;
 use detection::{
-    Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
+    BodyMap, Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace,
+    detect,
 };
 use point_cloud::OrganizedCloud;
 use synthetic::{BoxOnTable, camera_from_table, render};
@@ -27,10 +28,17 @@ fn organized_detection_allocates_nothing_in_steady_state() {
         sides: [0.1, 0.07, 0.12],
         rgb: [5; 3],
     };
-    let points = render(&[solid(-0.3), solid(0.0), solid(0.25)], 1.0);
+    let arm = BoxOnTable {
+        centre: [0.1, 0.45],
+        bottom: 0.15,
+        sides: [0.08, 0.5, 0.07],
+        rgb: [5; 3],
+    };
+    let points = render(&[solid(-0.3), solid(0.0), solid(0.25), arm], 1.0);
     let cloud = OrganizedCloud::new(&points, 640, 480).unwrap();
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
     let config = Config::default();
+    let mut bodies = BodyMap::default();
     let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
     for seed in 0..40 {
         let frame = DetectionInput {
@@ -40,6 +48,7 @@ fn organized_detection_allocates_nothing_in_steady_state() {
             priors: ScenePriors {
                 instructor: None,
                 robot: Some(&links),
+                bodies: Some(&bodies),
                 tracks: &tracks,
             },
         };
@@ -53,6 +62,8 @@ fn organized_detection_allocates_nothing_in_steady_state() {
         )
         .unwrap();
         let n_allocations = n_allocations() - before;
+        bodies.assign(&detection.bodies);
+        assert!(bodies.is_any());
         assert!(detection.candidates.len() >= 3);
         let is_limb = |c: &Candidate| c.findings.is_person_or_robot();
         assert!(detection.candidates.iter().any(is_limb));

@@ -142,6 +142,7 @@ fn assumptions_name_the_absent_sources() {
         instructor: Some(&[]),
         robot: Some(&[]),
         tracks: &[],
+        bodies: None,
     });
     assert_eq!(
         empty_scene.iter().collect::<Vec<_>>(),
@@ -168,6 +169,7 @@ fn track_regrouping_splits_two_touching_tracked_objects() {
     let track = |solid: &BoxOnTable, n_points: usize| ExpectedTrack {
         oriented_box: box_in_camera(solid, [0.004, 0.003, 0.0]),
         n_points,
+        colors: None,
     };
     let both = pair.each_ref().map(|solid| track(solid, n_points));
     let split = with(&both);
@@ -401,6 +403,7 @@ fn body_constraints_are_independent_where_person_and_robot_meet() {
         robot: Some(&robot),
         instructor: Some(&person),
         tracks: &[],
+        bodies: None,
     };
     let detection = found(&points, surroundings, &Config::default());
     let both = near(&detection, [0.0, 0.0, 0.025]);
@@ -558,6 +561,7 @@ fn body_mask_ignores_non_finite_capsules() {
         robot: Some(&capsules),
         instructor: Some(&capsules),
         tracks: &[],
+        bodies: None,
     };
     let detection = found(&points, surroundings, &Config::default());
     assert_eq!(near(&detection, [0.0, 0.0, 0.06]).verdict, Ternary::True);

@@ -27,6 +27,7 @@ fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
             priors: ScenePriors {
                 instructor: None,
                 robot: Some(&links),
+                bodies: None,
                 tracks: &tracks,
             },
         };

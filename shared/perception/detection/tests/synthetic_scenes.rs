@@ -67,6 +67,9 @@ fn detection_finds_boxes_at_their_true_pose() {
                 .abs()
                 < 0.002
         );
+        // The optical axis meets the table near its middle.
+        let ray = table.plane.offset_m / table.plane.normal.z;
+        assert!((table.middle_depth_m() - ray.abs()).abs() < 0.15);
         assert!(
             seen_share.contains(&(table.polygon.area_m2() / 0.96)),
             "{}",

@@ -4,10 +4,11 @@ use crate::{Config, Error, FramePose};
 use detection::{Candidate, Support};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Translation3, Unit, Vector3};
-use point_cloud::{Moments, Point};
+use point_cloud::{ColorHistogram, Moments, Point};
+use sensor_noise::DepthNoise;
 use tracking::{
-    CoarseAppearance, ColorHistogram, HandContact, Measurement, ObservedCandidate,
-    SightingEvidence, ViewingConditions,
+    CoarseAppearance, HandContact, Measurement, ObservedCandidate, SightingEvidence,
+    ViewingConditions,
 };
 
 /// Number of points, approximately, from which colours and variances are sampled.
@@ -39,7 +40,7 @@ pub struct CandidateMeasurement {
 }
 
 impl CandidateMeasurement {
-    /// Measurement of a candidate from its points.
+    /// Measurement of a candidate from its points, with the depth noise law of the camera.
     ///
     /// # Errors
     /// When the candidate's box is not a valid measurement.
@@ -48,6 +49,7 @@ impl CandidateMeasurement {
         indices: &[u32],
         cloud: &[Point],
         frame: &FramePose,
+        depth_noise: DepthNoise,
     ) -> Result<Self, Error> {
         let box_in_camera = visible_box(candidate);
         let box_in_world = box_in_camera.transformed(&frame.world_from_camera);
@@ -62,6 +64,7 @@ impl CandidateMeasurement {
         let is_truncated = is_cut_by_image || is_handled;
         let seen = ViewingConditions {
             depth_m: candidate.centroid.z,
+            depth_noise,
             ray_in_world: ray(candidate, &frame.world_from_camera),
             variances_m2: variances_m2(candidate, indices, cloud),
             stands_on_table: stands_on_table(candidate) && !is_handled,
@@ -86,6 +89,11 @@ impl CandidateMeasurement {
             is_truncated_by_image: is_cut_by_image,
             is_truncated,
         })
+    }
+
+    /// Depth noise law of the camera.
+    pub(crate) fn depth_noise(&self) -> DepthNoise {
+        self.measurement.conditions().depth_noise
     }
 
     pub(crate) fn observed_candidate(&self, config: &Config) -> ObservedCandidate {

@@ -103,6 +103,12 @@ impl FramePipeline {
         self.tracks.tracks()
     }
 
+    /// Ratio of the depth noise measured on the table to the configured law, median over the
+    /// last frames; `None` before a second with a table.
+    pub fn noise_ratio(&self) -> Option<f32> {
+        self.tracks.noise_ratio()
+    }
+
     /// Sightings, ended tracks and rejected candidates of the last frame.
     pub fn update(&self) -> &TrackUpdate {
         &self.update

@@ -31,10 +31,10 @@
 //!     pose: FramePose {
 //!         capture_ns: 0,
 //!         world_from_camera: RigidTransform::identity(),
+//!         up_in_camera: None,
 //!         camera: None,
 //!     },
 //!     cloud: OrganizedCloud::new(&points, 2, 2)?,
-//!     up_in_camera: None,
 //!     seed: 0,
 //!     people: None,
 //!     robot: None,
@@ -46,6 +46,7 @@
 
 mod candidate_measurement;
 mod config;
+mod depth_noise_estimate;
 mod duplicate_tracks;
 mod error;
 mod frame_pipeline;
@@ -56,6 +57,7 @@ mod object_state;
 mod sequential_executor;
 mod shared_shift;
 mod sighting_evidence;
+mod table_height;
 mod track;
 mod track_recovery;
 mod track_table;

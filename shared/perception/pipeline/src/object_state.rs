@@ -146,7 +146,7 @@ impl ObjectState {
             cloud,
             indices,
             world_from_camera: measured.frame.world_from_camera,
-            view: measured.frame.view(cloud),
+            view: measured.frame.view(cloud, measured.depth_noise()),
         };
         let filter = match &self.filter {
             Some(filter) => filter.updated(&measured.measurement, Some(&context), config.motion()),

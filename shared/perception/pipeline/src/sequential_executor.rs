@@ -6,11 +6,10 @@ use crate::{
     Config, Error, FramePose, ObjectState, ObjectWorkspace, Observation, Sighting, category_index,
 };
 use detection::{
-    Detection, DetectionInput, Execution, ExpectedTrack, ScenePriors, Workspace, detect,
+    BodyMap, Detection, DetectionInput, Execution, ExpectedTrack, ScenePriors, Workspace, detect,
 };
 use geometry::Capsule;
 use learning::CategoryIndex;
-use nalgebra::{Unit, Vector3};
 use point_cloud::OrganizedCloud;
 use std::collections::BTreeMap;
 use std::future::ready;
@@ -23,8 +22,6 @@ pub struct SequentialFrame<'a> {
     pub pose: FramePose,
     /// Point cloud of the frame, camera frame.
     pub cloud: OrganizedCloud<'a>,
-    /// Up direction, camera frame; `None` when unknown.
-    pub up_in_camera: Option<Unit<Vector3<f64>>>,
     /// Seed of detection; the frame number, so that a replay draws the same samples.
     pub seed: u64,
     /// Capsules of people, camera frame; `None` when no source reports people.
@@ -40,6 +37,7 @@ pub struct SequentialState {
     config: Config,
     workspace: Workspace,
     detection: Detection,
+    bodies: BodyMap,
     expected: Vec<ExpectedTrack>,
     objects: BTreeMap<u64, ObjectState>,
     tools: ObjectWorkspace,
@@ -59,6 +57,7 @@ impl SequentialState {
             config,
             workspace: Workspace::default(),
             detection: Detection::default(),
+            bodies: BodyMap::default(),
             expected: Vec::new(),
             objects: BTreeMap::new(),
             tools: ObjectWorkspace::new()?,
@@ -98,11 +97,12 @@ impl SequentialExecutor<'_> {
         let state = &mut *self.state;
         let input = DetectionInput {
             cloud: self.frame.cloud,
-            up_in_camera: self.frame.up_in_camera,
+            up_in_camera: self.frame.pose.up_in_camera,
             seed: self.frame.seed,
             priors: ScenePriors {
                 instructor: self.frame.people,
                 robot: self.frame.robot,
+                bodies: Some(&state.bodies),
                 tracks: &state.expected,
             },
         };
@@ -116,6 +116,7 @@ impl SequentialExecutor<'_> {
             Execution::default(),
         )
         .map_err(Error::Detection)?;
+        state.bodies.assign(&detection.bodies);
         Ok(detection)
     }
 

@@ -38,17 +38,23 @@ impl SharedShift {
         }
     }
 
-    /// Standard deviation of the camera's position in this frame, metres, for a filter that
-    /// takes successive frames as independent; 0 for fewer than two objects.
-    pub(crate) fn pose_sigma_m(&mut self) -> f64 {
-        (self.length_m() - SHIFT_NOISE_M).max(0.0) * N_CORRELATED_FRAMES.sqrt()
+    /// Shift that the objects share along the world axes, metres; 0 for fewer than two objects,
+    /// and where the noise of the boxes explains it.
+    pub(crate) fn shift_m(&mut self) -> Vector3<f64> {
+        let [x, y, z] = self.shifts_m.each_mut().map(|along| shared(along));
+        let shift_m = Vector3::new(x, y, z);
+        if shift_m.norm() > SHIFT_NOISE_M {
+            shift_m
+        } else {
+            Vector3::zeros()
+        }
     }
+}
 
-    /// Length of the shift that the objects share, metres.
-    fn length_m(&mut self) -> f64 {
-        let squares = self.shifts_m.iter_mut().map(|along| shared(along).powi(2));
-        squares.sum::<f64>().sqrt()
-    }
+/// Standard deviation of the camera's position in a frame with a shared shift, metres, for a
+/// filter that takes successive frames as independent.
+pub(crate) fn pose_sigma_m(shift_m: &Vector3<f64>) -> f64 {
+    (shift_m.norm() - SHIFT_NOISE_M).max(0.0) * N_CORRELATED_FRAMES.sqrt()
 }
 
 /// Shared part of several values: their median, of an even number the middle value nearer to
@@ -79,12 +85,12 @@ mod tests {
         for shift_m in shifts_m {
             shift.add(&Vector3::from(*shift_m));
         }
-        shift.length_m()
+        shift.shift_m().norm()
     }
 
     #[test]
     fn shared_shift_is_what_all_objects_have_in_common() {
-        let still = [0.0, 0.001, -0.001];
+        let still = [0.0, 0.004, -0.004];
         assert_eq!(length_m(&[]), 0.0);
         assert_eq!(
             length_m(&[[0.1, 0.1, 0.1]]),
@@ -94,11 +100,13 @@ mod tests {
         assert_eq!(length_m(&[[0.1, 0.0, 0.0], still]), 0.0);
         assert_eq!(
             length_m(&[[0.1, 0.0, 0.0], still, still]),
-            0.001_f64.hypot(0.001)
+            0.004_f64.hypot(0.004)
         );
         assert_eq!(length_m(&[[0.04, 0.0, 0.0], [0.03, 0.0, 0.0]]), 0.03);
         assert_eq!(length_m(&[[-0.04, 0.0, 0.0], [0.03, 0.0, 0.0]]), 0.0);
         let all = [[0.05, 0.0, 0.03], [0.04, 0.0, 0.03], [0.03, 0.0, 0.03]];
         assert!((length_m(&all) - 0.05).abs() < 1e-12);
+        assert!((length_m(&[[0.002; 3]; 2]) - 0.002 * 3_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(length_m(&[[0.001; 3]; 2]), 0.0, "noise of the boxes");
     }
 }

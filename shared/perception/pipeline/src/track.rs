@@ -1,6 +1,7 @@
 //! Track of one object.
 
 use crate::candidate_measurement::CandidateMeasurement;
+use crate::table_height::TableHeight;
 use geometry::OrientedBox;
 use learning::{CategoryName, N_NEAREST, Neighbour};
 use nalgebra::{Matrix3, Vector3};
@@ -41,6 +42,8 @@ pub struct Track {
     pub(crate) appearance: CoarseAppearance,
     /// Capture stamp of the last measurement with hand contact; 0 for none.
     pub(crate) last_handled_ns: u64,
+    /// Height of the table on which the object was last seen to stand.
+    pub(crate) table: Option<TableHeight>,
     /// Number of frames as a duplicate of another track since their boxes overlap.
     pub(crate) n_frames_duplicate: u32,
 }
@@ -117,7 +120,7 @@ impl Track {
 
 /// Time after hand contact in which an object may still be moved, nanoseconds. Chosen;
 /// sensitivity: see `tabula-lab sweep`.
-const MOVED_AFTER_HANDLED_NS: u64 = 1_000_000_000;
+pub(crate) const MOVED_AFTER_HANDLED_NS: u64 = 1_000_000_000;
 
 /// Visible fraction of the box above which a view shows the whole object. Chosen;
 /// sensitivity: see `tabula-lab sweep`.

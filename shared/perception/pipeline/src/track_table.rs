@@ -1,21 +1,33 @@
 //! Track table: data association and track management, once per frame.
 
 use crate::candidate_measurement::CandidateMeasurement;
+use crate::depth_noise_estimate::DepthNoiseEstimate;
 use crate::duplicate_tracks::end_duplicates;
 use crate::frame_pose::FramePose;
 use crate::lost_track_gallery::LostTrackGallery;
-use crate::shared_shift::SharedShift;
+use crate::shared_shift::{SharedShift, pose_sigma_m};
 use crate::sighting_evidence::sighting_evidence;
-use crate::track::{Track, WHOLE_FRACTION_MIN};
+use crate::table_height::{OtherTable, TableHeight};
+use crate::track::{MOVED_AFTER_HANDLED_NS, Track, WHOLE_FRACTION_MIN};
 use crate::track_recovery::{TrackRecovery, occlusion_of_unmatched};
 use crate::{Config, Posterior};
 use constraint::Ternary;
 use detection::{Candidate, Detection, ExpectedTrack, Support};
+use geometry::OrientedBox;
+use nalgebra::Vector3;
 use point_cloud::Point;
 use tracking::{
-    AssociationBuffers, MotionFilter, ObservedCandidate, OcclusionState, PredictedTrack,
-    TrackLifecycle, TrackPhase, Visibility, associate, fraction_inside,
+    AssociationBuffers, DepthView, MotionFilter, ObservedCandidate, OcclusionState, PredictedTrack,
+    TrackLifecycle, TrackPhase, Visibility, appearance_cost, associate, fraction_inside,
 };
+
+/// Distance between the spheres around two objects within which a hand that moves one may move
+/// the other, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+const MOVED_WITHIN_M: f64 = 0.10;
+
+/// Largest error of the camera pose that is looked for, metres. A larger one would reach from
+/// an object to its neighbour. Chosen; sensitivity: see `tabula-lab sweep`.
+const POSE_ERROR_MAX_M: f64 = 0.10;
 
 /// Upper limit of the predicted position uncertainty in the association gate (standard
 /// deviation per axis), metres. A wider gate would reach neighbouring objects and mix
@@ -90,6 +102,8 @@ pub struct TrackTable {
     occlusions: Vec<Option<OcclusionState>>,
     recovery: TrackRecovery,
     shared_shift: SharedShift,
+    depth_noise: DepthNoiseEstimate,
+    other_table: OtherTable,
 }
 
 impl TrackTable {
@@ -108,6 +122,8 @@ impl TrackTable {
             occlusions: Vec::new(),
             recovery: TrackRecovery::default(),
             shared_shift: SharedShift::default(),
+            depth_noise: DepthNoiseEstimate::default(),
+            other_table: OtherTable::default(),
         }
     }
 
@@ -116,10 +132,19 @@ impl TrackTable {
         &self.tracks
     }
 
-    /// Ends all tracks, appends their ids to `gone` and empties the lost-track gallery.
+    /// Ratio of the depth noise measured on the table to the configured law, median over the
+    /// last frames; `None` before a second with a table.
+    pub fn noise_ratio(&self) -> Option<f32> {
+        self.depth_noise.ratio()
+    }
+
+    /// Ends all tracks, appends their ids to `gone`, empties the lost-track gallery and forgets
+    /// the measured noise and the other surfaces.
     pub fn clear(&mut self, gone: &mut Vec<u64>) {
         gone.extend(self.tracks.drain(..).map(|track| track.id));
         self.lost_tracks.clear();
+        self.depth_noise = DepthNoiseEstimate::default();
+        self.other_table.clear();
     }
 
     /// Predicts all tracks to the frame and writes their expected boxes, camera frame,
@@ -133,10 +158,15 @@ impl TrackTable {
             expected.push(ExpectedTrack {
                 oriented_box: track.box_in_world().transformed(&camera_from_world),
                 n_points: track.measured.n_points,
+                colors: Some(track.appearance.colors),
             });
             if track.visibility() != Visibility::Visible {
                 let last_seen = track.updated_filter.box_in_world();
-                expected.push(last_seen.transformed(&camera_from_world).into());
+                expected.push(ExpectedTrack {
+                    oriented_box: last_seen.transformed(&camera_from_world),
+                    n_points: 0,
+                    colors: Some(track.appearance.colors),
+                });
             }
         }
     }
@@ -147,8 +177,9 @@ impl TrackTable {
     /// An existing track accepts its candidate regardless of the constraint rule, for
     /// instance at the table's rim or in the air. In the space of a person or the robot
     /// it accepts only candidates of similar appearance. A new track needs a candidate
-    /// for which the rule is true. `next_id` supplies ascending ids, or `None` while
-    /// there are none; `cloud` is the cloud of the detection.
+    /// for which the rule is true. A frame of another surface than the table of the tracks has
+    /// no candidates, and says of no object that it is gone. `next_id` supplies ascending
+    /// ids, or `None` while there are none; `cloud` is the cloud of the detection.
     pub fn update(
         &mut self,
         detection: &Detection,
@@ -160,16 +191,39 @@ impl TrackTable {
         update.sightings.clear();
         update.ended_tracks.clear();
         update.rejected_candidates.clear();
-        self.measure(detection, cloud, frame);
+        let surface = detection.table.as_ref();
+        let surface = surface.map(|table| TableHeight::of(table, frame));
+        let is_elsewhere = surface.is_some_and(|surface| {
+            !self.is_of_tracks(&surface) && !self.other_table.has_lasted(&surface, frame.capture_ns)
+        });
+        self.watch_other_table(surface, frame);
+        self.measured.clear();
+        if is_elsewhere {
+            self.measured.resize(detection.candidates.len(), None);
+        } else {
+            self.depth_noise.add(detection);
+            self.measure(detection, cloud, frame);
+        }
         self.predict_tracks(frame);
-        self.associate(frame, update);
-        self.attribute_shared_shift(update);
-        self.classify_unmatched(cloud, frame);
+        let shift_m = self.associate(frame, update);
+        for sighting in &mut update.sightings {
+            let measurement = &mut sighting.measured.measurement;
+            let is_at_rest = !self.may_be_moved(measurement.box_in_world(), detection, frame);
+            *measurement = measurement
+                .with_pose_sigma_m(pose_sigma_m(&shift_m))
+                .with_rest(is_at_rest);
+        }
+        let view = frame.shifted(&-shift_m).view(cloud, self.depth_noise.law());
+        self.classify_unmatched(frame.capture_ns, view.as_ref());
+        if is_elsewhere {
+            self.disregard_free_space();
+        }
         end_duplicates(&mut self.tracks, &mut self.occlusions);
         self.recover_tracks(frame, update);
         self.mark_missed(frame);
         self.remove_lost_tracks(frame, update);
         self.start_tracks(detection, frame, &mut next_id, update);
+        self.remember_table(surface, update);
         let TrackUpdate {
             sightings,
             rejected_candidates,
@@ -203,14 +257,53 @@ impl TrackTable {
         track.n_key_views = posterior.n_key_views;
     }
 
+    /// True if something near a box is handled, or was within the last second: a hand moves an
+    /// object by another one, too.
+    fn may_be_moved(&self, place: &OrientedBox, detection: &Detection, frame: &FramePose) -> bool {
+        let is_near = |other: &OrientedBox| place.bounding_spheres_meet(other, MOVED_WITHIN_M);
+        let is_handled = |candidate: &Candidate| {
+            (candidate.is_touched() || candidate.findings.is_person_or_robot())
+                && is_near(&candidate.oriented_box.transformed(&frame.world_from_camera))
+        };
+        let was_handled = |track: &Track| {
+            track.was_handled(frame.capture_ns, MOVED_AFTER_HANDLED_NS)
+                && is_near(&track.box_in_world())
+        };
+        detection.candidates.iter().any(is_handled) || self.tracks.iter().any(was_handled)
+    }
+
+    /// True if a surface is the table of a confirmed track, or none of them has one.
+    fn is_of_tracks(&self, surface: &TableHeight) -> bool {
+        let mut of_tracks = self.confirmed().filter_map(|track| track.table).peekable();
+        of_tracks.peek().is_none() || of_tracks.any(|table| table.is_same(surface))
+    }
+
+    /// Watches for how long another surface is found in place of the table of the tracks, with
+    /// none of them in view.
+    fn watch_other_table(&mut self, surface: Option<TableHeight>, frame: &FramePose) {
+        let Some(surface) = surface else { return };
+        let is_in_view = |track: &Track| track.visibility() == Visibility::Missing;
+        if self.is_of_tracks(&surface) || self.confirmed().any(is_in_view) {
+            self.other_table.clear();
+        } else {
+            self.other_table.found(surface, frame.capture_ns);
+        }
+    }
+
+    fn confirmed(&self) -> impl Iterator<Item = &Track> {
+        let tracks = self.tracks.iter();
+        tracks.filter(|track| track.phase() == TrackPhase::Confirmed)
+    }
+
     fn measure(&mut self, detection: &Detection, cloud: &[Point], frame: &FramePose) {
-        self.measured.clear();
+        let noise = self.depth_noise.law();
         for candidate in &detection.candidates {
             let indices = detection.points_of(candidate);
             let measured = candidate
                 .is_object_sized
                 .then(|| {
-                    CandidateMeasurement::from_candidate(candidate, indices, cloud, frame).ok()
+                    CandidateMeasurement::from_candidate(candidate, indices, cloud, frame, noise)
+                        .ok()
                 })
                 .flatten();
             let evidence = sighting_evidence(candidate, &detection.candidates);
@@ -233,29 +326,50 @@ impl TrackTable {
 
     /// Assigns candidates to tracks; assigned candidates leave `measured`. Recently seen
     /// tracks come first, so that a track with a wide gate does not take their
-    /// candidates.
-    fn associate(&mut self, frame: &FramePose, update: &mut TrackUpdate) {
+    /// candidates. A shift that the assigned ones share is an error of the camera pose: the
+    /// others are expected there and assigned again. Returns the shared shift, metres.
+    fn associate(&mut self, frame: &FramePose, update: &mut TrackUpdate) -> Vector3<f64> {
         self.occlusions.clear();
         self.occlusions
             .resize(self.tracks.len(), Some(OcclusionState::Unknown));
+        self.associate_all(&Vector3::zeros(), frame, update);
+        let shift_m = self.shared_shift_m(update);
+        if shift_m != Vector3::zeros() {
+            self.associate_all(&shift_m, frame, update);
+        }
+        shift_m
+    }
+
+    fn associate_all(
+        &mut self,
+        shift_m: &Vector3<f64>,
+        frame: &FramePose,
+        update: &mut TrackUpdate,
+    ) {
         for is_recent in [true, false] {
-            self.associate_subset(is_recent, frame, update);
+            self.expect_subset(is_recent, shift_m);
+            self.associate_expected(frame, update);
         }
     }
 
-    fn associate_subset(&mut self, is_recent: bool, frame: &FramePose, update: &mut TrackUpdate) {
+    /// Collects the unassigned tracks that were seen in the previous frame, or the others, at
+    /// their shifted places.
+    fn expect_subset(&mut self, is_recent: bool, shift_m: &Vector3<f64>) {
         self.predicted.clear();
-        self.observed.clear();
-        self.candidate_of_column.clear();
         self.track_of_row.clear();
         for (i, track) in self.tracks.iter().enumerate() {
             let was_recent =
                 track.visibility() == Visibility::Visible && track.phase() == TrackPhase::Confirmed;
             if self.occlusions[i].is_some() && was_recent == is_recent {
                 self.track_of_row.push(i);
-                self.predicted.push(predicted(track));
+                self.predicted.push(predicted(track, shift_m));
             }
         }
+    }
+
+    fn associate_expected(&mut self, frame: &FramePose, update: &mut TrackUpdate) {
+        self.observed.clear();
+        self.candidate_of_column.clear();
         for (i, measured) in self.measured.iter().enumerate() {
             if let Some(measured) = measured {
                 self.candidate_of_column.push(i);
@@ -281,16 +395,13 @@ impl TrackTable {
         }
     }
 
-    /// Attributes the shift that the untouched objects share to the camera pose, as noise of
-    /// their measurements.
-    fn attribute_shared_shift(&mut self, update: &mut TrackUpdate) {
+    /// Shift that the confirmed objects seen whole share, metres.
+    fn shared_shift_m(&mut self, update: &TrackUpdate) -> Vector3<f64> {
         self.shared_shift.clear();
-        let sighted = |tracks: &[Track], sighting: &Sighting| {
-            let found = tracks.binary_search_by_key(&sighting.track_id, |track| track.id);
-            found.ok()
-        };
         for sighting in &update.sightings {
-            let Some(track) = sighted(&self.tracks, sighting).map(|i| &self.tracks[i]) else {
+            let tracks = &self.tracks;
+            let found = tracks.binary_search_by_key(&sighting.track_id, |track| track.id);
+            let Ok(track) = found.map(|i| &tracks[i]) else {
                 continue;
             };
             if track.phase() == TrackPhase::Confirmed && !sighting.measured.is_truncated {
@@ -299,21 +410,32 @@ impl TrackTable {
                     .add(&(measured - track.box_in_world().centre()));
             }
         }
-        let pose_sigma_m = self.shared_shift.pose_sigma_m();
-        for sighting in &mut update.sightings {
-            let measurement = &mut sighting.measured.measurement;
-            *measurement = measurement.with_pose_sigma_m(pose_sigma_m);
+        for (track, occlusion) in self.tracks.iter().zip(&self.occlusions) {
+            if occlusion.is_some()
+                && track.phase() == TrackPhase::Confirmed
+                && let Some(shift_m) = shift_to_alike(track, &self.measured, &self.config)
+            {
+                self.shared_shift.add(&shift_m);
+            }
         }
+        self.shared_shift.shift_m()
     }
 
     /// Occlusion test of the tracks without a candidate.
-    fn classify_unmatched(&mut self, cloud: &[Point], frame: &FramePose) {
-        let Some(view) = frame.view(cloud) else {
-            return;
-        };
+    fn classify_unmatched(&mut self, capture_ns: u64, view: Option<&DepthView<'_>>) {
+        let Some(view) = view else { return };
         for (track, occlusion) in self.tracks.iter().zip(&mut self.occlusions) {
             if let Some(occlusion) = occlusion {
-                *occlusion = occlusion_of_unmatched(track, frame.capture_ns, &view);
+                *occlusion = occlusion_of_unmatched(track, capture_ns, view);
+            }
+        }
+    }
+
+    /// Takes free space as unknown, in a frame in which the table was not found.
+    fn disregard_free_space(&mut self) {
+        for occlusion in self.occlusions.iter_mut().flatten() {
+            if *occlusion == OcclusionState::Empty {
+                *occlusion = OcclusionState::Unknown;
             }
         }
     }
@@ -333,6 +455,19 @@ impl TrackTable {
             if let Some(measured) = self.measured[candidate].take() {
                 update_track(&mut self.tracks[track], candidate, &measured, frame, update);
                 self.occlusions[track] = None;
+            }
+        }
+    }
+
+    /// Remembers the table of the tracks that were seen to stand on it.
+    fn remember_table(&mut self, surface: Option<TableHeight>, update: &TrackUpdate) {
+        let standing = update.sightings.iter();
+        let standing =
+            standing.filter(|seen| seen.measured.measurement.conditions().stands_on_table);
+        for sighting in standing {
+            let tracks = &mut self.tracks;
+            if let Ok(i) = tracks.binary_search_by_key(&sighting.track_id, |track| track.id) {
+                tracks[i].table = surface;
             }
         }
     }
@@ -376,6 +511,7 @@ impl TrackTable {
                 continue;
             };
             if is_part_of_handled(&self.tracks, &measured, frame)
+                || is_part_of_returning(&self.tracks, &measured, &self.config)
                 || is_inside_visible(&self.tracks, &measured)
                 || is_part_of_larger(&detection.candidates[candidate], &detection.candidates)
             {
@@ -408,19 +544,43 @@ impl TrackTable {
                 filter,
                 appearance: measured.appearance,
                 last_handled_ns: 0,
+                table: None,
                 n_frames_duplicate: 0,
             });
         }
     }
 }
 
-/// Predicted track for data association, with a bounded covariance.
-fn predicted(track: &Track) -> PredictedTrack {
+/// Shift of a track to the nearest candidate seen whole that looks like it, metres; `None`
+/// without one in reach.
+fn shift_to_alike(
+    track: &Track,
+    measured: &[Option<CandidateMeasurement>],
+    config: &Config,
+) -> Option<Vector3<f64>> {
+    let expected = track.filter.box_in_world().centre();
+    let is_alike = |seen: &&CandidateMeasurement| {
+        let cost = appearance_cost(&track.appearance, &seen.appearance, config.association());
+        !seen.is_truncated && cost.is_some()
+    };
+    measured
+        .iter()
+        .flatten()
+        .filter(is_alike)
+        .map(|seen| seen.measurement.box_in_world().centre() - expected)
+        .filter(|shift_m| shift_m.norm() <= POSE_ERROR_MAX_M)
+        .min_by(|a, b| a.norm().total_cmp(&b.norm()))
+}
+
+/// Predicted track at its shifted place for data association, with a bounded covariance.
+fn predicted(track: &Track, shift_m: &Vector3<f64>) -> PredictedTrack {
     let trace_max_m2 = 3.0 * GATE_SIGMA_MAX_M * GATE_SIGMA_MAX_M;
     let covariance_m2 = track.filter.position_covariance_m2();
     let factor = (trace_max_m2 / covariance_m2.trace()).min(1.0);
+    let mut box_in_world = track.filter.box_in_world();
+    box_in_world.frame_from_box.translation.vector += shift_m;
     PredictedTrack {
-        box_in_world: track.filter.box_in_world(),
+        box_in_world,
         covariance_m2: covariance_m2 * factor,
         appearance: track.appearance,
     }
@@ -437,6 +597,27 @@ fn is_part_of_handled(
         track.was_handled(frame.capture_ns, HANDLED_NS)
             && track.box_in_world().contains(&centre, HANDLED_MARGIN_M)
     })
+}
+
+/// True if a candidate that the image border cuts may be the part in view of a kept track that
+/// is still out of view. More of it decides: a new track would be a second one of the object.
+fn is_part_of_returning(
+    tracks: &[Track],
+    measured: &CandidateMeasurement,
+    config: &Config,
+) -> bool {
+    let (part, centre) = (
+        &measured.appearance,
+        measured.measurement.box_in_world().centre(),
+    );
+    let similarity_min = config.association().color_similarity_min;
+    measured.is_truncated_by_image
+        && tracks.iter().any(|track| {
+            track.phase() == TrackPhase::Confirmed
+                && track.visibility() == Visibility::OutOfView
+                && track.box_in_world().contains(&centre, POSE_ERROR_MAX_M)
+                && track.appearance.colors.similarity(&part.colors) >= similarity_min
+        })
 }
 
 /// True if a candidate fills the same space as an object that was seen in this frame: it is

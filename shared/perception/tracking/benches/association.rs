@@ -3,11 +3,11 @@
 use divan::{Bencher, black_box};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Matrix3, Vector3};
-use point_cloud::Rgba;
+use point_cloud::{ColorHistogram, Rgba};
+use sensor_noise::DepthNoise;
 use tracking::{
-    AssociationBuffers, AssociationConfig, CoarseAppearance, ColorHistogram, HandContact,
-    Measurement, MotionConfig, MotionFilter, ObservedCandidate, PredictedTrack, ViewingConditions,
-    associate,
+    AssociationBuffers, AssociationConfig, CoarseAppearance, HandContact, Measurement,
+    MotionConfig, MotionFilter, ObservedCandidate, PredictedTrack, ViewingConditions, associate,
 };
 
 fn main() {
@@ -58,6 +58,7 @@ fn update_filter(bencher: Bencher<'_, '_>) {
     };
     let conditions = ViewingConditions {
         depth_m: 0.9,
+        depth_noise: DepthNoise::KINECT_V1,
         ray_in_world: Vector3::y_axis(),
         variances_m2: Vector3::new(8e-4, 5e-4, 3e-3),
         stands_on_table: true,

@@ -3,10 +3,10 @@
 
 use crate::Error;
 use crate::assignment::{AssignmentBuffers, assign};
-use crate::color_histogram::ColorHistogram;
 use crate::error::check_settings;
 use geometry::OrientedBox;
 use nalgebra::{Matrix3, Point3};
+use point_cloud::ColorHistogram;
 
 /// Tolerance of the containment test, metres. Chosen; sensitivity: see
 /// `tabula-lab sweep`.
@@ -141,8 +141,8 @@ pub struct AssociationBuffers {
 /// Candidate index of each track, `None` for an unobserved track. A candidate assigned
 /// to no track belongs to a new object.
 ///
-/// A pair is allowed within the Mahalanobis gate, or if the candidate may be the visible
-/// part of an occluded object, and if size and colour agree. Among the allowed pairs the
+/// A pair is allowed within the Mahalanobis gate if size and colour agree, or if the
+/// candidate may be the visible part of the object and the colours agree. Among the allowed pairs the
 /// assignment with the fewest unassigned tracks and the least cost is chosen. Position
 /// alone is not sufficient: a scene may be exchanged in front of a running camera.
 pub fn associate<'a>(
@@ -199,8 +199,13 @@ fn pair_cost(
         (between.transpose() * covariance.try_inverse()? * between).x
     };
     if distance2 <= config.distance2_max && !is_truncated_elsewhere(track, candidate) {
-        let appearance = appearance_cost(&track.appearance, &candidate.appearance, config)?;
-        return Some(distance2 + appearance);
+        let (was, is) = (&track.appearance, &candidate.appearance);
+        if let Some(appearance) = appearance_cost(was, is, config) {
+            return Some(distance2 + appearance);
+        }
+        if !(0.0..was.volume_m3).contains(&is.volume_m3) {
+            return None;
+        }
     }
     if fraction_inside(&candidate.box_in_world, &track.box_in_world) < PART_FRACTION_MIN {
         return None;
@@ -397,6 +402,13 @@ mod tests {
         check(&[whole], &[part(0.06, RED)], &[Some(0)]);
         check(&[whole], &[part(0.06, BLUE)], &[None]);
         check(&[whole], &[part(0.10, RED)], &[None]);
+        // The gate of an object that was out of view is wide enough for any part of it.
+        let unseen = PredictedTrack {
+            covariance_m2: Matrix3::identity() * 1.6e-3,
+            ..whole
+        };
+        check(&[unseen], &[part(0.04, RED)], &[Some(0)]);
+        check(&[unseen], &[part(0.04, BLUE)], &[None]);
     }
 
     #[test]

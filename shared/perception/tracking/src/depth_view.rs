@@ -42,12 +42,14 @@ const OBSERVED_FRACTION_MIN: f64 = 0.25;
 /// sensitivity: see `tabula-lab sweep`.
 const OCCLUDED_FRACTION_MIN: f64 = 0.3;
 
-/// Depth image for occlusion tests: organised cloud, camera intrinsics and camera pose.
+/// Depth image for occlusion tests: organised cloud, camera intrinsics, camera pose and depth
+/// noise.
 #[derive(Debug, Clone, Copy)]
 pub struct DepthView<'a> {
     cloud: &'a [Point],
     camera: PinholeCamera,
     camera_from_world: RigidTransform,
+    depth_noise: DepthNoise,
 }
 
 /// Relation of the measured depth to a box along one ray.
@@ -100,11 +102,13 @@ impl<'a> DepthView<'a> {
         cloud: &'a [Point],
         camera: PinholeCamera,
         world_from_camera: &RigidTransform,
+        depth_noise: DepthNoise,
     ) -> Option<Self> {
         (cloud.len() == camera.n_pixels()).then(|| Self {
             cloud,
             camera,
             camera_from_world: world_from_camera.inverse(),
+            depth_noise,
         })
     }
 
@@ -176,7 +180,9 @@ impl<'a> DepthView<'a> {
         let camera_from_box = self.camera_from_world * box_in_world.frame_from_box;
         let rays = BoxRays::new(&camera_from_box, &box_in_world.half_sides_m);
         let tolerance_m = (DEPTH_TOLERANCE_SIGMAS
-            * DepthNoise::KINECT_V1.bounded_sigma_m(camera_from_box.translation.z))
+            * self
+                .depth_noise
+                .bounded_sigma_m(camera_from_box.translation.z))
         .max(DEPTH_TOLERANCE_MIN_M);
         let half = box_in_world.half_sides_m;
         let mut counts = Counts::default();
@@ -290,10 +296,14 @@ mod tests {
         }
     }
 
+    /// Depth image of a cloud with this law of the depth noise.
+    fn view_with(cloud: &[Point], camera: PinholeCamera, depth_noise: DepthNoise) -> DepthView<'_> {
+        DepthView::new(cloud, camera, &RigidTransform::identity(), depth_noise).unwrap()
+    }
+
     fn occlusion(depth_of: impl Fn(u32) -> f32, shape: &OrientedBox) -> OcclusionState {
         let (cloud, camera) = wall(depth_of);
-        let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
-        view.occlusion_of(shape)
+        view_with(&cloud, camera, DepthNoise::KINECT_V1).occlusion_of(shape)
     }
 
     #[test]
@@ -318,6 +328,32 @@ mod tests {
     }
 
     #[test]
+    fn free_space_begins_beyond_the_depth_noise() {
+        // The tested part of the box ends at 2.072 m; four sigmas at 2 m are 12, 24 and 43 mm.
+        let shape = box_at(0.0, 2.0);
+        let is_empty = |behind_m: f32, depth_noise| {
+            let (cloud, camera) = wall(|_| 2.072 + behind_m);
+            let state = view_with(&cloud, camera, depth_noise).occlusion_of(&shape);
+            state == OcclusionState::Empty
+        };
+        for (depth_noise, tolerance_m) in [
+            (DepthNoise::TIME_OF_FLIGHT, 0.012),
+            (DepthNoise::KINECT_V1, 0.024),
+            (DepthNoise::STEREO, 0.043),
+            (DepthNoise::KINECT_V1.scaled(3.0), 0.073),
+        ] {
+            assert!(
+                !is_empty(tolerance_m - 0.004, depth_noise),
+                "{depth_noise:?}"
+            );
+            assert!(
+                is_empty(tolerance_m + 0.004, depth_noise),
+                "{depth_noise:?}"
+            );
+        }
+    }
+
+    #[test]
     fn a_half_occluded_box_with_free_space_is_empty() {
         let shape = box_at(0.0, 1.0);
         assert_eq!(
@@ -339,7 +375,7 @@ mod tests {
         let slab = box_at(0.0, 1.0);
         for (depth_m, is_obstructed) in [(0.7, true), (1.0, true), (1.09, false), (1.4, false)] {
             let (cloud, camera) = wall(|_| depth_m);
-            let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
+            let view = view_with(&cloud, camera, DepthNoise::KINECT_V1);
             assert_eq!(
                 view.occluded_fraction(&slab) > 0.5,
                 is_obstructed,
@@ -351,7 +387,7 @@ mod tests {
     #[test]
     fn a_box_without_depth_is_unseen_but_not_occluded() {
         let (cloud, camera) = wall(|column| if column < 320 { f32::NAN } else { 1.4 });
-        let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
+        let view = view_with(&cloud, camera, DepthNoise::KINECT_V1);
         for (x, unseen) in [(-0.2, 1.0), (0.2, 0.0)] {
             assert_eq!(view.unseen_fraction(&box_at(x, 1.0)), unseen);
             assert_eq!(view.occluded_fraction(&box_at(x, 1.0)), 0.0);
@@ -361,6 +397,8 @@ mod tests {
     #[test]
     fn an_unorganised_cloud_gives_no_depth_view() {
         let camera = PinholeCamera::KINECT_V1;
-        assert!(DepthView::new(&[Point::default()], camera, &RigidTransform::identity()).is_none());
+        let pose = RigidTransform::identity();
+        let points = [Point::default()];
+        assert!(DepthView::new(&points, camera, &pose, DepthNoise::KINECT_V1).is_none());
     }
 }

@@ -39,6 +39,11 @@ const OCCLUDED_FRACTION_MAX: f64 = 0.15;
 /// `tabula-lab sweep`.
 const FOOT_OCCLUDED_FRACTION_MAX: f64 = 0.7;
 
+/// Unseen fraction of a slab above which the object may continue there without depth: a
+/// surface that is too close to the sensor or that reflects has none. More of the slab is
+/// unseen than seen.
+const UNSEEN_FRACTION_MAX: f64 = 0.5;
+
 /// Thickness of the slab beyond a measured face in which a truncated object may continue,
 /// metres. It is wider than the lateral noise of the depth image at 2 m (1.2 pixels of 3.4
 /// mm), so that a border of the image shows up in it.
@@ -141,7 +146,9 @@ pub(crate) fn face_confidences(
                 } else {
                     OCCLUDED_FRACTION_MAX
                 };
-                view.occluded_fraction(&slab(expected, axis, ends_m)) > fraction_max
+                let slab = slab(expected, axis, ends_m);
+                view.occluded_fraction(&slab) > fraction_max
+                    || !conditions.is_handled() && view.unseen_fraction(&slab) > UNSEEN_FRACTION_MAX
             }
             None => conditions.is_truncated,
         };
@@ -247,6 +254,7 @@ mod tests {
     use super::*;
     use FaceConfidence::{Doubtful, Occluded, Reliable};
     use geometry::RigidTransform;
+    use sensor_noise::DepthNoise;
 
     /// Confidences along x of a box from `low` to `high` where -0.1 to 0.1 is expected.
     fn along_x(low: f64, high: f64, is_truncated: bool) -> [FaceConfidence; 2] {
@@ -256,6 +264,7 @@ mod tests {
         };
         let conditions = ViewingConditions {
             depth_m: 1.0,
+            depth_noise: DepthNoise::KINECT_V1,
             ray_in_world: Vector3::y_axis(),
             variances_m2: Vector3::repeat(1e-3),
             stands_on_table: false,
@@ -324,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn a_face_at_the_image_border_is_occluded_however_little_it_has_moved() {
+    fn a_face_without_depth_beyond_it_is_occluded() {
         // A wall at 1.4 m with depth from column 320 on only: the object, 1 m away, leaves
         // the view to the left.
         let camera = geometry::PinholeCamera::KINECT_V1;
@@ -335,28 +344,33 @@ mod tests {
             ..point_cloud::Point::default()
         };
         let cloud: Vec<_> = (0..camera.n_pixels()).map(point).collect();
-        let view = DepthView::new(&cloud, camera, &RigidTransform::identity()).unwrap();
+        let pose = RigidTransform::identity();
+        let view = DepthView::new(&cloud, camera, &pose, DepthNoise::KINECT_V1).unwrap();
         let shape = |low: f64, high: f64| OrientedBox {
             frame_from_box: RigidTransform::translation(0.5 * (low + high), 0.0, 1.0),
             half_sides_m: Vector3::new(0.5 * (high - low), 0.05, 0.05),
         };
         let conditions = |is_truncated| ViewingConditions {
             depth_m: 1.0,
+            depth_noise: DepthNoise::KINECT_V1,
             ray_in_world: Vector3::z_axis(),
             variances_m2: Vector3::repeat(1e-3),
             stands_on_table: false,
             is_truncated,
             hand_contact: HandContact::None,
         };
-        let along_x = |low: f64, is_truncated| {
-            let (measured, expected) = (shape(low, 0.1), shape(-0.003, 0.1));
+        let along_x = |low: f64, expected_low: f64, is_truncated| {
+            let (measured, expected) = (shape(low, 0.1), shape(expected_low, 0.1));
             let (sigmas_m, conditions) = (Vector3::repeat(0.002), conditions(is_truncated));
             face_confidences(&measured, &expected, &sigmas_m, &conditions, Some(&view))[0]
         };
-        assert_eq!(along_x(0.0, true), [Occluded, Reliable]);
-        assert_eq!(along_x(0.0, false), [Reliable, Reliable]);
+        assert_eq!(along_x(0.0, -0.003, true), [Occluded, Reliable]);
+        assert_eq!(along_x(0.0, -0.003, false), [Reliable, Reliable]);
         // It enters the image: the visible part is at least as large as this.
-        assert_eq!(along_x(-0.006, true), [Reliable, Reliable]);
+        assert_eq!(along_x(-0.006, -0.003, true), [Reliable, Reliable]);
+        // Half of it is too close to have depth, or ends where the wall is seen.
+        assert_eq!(along_x(0.0, -0.05, false), [Occluded, Doubtful]);
+        assert_eq!(along_x(0.06, 0.01, false), [Doubtful, Doubtful]);
     }
 
     #[test]

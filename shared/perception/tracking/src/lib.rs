@@ -14,10 +14,12 @@
 //! ```
 //! use geometry::{OrientedBox, RigidTransform};
 //! use nalgebra::Vector3;
+//! use sensor_noise::DepthNoise;
 //! use tracking::{HandContact, Measurement, MotionConfig, MotionFilter, ViewingConditions};
 //!
 //! let conditions = ViewingConditions {
 //!     depth_m: 0.9,
+//!     depth_noise: DepthNoise::KINECT_V1,
 //!     ray_in_world: Vector3::y_axis(),
 //!     variances_m2: Vector3::new(8e-4, 5e-4, 3e-3),
 //!     stands_on_table: true,
@@ -44,7 +46,6 @@
 mod assignment;
 mod association;
 mod axis_kalman;
-mod color_histogram;
 mod depth_view;
 mod error;
 mod face_confidence;
@@ -63,7 +64,6 @@ pub use association::{
     AssociationBuffers, AssociationConfig, CoarseAppearance, ObservedCandidate, PredictedTrack,
     appearance_cost, associate, fraction_inside,
 };
-pub use color_histogram::ColorHistogram;
 pub use depth_view::DepthView;
 pub use error::Error;
 pub use key_view_rule::{KeyViewRule, MotionPhase};

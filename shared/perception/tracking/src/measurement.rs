@@ -7,13 +7,15 @@ use crate::orientation::nearest_equivalent_box;
 use crate::viewing_conditions::ViewingConditions;
 use geometry::OrientedBox;
 use nalgebra::{Matrix3, Translation3, Vector3};
-use sensor_noise::DepthNoise;
 
 /// Largest coordinate of an object, metres.
 const COORDINATE_MAX_M: f64 = 1e5;
 
 /// Largest half side of an object, metres.
 pub(crate) const HALF_SIDE_MAX_M: f64 = 50.0;
+
+/// Largest standard deviation of a depth, metres.
+const DEPTH_SIGMA_MAX_M: f64 = 10.0;
 
 /// Largest variance of an object's points, square metres.
 const VARIANCE_MAX_M2: f64 = HALF_SIDE_MAX_M * HALF_SIDE_MAX_M;
@@ -47,6 +49,8 @@ pub struct Measurement {
     conditions: ViewingConditions,
     /// Standard deviation of the camera position, metres.
     pose_sigma_m: f64,
+    /// `true` when nothing near the object is handled.
+    is_at_rest: bool,
 }
 
 impl Measurement {
@@ -54,7 +58,8 @@ impl Measurement {
     ///
     /// # Errors
     /// When a number is not finite, a coordinate is beyond 100 km, a half side is
-    /// negative or beyond 50 m, or a direction is none.
+    /// negative or beyond 50 m, the depth noise is negative or beyond 10 m, or a direction is
+    /// none.
     pub fn new(
         stamp_ns: u64,
         box_in_world: OrientedBox,
@@ -67,6 +72,7 @@ impl Measurement {
                 box_in_world,
                 conditions,
                 pose_sigma_m: 0.0,
+                is_at_rest: false,
             }),
         }
     }
@@ -83,6 +89,19 @@ impl Measurement {
             },
             ..self
         }
+    }
+
+    /// The same measurement with the knowledge that nothing near the object is handled, or that
+    /// something is. Without a hand, or an object that a hand moves, an object has no reason to
+    /// go on moving.
+    #[must_use]
+    pub fn with_rest(self, is_at_rest: bool) -> Self {
+        Self { is_at_rest, ..self }
+    }
+
+    /// `true` when nothing near the object is handled.
+    pub fn is_at_rest(&self) -> bool {
+        self.is_at_rest
     }
 
     /// Standard deviation of the camera's position, metres.
@@ -107,8 +126,9 @@ impl Measurement {
 
     /// Variance of the box centre for data association, per axis, square metres.
     pub fn position_variance_m2(&self, config: &MotionConfig) -> f64 {
-        let sensor_m = DepthNoise::KINECT_V1
-            .bounded_sigma_m(self.conditions.depth_m)
+        let sensor_m = self
+            .conditions
+            .depth_sigma_m()
             .max(config.position_sigma_min_m);
         let truncation_m = if self.conditions.is_truncated {
             (TRUNCATED_SIGMA_RATIO * self.box_in_world.sides_m().max()).min(TRUNCATED_SIGMA_MAX_M)
@@ -149,7 +169,7 @@ impl Measurement {
         world_from_axes: &Matrix3<f64>,
         config: &MotionConfig,
     ) -> Vector3<f64> {
-        let along = DepthNoise::KINECT_V1.bounded_sigma_m(self.conditions.depth_m);
+        let along = self.conditions.depth_sigma_m();
         let across = LATERAL_SIGMA_RAD * self.conditions.depth_m.abs();
         let ray = world_from_axes.tr_mul(&self.conditions.ray_in_world);
         ray.map(|share| {
@@ -187,6 +207,10 @@ fn violated_constraint(
         (
             near(&conditions.depth_m),
             "its depth must lie within 100 km",
+        ),
+        (
+            (0.0..=DEPTH_SIGMA_MAX_M).contains(&conditions.depth_sigma_m()),
+            "the noise of its depth must lie between 0 and 10 m",
         ),
         (
             (0.999..=1.001).contains(&conditions.ray_in_world.norm()),

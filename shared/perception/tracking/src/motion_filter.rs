@@ -31,9 +31,9 @@ const COVARIANCE_GROWTH_MAX_S: f64 = 10.0;
 /// see `tabula-lab sweep`.
 const ANGULAR_DAMPING_S: f64 = 0.3;
 
-/// Time constant with which the velocity along an occluded axis decays, seconds. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
-const OCCLUDED_DAMPING_S: f64 = 0.15;
+/// Time constant with which a velocity decays that is not observed or has no cause, seconds.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const DAMPING_S: f64 = 0.15;
 
 /// Upper limit of the initial rotation uncertainty (standard deviation), radians (3
 /// degrees). The yaw of a rotationally symmetric object is unobservable, so its first
@@ -268,7 +268,12 @@ impl MotionFilter {
             state.update_rotation(&confidences, measurement, is_moved);
         }
         state.update_faces(&measured, &confidences, &sigmas_m);
-        state.damp_occluded_axes(&confidences, (stamp_ns - self.stamp_ns) as f64 * 1e-9);
+        let dt_s = (stamp_ns - self.stamp_ns) as f64 * 1e-9;
+        if measurement.is_at_rest() {
+            state.velocity_m_s *= damping(dt_s);
+        } else {
+            state.damp_unobserved_axes(&confidences, dt_s);
+        }
         Ok(state)
     }
 
@@ -412,13 +417,16 @@ impl MotionFilter {
         self.completeness = completeness;
     }
 
-    /// Decay of the velocity along axes with both faces occluded, where no motion is
+    /// Decay of the velocity along axes without a reliable face, where no motion is
     /// observable.
-    fn damp_occluded_axes(&mut self, confidences: &[[FaceConfidence; 2]; 3], dt_s: f64) {
-        let keep = (-dt_s / OCCLUDED_DAMPING_S).exp();
-        let shares = confidences.map(|ends| match ends {
-            [FaceConfidence::Occluded, FaceConfidence::Occluded] => keep,
-            _ => 1.0,
+    fn damp_unobserved_axes(&mut self, confidences: &[[FaceConfidence; 2]; 3], dt_s: f64) {
+        let keep = damping(dt_s);
+        let shares = confidences.map(|ends| {
+            if ends.contains(&FaceConfidence::Reliable) {
+                1.0
+            } else {
+                keep
+            }
         });
         let along = self.rotation.inverse() * self.velocity_m_s;
         self.velocity_m_s = self.rotation * along.component_mul(&Vector3::from(shares));
@@ -471,6 +479,11 @@ impl MotionFilter {
             half_sides_m: self.half_sides_m,
         }
     }
+}
+
+/// Fraction of an unobserved or uncaused velocity that is left after a time.
+fn damping(dt_s: f64) -> f64 {
+    (-dt_s / DAMPING_S).exp()
 }
 
 /// Initial standard deviation of the speed, metres a second: that of a hand-held object.

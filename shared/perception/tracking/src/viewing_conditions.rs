@@ -1,6 +1,8 @@
-//! Viewing conditions of a measurement: distance, ray, truncation and hand contact.
+//! Viewing conditions of a measurement: distance, ray, depth noise, truncation and hand
+//! contact.
 
 use nalgebra::{Unit, Vector3};
+use sensor_noise::DepthNoise;
 
 /// Contact of an object with a hand, human or robotic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,6 +20,8 @@ pub enum HandContact {
 pub struct ViewingConditions {
     /// Depth of the object along the optical axis, metres.
     pub depth_m: f64,
+    /// Depth noise law of the camera.
+    pub depth_noise: DepthNoise,
     /// Unit ray from the camera to the object, world frame.
     pub ray_in_world: Unit<Vector3<f64>>,
     /// Variances of the object's points along the axes of its box, square metres.
@@ -32,6 +36,11 @@ pub struct ViewingConditions {
 }
 
 impl ViewingConditions {
+    /// Standard deviation of the depth of the object's points, metres.
+    pub(crate) fn depth_sigma_m(&self) -> f64 {
+        self.depth_noise.bounded_sigma_m(self.depth_m)
+    }
+
     /// True if a hand may be moving the object.
     pub fn is_handled(&self) -> bool {
         self.hand_contact != HandContact::None

@@ -37,9 +37,21 @@ fn perfect() -> Vec<TrackedFrame> {
         time_s: f64::from(i) / 30.0,
         objects: vec![object(1, 0.0), object(2, 0.3)],
         tracks: vec![track(11, 0.0, 0.0), track(12, 0.3, 0.0)],
+        tracks_of_people: vec![],
         ended: vec![],
     };
     (0..30).map(frame).collect()
+}
+
+#[test]
+fn frames_with_tracks_of_people_are_counted_once() {
+    let mut frames = perfect();
+    frames[3].tracks_of_people = vec![11, 12];
+    frames[4].tracks_of_people = vec![11];
+    let (mut score, _) = TrackingScore::of(&frames);
+    assert_eq!(score.n_frames_with_person_track, 2);
+    score.add(&score.clone());
+    assert_eq!(score.n_frames_with_person_track, 4);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 mod drift;
 mod ground_truth;
+mod person_tracks;
 mod recorded_sequence;
 mod report;
 mod report_page;
@@ -115,7 +116,7 @@ fn play_all(
         || (),
         |(), job| {
             let (scenario, seed) = jobs[job];
-            let sequence = simulated_sequence::play(scenario, seed)?;
+            let sequence = simulated_sequence::play(scenario, seed, arguments.hidden_people)?;
             scored(scenario.name.clone(), Some(seed), sequence, arguments)
         },
     );

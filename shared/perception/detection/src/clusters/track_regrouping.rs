@@ -1,7 +1,7 @@
 //! Track-guided regrouping: splits clusters of touching tracked objects and merges
 //! fragments of one.
 
-use super::Clusters;
+use super::{Clusters, NO_CLUSTER};
 use crate::input::ExpectedTrack;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -133,11 +133,9 @@ impl Clusters {
 
     /// Sort the pixels again by the labels in `cluster_of`.
     fn rebuild_groups(&mut self, n_clusters: usize) {
-        self.ungrouped.clear();
-        self.ungrouped.extend_from_slice(&self.pixels);
         self.starts.clear();
         self.starts.resize(n_clusters + 1, 0);
-        for &pixel in &self.ungrouped {
+        for &pixel in &self.pixels {
             self.starts[self.cluster_of[pixel as usize] as usize + 1] += 1;
         }
         for i in 0..n_clusters {
@@ -146,9 +144,12 @@ impl Clusters {
         self.number_of.clear();
         self.number_of.extend_from_slice(&self.starts);
         for &pixel in &self.ungrouped {
-            let place = &mut self.number_of[self.cluster_of[pixel as usize] as usize];
-            self.pixels[*place as usize] = pixel;
-            *place += 1;
+            let cluster = self.cluster_of[pixel as usize];
+            if cluster != NO_CLUSTER {
+                let place = &mut self.number_of[cluster as usize];
+                self.pixels[*place as usize] = pixel;
+                *place += 1;
+            }
         }
     }
 }

@@ -131,10 +131,9 @@ impl MarginCapsule {
 }
 
 /// `true` when a point is inside the predicted box of a live track.
-fn is_expected(tracks: &[ExpectedTrack], point: &Point) -> bool {
-    let point = point.position();
+pub(crate) fn is_expected(tracks: &[ExpectedTrack], point: &Point3<f64>) -> bool {
     let mut shapes = tracks.iter().map(|track| &track.oriented_box);
-    shapes.any(|shape| shape.contains(&point, TRACK_MARGIN_M))
+    shapes.any(|shape| shape.contains(point, TRACK_MARGIN_M))
 }
 
 /// Body mask: the capsules of people and the robot above the table. Reused from frame to
@@ -181,7 +180,7 @@ impl BodyMask {
         let is_masked = |point: &Point| {
             self.capsules.iter().any(|capsule| capsule.contains(point))
                 && (self.capsules.iter().any(|capsule| capsule.is_core(point))
-                    || !is_expected(tracks, point))
+                    || !is_expected(tracks, &point.position()))
         };
         // Neighbours in the list are usually neighbours in space and far from all capsules.
         let mut n_kept = 0;

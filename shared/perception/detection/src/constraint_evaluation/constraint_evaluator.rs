@@ -6,6 +6,8 @@ use crate::RawConfig;
 use crate::candidate::{Candidate, Support};
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::input::ScenePriors;
+use crate::reaching_bodies::ReachingBodies;
+use crate::samples::Samples;
 use crate::table::Table;
 use constraint::{Constraint, ConstraintSet, Expression, Finding, Findings, Reason, Ternary};
 use geometry::OrientedBox;
@@ -48,6 +50,8 @@ pub(crate) struct ConstraintEvaluator<'a> {
     pub(crate) table: &'a Table,
     pub(crate) priors: ScenePriors<'a>,
     pub(crate) body_mask: &'a BodyMask,
+    /// Bodies found in depth, with the image they were found in; `None` without any.
+    pub(crate) depth_bodies: Option<(&'a ReachingBodies, &'a Samples)>,
     pub(crate) config: &'a RawConfig,
 }
 
@@ -207,6 +211,13 @@ impl ConstraintEvaluator<'_> {
         let margins_m = [self.config.person_margin_m, self.config.robot_margin_m];
         std::array::from_fn(|i| {
             let constraint = [Constraint::Instructor, Constraint::Robot][i];
+            let is_robot = hypothesis.is_masked && shares[1] >= BODY_SHARE_MAYBE;
+            if i == 0
+                && !is_robot
+                && let Some((bodies, image)) = self.depth_bodies
+            {
+                return self.depth_body_finding(hypothesis, pixels, bodies, image);
+            }
             if !is_known[i] {
                 return constraint.default_finding();
             }
@@ -217,6 +228,21 @@ impl ConstraintEvaluator<'_> {
                 touch_finding(constraint, shares[i], margin_m)
             }
         })
+    }
+
+    /// Person finding of a hypothesis from the bodies found in depth.
+    fn depth_body_finding(
+        &self,
+        hypothesis: &ClusterHypothesis,
+        pixels: &[u32],
+        bodies: &ReachingBodies,
+        image: &Samples,
+    ) -> Finding {
+        if hypothesis.is_masked {
+            return finding(true, Reason::ReachesOverTable);
+        }
+        let share = bodies.share_near(samples(pixels), &self.cloud, image, TOUCH_M);
+        touch_finding(Constraint::Instructor, share, TOUCH_M as f32)
     }
 
     /// Share of a cluster's sampled points inside grown track boxes.

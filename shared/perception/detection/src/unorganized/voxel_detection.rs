@@ -279,6 +279,7 @@ impl VoxelDetector {
     ) {
         self.body_mask.refill(&frame.priors, table, config.get());
         let evaluator = ConstraintEvaluator {
+            depth_bodies: None,
             cloud: frame.cloud,
             table,
             priors: frame.priors,

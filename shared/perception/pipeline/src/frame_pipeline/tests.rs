@@ -65,6 +65,7 @@ fn process(recorder: &mut Recorder) -> Result<Detection, &'static str> {
     let frame = FramePose {
         capture_ns: 1,
         world_from_camera: RigidTransform::identity(),
+        up_in_camera: None,
         camera: None,
     };
     let mut pipeline = FramePipeline::new(config);

@@ -1,10 +1,12 @@
 use super::*;
 use constraint::{Constraint, ConstraintSet, Finding, Findings, Reason};
-use geometry::OrientedBox;
-use geometry::RigidTransform;
+use geometry::{OrientedBox, PinholeCamera, RigidTransform};
 use nalgebra::{Point3, Vector3};
 use point_cloud::Rgba;
+use sensor_noise::DepthNoise;
 use tracking::{AssociationConfig, MotionConfig};
+
+mod surfaces;
 
 const FRAME_NS: u64 = 33_333_333;
 
@@ -85,6 +87,7 @@ fn body_part_at(x: f64, constraint: Constraint) -> Candidate {
 struct TableFixture {
     table: TrackTable,
     update: TrackUpdate,
+    world_from_camera: RigidTransform,
     n_frames: u64,
     last_id: u64,
 }
@@ -96,6 +99,7 @@ impl TableFixture {
         Self {
             table: TrackTable::new(config),
             update: TrackUpdate::default(),
+            world_from_camera: RigidTransform::identity(),
             n_frames: 0,
             last_id: 0,
         }
@@ -112,10 +116,16 @@ impl TableFixture {
             point_indices: (0..200).collect(),
             ..Detection::default()
         };
+        self.update(&detection, &cloud(), None);
+    }
+
+    /// One frame with a detection in a cloud; an organised one has a camera.
+    fn update(&mut self, detection: &Detection, cloud: &[Point], camera: Option<PinholeCamera>) {
         let frame = FramePose {
             capture_ns: self.n_frames * FRAME_NS,
-            world_from_camera: RigidTransform::identity(),
-            camera: None,
+            world_from_camera: self.world_from_camera,
+            up_in_camera: None,
+            camera,
         };
         self.n_frames += 1;
         let last_id = &mut self.last_id;
@@ -124,7 +134,7 @@ impl TableFixture {
             Some(*last_id)
         };
         self.table
-            .update(&detection, &cloud(), &frame, next_id, &mut self.update);
+            .update(detection, cloud, &frame, next_id, &mut self.update);
     }
 
     /// Frames with an object at each x coordinate, until its track is confirmed.
@@ -176,6 +186,56 @@ fn an_unseen_track_coasts_briefly_and_times_out() {
     assert_eq!(fixture.ids(), [0_u64; 0]);
 }
 
+/// Live tracks after an object in front of a wall has vanished from images of a camera
+/// with this law of the depth noise.
+fn n_tracks_before_a_wall(depth_noise: DepthNoise) -> usize {
+    let camera = PinholeCamera::KINECT_V1;
+    let on_wall = Point {
+        z: 0.87,
+        ..Point::without_depth(Rgba::opaque(120, 120, 120))
+    };
+    let wall = vec![on_wall; camera.n_pixels()];
+    let mut fixture = TableFixture::new();
+    for is_there in [true, true, true, false, false, false, false, false] {
+        let detection = Detection {
+            candidates: if is_there {
+                vec![candidate_at(0.0)]
+            } else {
+                vec![]
+            },
+            point_indices: (0..100).collect(),
+            depth_noise,
+            ..Detection::default()
+        };
+        fixture.update(&detection, &wall, Some(camera));
+    }
+    fixture.ids().len()
+}
+
+#[test]
+fn a_track_ends_in_free_space_beyond_the_depth_noise() {
+    // The wall is 20 mm behind the object; four sigmas of the noise are 6 and 24 mm.
+    assert_eq!(n_tracks_before_a_wall(DepthNoise::KINECT_V1), 0);
+    assert_eq!(n_tracks_before_a_wall(DepthNoise::KINECT_V1.scaled(4.0)), 1);
+}
+
+#[test]
+fn a_track_is_measured_with_the_depth_noise_of_the_camera() {
+    let mut fixture = TableFixture::new();
+    let variances_m2 = [DepthNoise::KINECT_V1, DepthNoise::KINECT_V1.scaled(4.0)].map(|law| {
+        let detection = Detection {
+            candidates: vec![candidate_at(fixture.n_frames as f64)],
+            point_indices: (0..100).collect(),
+            depth_noise: law,
+            ..Detection::default()
+        };
+        fixture.update(&detection, &cloud(), None);
+        let track = fixture.table.tracks().last().unwrap();
+        track.position_covariance_m2()[(2, 2)]
+    });
+    assert!(variances_m2[1] > 2.0 * variances_m2[0], "{variances_m2:?}");
+}
+
 #[test]
 fn no_track_starts_without_an_id_and_clearing_ends_all() {
     let mut fixture = TableFixture::new();
@@ -191,6 +251,7 @@ fn no_track_starts_without_an_id_and_clearing_ends_all() {
     let frame = FramePose {
         capture_ns: 1,
         world_from_camera: RigidTransform::identity(),
+        up_in_camera: None,
         camera: None,
     };
     fixture
@@ -331,6 +392,7 @@ fn prediction_supplies_the_boxes_of_the_tracks() {
     let frame = FramePose {
         capture_ns: 3 * FRAME_NS,
         world_from_camera,
+        up_in_camera: None,
         camera: None,
     };
     let mut boxes = vec![];
@@ -413,6 +475,111 @@ fn an_unseen_track_without_a_hand_stays_where_it_was() {
         (place - last.box_in_world().centre()).norm() < 1e-9,
         "{place}"
     );
+}
+
+/// Applies the posteriors of the objects that were seen in the last frame.
+fn observe(fixture: &mut TableFixture) {
+    let config = *fixture.table.config.motion();
+    for sighting in &fixture.update.sightings {
+        let tracks = fixture.table.tracks();
+        let track = tracks.iter().find(|track| track.id == sighting.track_id);
+        let track = track.unwrap();
+        let measurement = &sighting.measured.measurement;
+        let posterior = Posterior {
+            filter: (track.updated_filter)
+                .updated(measurement, None, &config)
+                .unwrap(),
+            ..posterior_of(track)
+        };
+        fixture.table.apply_posterior(sighting.track_id, &posterior);
+    }
+}
+
+#[test]
+fn an_object_is_expected_where_the_others_have_shifted_to() {
+    let large_at = |x: f64| {
+        let mut large = candidate_at(x);
+        large.oriented_box.half_sides_m = Vector3::repeat(0.2);
+        large
+    };
+    // Ids after a wrong camera pose shifts the large objects, whose gates are wide, and the
+    // small one.
+    let ids_after = |shift_of_large_m: f64, shift_of_small_m: f64| {
+        let mut fixture = TableFixture::new();
+        for _ in 0..30 {
+            fixture.frame_of(vec![large_at(0.0), large_at(0.6), candidate_at(1.2)]);
+            observe(&mut fixture);
+        }
+        let large = [0.0, 0.6].map(|x| large_at(x + shift_of_large_m));
+        let small = candidate_at(1.2 + shift_of_small_m);
+        fixture.frame_of(large.into_iter().chain([small]).collect());
+        fixture.ids()
+    };
+    assert_eq!(ids_after(0.05, 0.05), [1, 2, 3]);
+    assert_eq!(ids_after(0.05, 0.06), [1, 2, 3]);
+    assert_eq!(ids_after(0.0, 0.05), [1, 2, 3, 4]);
+    assert_eq!(ids_after(-0.05, 0.05), [1, 2, 3, 4]);
+}
+
+#[test]
+fn a_part_at_the_image_border_starts_no_track_where_a_kept_one_is_out_of_view() {
+    let on_wall = Point {
+        z: 1.5,
+        ..Point::without_depth(Rgba::opaque(120, 120, 120))
+    };
+    let mut wall = vec![on_wall; PinholeCamera::KINECT_V1.n_pixels()];
+    for point in &mut wall[100..200] {
+        point.color = Rgba::opaque(30, 40, 160);
+    }
+    let n_tracks_after = |part: Candidate, camera_x: f64| {
+        let mut fixture = TableFixture::new();
+        let show = |fixture: &mut TableFixture, candidate: Option<Candidate>| {
+            let detection = Detection {
+                candidates: candidate.into_iter().collect(),
+                point_indices: (0..200).collect(),
+                ..Detection::default()
+            };
+            fixture.update(&detection, &wall, Some(PinholeCamera::KINECT_V1));
+        };
+        for _ in 0..3 {
+            show(&mut fixture, Some(candidate_at(0.0)));
+        }
+        fixture.world_from_camera = RigidTransform::translation(camera_x, 0.0, 0.0);
+        show(&mut fixture, None);
+        show(&mut fixture, Some(part));
+        fixture.ids().len()
+    };
+    // The corner of an object that returns 10 cm beside its place, in a camera at 0.6 m.
+    let part = |place_x: f64, is_cut: bool| {
+        let mut part = small_at(place_x - 0.6);
+        part.oriented_box.frame_from_box.translation.vector.y = 0.13;
+        part.touches_image_border = is_cut;
+        part
+    };
+    assert_eq!(n_tracks_after(part(0.1, true), 0.6), 1);
+    assert_eq!(n_tracks_after(part(0.1, false), 0.6), 2, "seen whole");
+    assert_eq!(n_tracks_after(part(0.3, true), 0.6), 2, "another object");
+    let blue = Candidate {
+        range: 100..200,
+        ..part(0.1, true)
+    };
+    assert_eq!(n_tracks_after(blue, 0.6), 2, "of another colour");
+}
+
+#[test]
+fn an_object_is_at_rest_unless_something_near_it_is_handled() {
+    let is_at_rest = |body_x: Option<f64>| {
+        let mut fixture = TableFixture::new();
+        fixture.confirm(&[0.0]);
+        let body = body_x.map(|x| body_part_at(x, Constraint::Instructor));
+        fixture.frame_of([candidate_at(0.0)].into_iter().chain(body).collect());
+        let mut sightings = fixture.update.sightings.iter();
+        let seen = sightings.find(|seen| seen.track_id == 1).unwrap();
+        seen.measured.measurement.is_at_rest()
+    };
+    assert!(is_at_rest(None));
+    assert!(is_at_rest(Some(0.5)));
+    assert!(!is_at_rest(Some(0.25)));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 use super::*;
 use crate::viewing_conditions::{HandContact, ViewingConditions};
 use proptest::prelude::*;
+use sensor_noise::DepthNoise;
 use std::f64::consts::FRAC_PI_2;
 
 const FRAME_NS: u64 = 33_333_333;
@@ -17,6 +18,7 @@ fn upright(position: Point3<f64>, yaw_rad: f64, half_sides_m: Vector3<f64>) -> O
 fn conditions(is_truncated: bool) -> ViewingConditions {
     ViewingConditions {
         depth_m: 1.0,
+        depth_noise: DepthNoise::KINECT_V1,
         ray_in_world: Vector3::y_axis(),
         variances_m2: Vector3::new(3.3e-3, 5e-4, 2e-3),
         stands_on_table: false,
@@ -201,6 +203,41 @@ fn a_rotationally_symmetric_object_keeps_its_first_orientation() {
     assert!(first.angle_to(&last) < 0.01);
 }
 
+/// Centre of a resting object after one measurement shifted along the ray by 3 cm, metres, with
+/// this law of the depth noise at 2 m.
+fn shift_with(depth_noise: DepthNoise) -> f64 {
+    let config = MotionConfig::default();
+    let seen = |frame: u64, y: f64| {
+        let conditions = ViewingConditions {
+            depth_m: 2.0,
+            depth_noise,
+            ..conditions(false)
+        };
+        let shape = upright(Point3::new(0.0, y, 0.0), 0.0, Vector3::new(0.1, 0.04, 0.08));
+        Measurement::new(frame * FRAME_NS, shape, conditions).unwrap()
+    };
+    let mut filter = MotionFilter::start(&seen(0, 0.0), &config);
+    for frame in 1..30 {
+        filter = filter.updated(&seen(frame, 0.0), None, &config).unwrap();
+    }
+    let shifted = filter.updated(&seen(30, 0.03), None, &config).unwrap();
+    shifted.box_in_world().centre().y
+}
+
+#[test]
+fn a_shift_within_the_depth_noise_is_noise() {
+    // The standard deviation at 2 m is 2, 6, 11 and 18 mm.
+    assert!(shift_with(DepthNoise::TIME_OF_FLIGHT) > 0.025);
+    let shifts_m = [
+        DepthNoise::KINECT_V1,
+        DepthNoise::STEREO,
+        DepthNoise::KINECT_V1.scaled(3.0),
+    ]
+    .map(shift_with);
+    assert!(shifts_m.iter().all(|shift_m| *shift_m < 0.01));
+    assert!(shifts_m.is_sorted_by(|larger, smaller| larger > smaller));
+}
+
 #[test]
 fn an_old_measurement_is_refused() {
     let config = MotionConfig::default();
@@ -233,7 +270,11 @@ fn impossible_measurements_and_settings_are_refused() {
         variances_m2: Vector3::repeat(f64::NAN),
         ..conditions(false)
     };
-    for bad in [endless, shapeless] {
+    let noiseless = ViewingConditions {
+        depth_noise: DepthNoise::KINECT_V1.scaled(f32::NAN),
+        ..conditions(false)
+    };
+    for bad in [endless, shapeless, noiseless] {
         assert!(Measurement::new(0, good, bad).is_err());
     }
     let config = MotionConfig {
@@ -362,4 +403,48 @@ fn a_stopped_object_keeps_its_place() {
     let later = filter.stopped().predicted(30 * FRAME_NS, &config);
     let apart = later.box_in_world().centre() - filter.box_in_world().centre();
     assert_eq!(apart.norm(), 0.0);
+}
+
+/// Filter after a second of motion along x at 0.2 m/s, with the number of its frames.
+fn moving_filter(is_at_rest: bool) -> (MotionFilter, u64) {
+    let (config, n_frames) = (MotionConfig::default(), 30);
+    let at = |frame: u64| {
+        let position = Point3::new(0.2 * frame as f64 / 30.0, 0.0, 0.0);
+        seen(frame, position, 0.0).with_rest(is_at_rest)
+    };
+    let start = MotionFilter::start(&at(0), &config);
+    let filter = (1..n_frames).fold(start, |filter, frame| {
+        filter.updated(&at(frame), None, &config).unwrap()
+    });
+    (filter, n_frames)
+}
+
+#[test]
+fn velocity_without_a_reliable_face_decays() {
+    let (moving, n_frames) = moving_filter(false);
+    assert!(moving.velocity_m_s().x > 0.15, "{}", moving.velocity_m_s());
+    // A fragment in the middle of the box says nothing of a motion.
+    let config = MotionConfig::default();
+    let fragmented = (0..20).fold(moving, |filter, frame| {
+        let middle = filter.box_in_world().centre();
+        let fragment = upright(middle, 0.0, Vector3::new(0.03, 0.01, 0.02));
+        let fragment = measured(n_frames + frame, fragment, false);
+        filter.updated(&fragment, None, &config).unwrap()
+    });
+    let velocity_m_s = fragmented.velocity_m_s();
+    assert!(velocity_m_s.norm() < 0.02, "{velocity_m_s}");
+}
+
+#[test]
+fn velocity_of_an_object_that_nothing_moves_decays() {
+    let (handled, _) = moving_filter(false);
+    let (at_rest, _) = moving_filter(true);
+    let [handled_m_s, at_rest_m_s] = [handled, at_rest].map(|filter| filter.velocity_m_s().norm());
+    assert!(
+        at_rest_m_s < 0.8 * handled_m_s,
+        "{at_rest_m_s} {handled_m_s}"
+    );
+    // What the camera sees is followed all the same.
+    let lag_m = (at_rest.box_in_world().centre() - handled.box_in_world().centre()).norm();
+    assert!(lag_m < 0.02, "{lag_m}");
 }

@@ -136,6 +136,7 @@ impl RecordedSequence {
             let up_in_world = self.up_in_world();
             let objects = truth.read(self, index, &points, world_from_camera, up_in_world)?;
             let frame = TrackedFrame {
+                tracks_of_people: Vec::new(),
                 time_s: index as f64 / RATE_HZ,
                 objects,
                 tracks: tracker.track_states(),

@@ -56,6 +56,7 @@ pub(super) struct Figures {
     pub(super) ids_per_object: Option<f64>,
     pub(super) n_tracks: usize,
     pub(super) tracks_of_nothing: usize,
+    pub(super) frames_with_person_track: u64,
     pub(super) removed: Option<Removed>,
 }
 
@@ -121,6 +122,7 @@ impl Figures {
             ids_per_object: (n_objects > 0).then(|| score.n_ids as f64 / n_objects as f64),
             n_tracks: score.n_tracks,
             tracks_of_nothing: score.n_tracks_of_nothing,
+            frames_with_person_track: score.n_frames_with_person_track,
             removed: Removed::of(&score.removed_after_s),
         }
     }

@@ -6,9 +6,9 @@ use plot::figure_page::{PageFigure, PageTable, html};
 use statistics::spread::Spread;
 
 /// Column headings of the tracking table.
-const HEADS: [&str; 16] = [
+const HEADS: [&str; 17] = [
     "scene", "runs", "mota", "idf1", "switches", "misses", "false", "centre", "p95", "p99",
-    "at 1 m", "turn", "p95", "flips", "lost", "ids",
+    "at 1 m", "turn", "p95", "flips", "lost", "ids", "person",
 ];
 
 /// Tracking report as text for the terminal.
@@ -77,7 +77,7 @@ fn legend() -> [String; 2] {
          the true surface seen so far, mm; at 1 m: its median there"
             .to_owned(),
         "turn: median and 95th percentile of the deviation of objects whose footprint has a \
-         direction, degrees; ids: tracks of an object"
+         direction, degrees; ids: tracks of an object; person: frames with a track made of a person"
             .to_owned(),
     ]
 }
@@ -113,5 +113,6 @@ fn row(name: &str, figures: &Figures) -> Vec<String> {
         figures
             .ids_per_object
             .map_or("-".to_owned(), |ids| format!("{ids:.2}")),
+        figures.frames_with_person_track.to_string(),
     ]
 }

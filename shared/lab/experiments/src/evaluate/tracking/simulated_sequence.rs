@@ -2,6 +2,7 @@
 
 use super::RATE_HZ;
 use super::ground_truth::{GroundTruth, LabelledDepthImage};
+use super::person_tracks::tracks_of_people;
 use super::scenario::Scenario;
 use super::tracking_pipeline::{TrackerInput, TrackingPipeline};
 use super::tracking_run::TrackedSequence;
@@ -18,8 +19,13 @@ const DURATION_S: f64 = 10.0;
 /// Capture time of the first frame, nanoseconds; not zero, as with a real camera.
 const FIRST_CAPTURE_NS: u64 = 1_000_000_000;
 
-/// Simulates a scenario with a seed and tracks its objects.
-pub(super) fn play(scenario: &Scenario, seed: u64) -> Result<TrackedSequence, Failure> {
+/// Simulates a scenario with a seed and tracks its objects. With `hidden_people` the poses of
+/// people are not told.
+pub(super) fn play(
+    scenario: &Scenario,
+    seed: u64,
+    hidden_people: bool,
+) -> Result<TrackedSequence, Failure> {
     let (scene, library) = scenario.scene(seed)?;
     let duration_s = scene.duration_s.unwrap_or(DURATION_S);
     let mut world = World::new(scene, library).map_err(Failure::general)?;
@@ -46,11 +52,13 @@ pub(super) fn play(scenario: &Scenario, seed: u64) -> Result<TrackedSequence, Fa
             name.or_insert_with(|| object.model.name.clone());
         }
         let objects = truth.of_frame(&exact_view(&kinect, &world), &objects);
-        track(&mut tracker, &world, number, &points)?;
+        track(&mut tracker, &world, number, &points, hidden_people)?;
+        let tracks = tracker.track_states();
         sequence.frames.push(TrackedFrame {
             time_s: world.time_s(),
             objects,
-            tracks: tracker.track_states(),
+            tracks_of_people: tracks_of_people(&kinect, &world, &tracks),
+            tracks,
             ended: tracker.ended().to_vec(),
         });
         sequence.notes.append(&mut world.take_notes());
@@ -74,6 +82,7 @@ fn track(
     world: &World,
     number: u64,
     points: &[Point],
+    hidden_people: bool,
 ) -> Result<(), Failure> {
     let camera = PinholeCamera::KINECT_V1;
     let (width, height) = (camera.width as usize, camera.height as usize);
@@ -87,7 +96,7 @@ fn track(
         camera,
         world_from_camera,
         up_in_camera: Some(Unit::new_normalize(up_in_camera)),
-        people: Some(&people),
+        people: (!hidden_people).then_some(&people[..]),
         robot: (!arm.is_empty()).then_some(&arm[..]),
     };
     tracker.step(&seen).map_err(Failure::general)

@@ -30,6 +30,7 @@ fn arguments(dataset: &Path, out: &Path) -> TrackingArguments {
         scene: Vec::new(),
         labels: None,
         truth: None,
+        hidden_people: false,
     }
 }
 

@@ -64,10 +64,10 @@ impl TrackingPipeline {
             pose: FramePose {
                 capture_ns: input.capture_ns,
                 world_from_camera: input.world_from_camera,
+                up_in_camera: input.up_in_camera,
                 camera: Some(input.camera),
             },
             cloud: input.cloud,
-            up_in_camera: input.up_in_camera,
             seed: input.number,
             people: people.as_deref(),
             robot: robot.as_deref(),

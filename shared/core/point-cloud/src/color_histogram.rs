@@ -1,6 +1,6 @@
 //! Hue-saturation histogram of an object's colours.
 
-use point_cloud::Rgba;
+use crate::Rgba;
 
 /// Number of hue bins around the colour circle.
 const N_HUES: usize = 8;
@@ -44,7 +44,7 @@ impl ColorHistogram {
         let mut bins = [BIN_PRIOR; N_BINS];
         let mut n = 0_u32;
         for color in colors {
-            add(&mut bins, color);
+            for_each_bin(color, |bin, weight| bins[bin] += weight);
             n += 1;
         }
         if n == 0 {
@@ -61,6 +61,13 @@ impl ColorHistogram {
         f64::from(products.sum::<f32>()).clamp(0.0, 1.0)
     }
 
+    /// Share of a colour's bins, each weighted by its share of the colour: 0 to 1.
+    pub fn density(&self, color: Rgba) -> f32 {
+        let mut density = 0.0;
+        for_each_bin(color, |bin, weight| density += weight * self.0[bin]);
+        density
+    }
+
     /// Exponential moving average: this histogram moved towards another by a fraction, 0
     /// to 1.
     #[must_use]
@@ -72,17 +79,17 @@ impl ColorHistogram {
     }
 }
 
-/// Adds one colour with total weight 1.
-fn add(bins: &mut [f32; N_BINS], color: Rgba) {
+/// Visits the bins of one colour with their weights, which sum to 1.
+fn for_each_bin(color: Rgba, mut visit: impl FnMut(usize, f32)) {
     let [red, green, blue] = color.rgb().map(f32::from);
     let value = red.max(green).max(blue);
     let chroma = value - red.min(green).min(blue);
     let colored = ((chroma - CHROMA_MIN) / CHROMA_RAMP).clamp(0.0, 1.0);
     if colored < 1.0 {
         let (first, second, share) = interpolation_bins(value / 256.0, N_GREYS);
-        let greys = &mut bins[N_HUES * N_SATURATIONS..];
-        greys[first] += (1.0 - colored) * (1.0 - share);
-        greys[second] += (1.0 - colored) * share;
+        let greys = N_HUES * N_SATURATIONS;
+        visit(greys + first, (1.0 - colored) * (1.0 - share));
+        visit(greys + second, (1.0 - colored) * share);
     }
     if colored > 0.0 {
         let sector = if value == red {
@@ -98,8 +105,8 @@ fn add(bins: &mut [f32; N_BINS], color: Rgba) {
         let hues = [hue as usize % N_HUES, (hue as usize + 1) % N_HUES];
         let (low, high, share) = interpolation_bins(chroma / value.max(1.0), N_SATURATIONS);
         for (hue, weight) in hues.into_iter().zip([1.0 - hue_share, hue_share]) {
-            bins[hue * N_SATURATIONS + low] += colored * weight * (1.0 - share);
-            bins[hue * N_SATURATIONS + high] += colored * weight * share;
+            visit(hue * N_SATURATIONS + low, colored * weight * (1.0 - share));
+            visit(hue * N_SATURATIONS + high, colored * weight * share);
         }
     }
 }
@@ -136,6 +143,13 @@ mod tests {
         let none = ColorHistogram::from_colors([]);
         assert_eq!(none, ColorHistogram::default());
         assert!(none.similarity(&uniform(180, 30, 30)) > 0.05);
+    }
+
+    #[test]
+    fn density_is_high_for_the_colours_of_the_histogram() {
+        let red = uniform(180, 30, 30);
+        assert!(red.density(Rgba::opaque(170, 35, 30)) > 0.3);
+        assert!(red.density(Rgba::opaque(30, 30, 180)) < 0.01);
     }
 
     proptest! {
