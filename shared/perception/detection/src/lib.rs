@@ -48,6 +48,7 @@ mod error;
 mod execution;
 mod footprint;
 mod input;
+mod near_limit;
 mod occluded_table;
 mod organized;
 mod outline;

@@ -7,6 +7,7 @@ use crate::clusters::{Clusters, ConcavitySplit, RegionExamples, TrackClaims};
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
 use crate::execution::Execution;
 use crate::input::DetectionInput;
+use crate::near_limit::NearLimit;
 use crate::outline_tracing::OutlineTracer;
 use crate::output::Detection;
 use crate::parallelism::{Parallelism, ScratchPool};
@@ -382,6 +383,7 @@ fn write_candidates(
     detection: &mut Detection,
 ) {
     let bounds = PixelBounds::of(&frame.cloud);
+    let near_limit = NearLimit::of(frame.cloud, &buffers.samples, table);
     let evaluator = ConstraintEvaluator {
         cloud: frame.cloud,
         table,
@@ -409,7 +411,8 @@ fn write_candidates(
         hypotheses,
         |candidates, (hypothesis, range)| {
             let pixels = &indices[range.clone()];
-            let is_cut = bounds.is_touched_by(&hypothesis.statistics.pixel_bounds, BORDER_PX);
+            let is_cut = bounds.is_touched_by(&hypothesis.statistics.pixel_bounds, BORDER_PX)
+                || near_limit.cuts(pixels);
             let candidate = evaluator.candidate(hypothesis, range, pixels, is_cut, config.rule());
             candidates.push(candidate);
         },

@@ -70,6 +70,42 @@ fn image_border_flag_uses_the_border_of_depth() {
     }
 }
 
+/// Border marks of a box on the left and of a book in the middle, where points chosen by
+/// their pixel, place and label have no depth.
+fn border_marks(is_lost: impl Fn(usize, &Point, u16) -> bool) -> Vec<bool> {
+    let scene = room().with([
+        on_table([0.1, 0.08, 0.12], [-0.25, 0.1], 0).turned(20.0),
+        on_table([0.2, 0.2, 0.03], [0.05, -0.1], 1),
+    ]);
+    let (mut points, truth) = scene.render();
+    for (i, point) in points.iter_mut().enumerate() {
+        if is_lost(i, point, truth[i]) {
+            *point = Point::without_depth(Rgba::default());
+        }
+    }
+    let outcome = DetectionOutcome::of_points(&scene, &points, truth, None);
+    let candidates = &outcome.detection.candidates;
+    let mark = |object| candidates[outcome.best(object).0].touches_image_border;
+    objects(2).into_iter().map(mark).collect()
+}
+
+#[test]
+fn near_limit_of_the_depth_range_cuts_an_object() {
+    let nearest = |_: usize, point: &Point, _: u16| point.z < 0.95;
+    assert_eq!(border_marks(nearest), [false, true]);
+}
+
+#[test]
+fn missing_depth_beside_a_farther_object_is_no_near_limit() {
+    // From the middle of the left object down to the image border.
+    let dark = |pixel: usize, point: &Point, label: u16| {
+        let below = pixel / 640 > 240 && pixel % 640 < 260;
+        label != OBJECT && below && point.is_finite()
+    };
+    assert_eq!(border_marks(dark), [false; 2]);
+    assert_eq!(border_marks(|_, _, _| false), [false; 2]);
+}
+
 #[test]
 fn the_smallest_images_have_no_table() {
     let there = Point {
