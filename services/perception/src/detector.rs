@@ -4,7 +4,9 @@ use crate::frame_receiver::ReceivedFrame;
 use crate::helper_threads::HelperThreads;
 use crate::scene_priors::PriorBuffers;
 use actor::{JobLost, Progress, WorkerPool};
-use detection::{Config, Detection, DetectionInput, DetectionStage, Execution, Workspace, detect};
+use detection::{
+    Config, Detection, DetectionInput, DetectionStage, Execution, ScenePriors, Workspace, detect,
+};
 use message::{SegmentLocation, Span, Stage, points};
 use point_cloud::OrganizedCloud;
 use service::Stopwatch;
@@ -124,7 +126,10 @@ fn search(
             up_in_camera: received.checked.up_in_camera,
             // The frame's own number: a replay draws the same samples.
             seed: header.sequence,
-            priors: priors.priors(),
+            priors: ScenePriors {
+                world_from_camera: received.frame_pose().world_from_camera,
+                ..priors.priors()
+            },
         };
         let mut watch = begin;
         spans.clear();
@@ -151,7 +156,7 @@ fn stage(ended: DetectionStage) -> Stage {
         DetectionStage::TableSurface => Stage::TableSurface,
         DetectionStage::PrismFilter => Stage::Prism,
         DetectionStage::Clustering => Stage::Clusters,
-        DetectionStage::ConcavitySplit => Stage::ConcavitySplit,
+        DetectionStage::Segmentation => Stage::Segmentation,
         DetectionStage::TrackRegrouping => Stage::Regrouping,
         DetectionStage::SupportPlaneGrowth => Stage::SupportGrowth,
         DetectionStage::BoundingBoxes => Stage::Boxes,

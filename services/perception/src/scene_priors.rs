@@ -50,6 +50,7 @@ impl PriorBuffers {
             robot: self.robot.capsules(),
             bodies: Some(&self.bodies),
             tracks: &self.tracks,
+            ..ScenePriors::default()
         }
     }
 }

@@ -83,8 +83,8 @@ stages! {
     Prism = 33, "prism", StageScope::Within(Stage::Detection);
     /// Clustering of these points, without people and robot.
     Clusters = 34, "clusters", StageScope::Within(Stage::Detection);
-    /// Concavity split of clusters that hold several objects.
-    ConcavitySplit = 35, "piles", StageScope::Within(Stage::Detection);
+    /// Segmentation of the clusters into objects.
+    Segmentation = 35, "segmentation", StageScope::Within(Stage::Detection);
     /// Split and merge of clusters by the tracks expected there.
     Regrouping = 36, "regrouping", StageScope::Within(Stage::Detection);
     /// Growth of clusters down to the table.

@@ -29,12 +29,26 @@ pub struct LabelledScene {
     pub points: Vec<Point>,
     /// Label of each point: 0 invalid, 1 to 9 no object, from 10 on one label per object.
     pub labels: Vec<u16>,
+    /// `true` when the disjoint parts of an object have labels of their own, with the same tens.
+    pub has_part_labels: bool,
     /// Number of columns; the number of points for an unorganised cloud.
     pub width: usize,
     /// Number of rows; 1 for an unorganised cloud.
     pub height: usize,
     /// Up direction in the camera frame, if pose and gravity are recorded.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
+}
+
+impl LabelledScene {
+    /// Label of each point, with one label for all parts of an object.
+    #[must_use]
+    pub fn whole_object_labels(&self) -> Vec<u16> {
+        let whole = |&label: &u16| match label {
+            FIRST_OBJECT_LABEL.. if self.has_part_labels => label - label % FIRST_OBJECT_LABEL,
+            _ => label,
+        };
+        self.labels.iter().map(whole).collect()
+    }
 }
 
 /// Listing of a scene before it is read.
@@ -182,6 +196,7 @@ fn read_pcd(scenes: &SceneFolder, index: usize) -> Result<LabelledScene, Error> 
     Ok(LabelledScene {
         points: cloud.points,
         labels: labels.into_iter().map(narrow).collect::<Result<_, _>>()?,
+        has_part_labels: true,
         width: cloud.width,
         height: cloud.height,
         up_in_camera: None,
@@ -206,6 +221,7 @@ fn read_frame(sequence: &RgbdSequence, index: usize) -> Result<LabelledScene, Er
     Ok(LabelledScene {
         labels: labels.collect::<Result<_, _>>()?,
         points,
+        has_part_labels: false,
         width: camera.width as usize,
         height: camera.height as usize,
         up_in_camera,

@@ -236,6 +236,7 @@ mod tests {
         LabelledScene {
             points: labels.iter().enumerate().map(point).collect(),
             labels,
+            has_part_labels: false,
             width,
             height,
             up_in_camera: None,

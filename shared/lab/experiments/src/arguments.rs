@@ -82,20 +82,22 @@ pub struct ViewsArguments {
 /// Subcommands of `tabula-lab train`.
 #[derive(Debug, Subcommand)]
 pub enum TrainVerb {
-    /// Train the trees that decide whether adjacent regions of a cluster are one object
-    RegionMerging(RegionMergingArguments),
+    /// Train the network that rates the edges between neighbouring cells as boundaries of objects
+    EdgeNetwork(TrainArguments),
+    /// Train the trees that decide whether adjacent regions are one object
+    RegionMerging(TrainArguments),
 }
 
-/// Arguments of `train region-merging`.
+/// Arguments of `train`.
 #[derive(Debug, Args)]
-pub struct RegionMergingArguments {
+pub struct TrainArguments {
     /// Folders of labelled scenes to train on, as for `evaluate detection`
     #[arg(required = true, value_name = "DATASET")]
     pub(crate) datasets: Vec<PathBuf>,
     /// Folder of labelled scenes to judge on; can be given several times
     #[arg(long, value_name = "DATASET")]
     pub(crate) test: Vec<PathBuf>,
-    /// Source file for the trees
+    /// Source file for the trained model
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }

@@ -1,5 +1,11 @@
-//! Gradient-boosted decision trees for two classes (Friedman 2001), trained level by level
-//! on histograms of the features.
+//! Gradient-boosted oblivious decision trees for two classes, trained level by level on
+//! histograms of the features (Friedman 2002; Prokhorenkova et al. 2018).
+//!
+//! All nodes of a level of an oblivious tree compare the same feature with the same threshold, so
+//! that a tree of depth n is n comparisons and one table.
+
+use crate::labelled_rows::LabelledRows;
+use random::Random;
 
 /// Settings of the training.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,12 +21,16 @@ pub struct BoostingConfig {
     /// Least sum of the second derivatives in a leaf; a quarter of its number of examples
     /// at most.
     pub hessian_min: f64,
+    /// Share of the rows, drawn anew, on which a tree is grown, 0 to 1.
+    pub subsample: f64,
+    /// Seed of the draws.
+    pub seed: u64,
 }
 
-/// Complete binary decision tree.
+/// Oblivious decision tree.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoostedTree {
-    /// Feature and threshold of each inner node, breadth first; a greater value goes right.
+    /// Feature and threshold of each level, from the root on; a greater value goes right.
     pub splits: Vec<(usize, f32)>,
     /// Log odds of the leaves, from left to right.
     pub leaves: Vec<f64>,
@@ -33,17 +43,6 @@ pub struct BoostedTrees {
     pub constant: f64,
     /// Trees in the order of their training.
     pub trees: Vec<BoostedTree>,
-}
-
-/// Training examples: rows of features with their class.
-#[derive(Debug, Clone, Copy)]
-pub struct Examples<'a> {
-    /// Features, row by row.
-    pub features: &'a [f32],
-    /// Number of features of a row.
-    pub n_features: usize,
-    /// Class of each row.
-    pub labels: &'a [bool],
 }
 
 /// Greatest number of bins of a feature.
@@ -85,7 +84,7 @@ struct BinnedFeatures {
 }
 
 impl BinnedFeatures {
-    fn of(examples: &Examples<'_>) -> Self {
+    fn of(examples: &LabelledRows<'_>) -> Self {
         let n_features = examples.n_features;
         let thresholds: Vec<Vec<f32>> = (0..n_features)
             .map(|feature| quantile_thresholds(examples, feature))
@@ -102,7 +101,7 @@ impl BinnedFeatures {
 }
 
 /// Distinct quantiles of a feature, ascending.
-fn quantile_thresholds(examples: &Examples<'_>, feature: usize) -> Vec<f32> {
+fn quantile_thresholds(examples: &LabelledRows<'_>, feature: usize) -> Vec<f32> {
     let values = examples.features.iter().skip(feature);
     let mut values: Vec<f32> = values.step_by(examples.n_features).copied().collect();
     values.sort_by(f32::total_cmp);
@@ -125,7 +124,7 @@ impl BoostedTrees {
     /// # Panics
     /// When the number of features is not that of the rows times the number of labels.
     pub fn train(
-        examples: &Examples<'_>,
+        examples: &LabelledRows<'_>,
         config: &BoostingConfig,
         mut after_tree: impl FnMut(&Self),
     ) -> Self {
@@ -139,6 +138,7 @@ impl BoostedTrees {
         };
         let binned = BinnedFeatures::of(examples);
         let mut log_odds = vec![model.constant; n];
+        let mut random = Random::from_seed(config.seed);
         for _ in 0..config.n_trees {
             let derivatives: Vec<Derivatives> = log_odds
                 .iter()
@@ -151,9 +151,12 @@ impl BoostedTrees {
                     }
                 })
                 .collect();
-            let (tree, leaf_of) = grow_tree(&binned, &derivatives, config);
+            let rows: Vec<u32> = (0..n as u32)
+                .filter(|_| random.unit() < config.subsample)
+                .collect();
+            let (tree, leaf_of) = grow_tree(&binned, &derivatives, &rows, config);
             for (log_odds, leaf) in log_odds.iter_mut().zip(leaf_of) {
-                *log_odds += tree.leaves[leaf];
+                *log_odds += tree.leaves[usize::from(leaf)];
             }
             model.trees.push(tree);
             after_tree(&model);
@@ -171,43 +174,40 @@ impl BoostedTrees {
 impl BoostedTree {
     /// Log odds that the tree adds for a row of features.
     pub fn log_odds(&self, features: &[f32]) -> f64 {
-        let mut node = 0;
-        while let Some(&(feature, threshold)) = self.splits.get(node) {
-            node = 2 * node + 1 + usize::from(features[feature] > threshold);
-        }
-        self.leaves[node - self.splits.len()]
+        let splits = self.splits.iter();
+        let leaf = splits.fold(0, |leaf, &(feature, threshold)| {
+            2 * leaf + usize::from(features[feature] > threshold)
+        });
+        self.leaves[leaf]
     }
 }
 
-/// Grow one tree level by level; returns it with the leaf of each row.
+/// Grow one tree level by level on some rows; returns it with the leaf of each row.
 fn grow_tree(
     binned: &BinnedFeatures,
     derivatives: &[Derivatives],
+    rows: &[u32],
     config: &BoostingConfig,
-) -> (BoostedTree, Vec<usize>) {
+) -> (BoostedTree, Vec<u16>) {
     let mut splits = Vec::new();
-    let mut node_of = vec![0_usize; derivatives.len()];
+    let mut node_of = vec![0_u16; derivatives.len()];
     for level in 0..config.depth {
-        let n_nodes = 1 << level;
-        let histograms = histograms(binned, derivatives, &node_of, n_nodes);
-        let size = binned.n_features * N_BINS;
-        let chosen: Vec<Option<(usize, usize)>> = (0..n_nodes)
-            .map(|node| best_split(&histograms[node * size..(node + 1) * size], binned, config))
-            .collect();
-        splits.extend(chosen.iter().map(|split| match *split {
+        let histograms = histograms(binned, derivatives, rows, &node_of, 1 << level);
+        let split = best_split(&histograms, binned, config);
+        splits.push(match split {
             Some((feature, bin)) => (feature, binned.thresholds[feature][bin]),
             None => (0, f32::MAX),
-        }));
+        });
         for (row, node) in node_of.iter_mut().enumerate() {
-            let is_right = chosen[*node].is_some_and(|(feature, bin)| {
+            let is_right = split.is_some_and(|(feature, bin)| {
                 usize::from(binned.bins[row * binned.n_features + feature]) > bin
             });
-            *node = 2 * *node + usize::from(is_right);
+            *node = 2 * *node + u16::from(is_right);
         }
     }
     let mut sums = vec![Derivatives::default(); 1 << config.depth];
-    for (row, &leaf) in node_of.iter().enumerate() {
-        sums[leaf].add(derivatives[row]);
+    for &row in rows {
+        sums[usize::from(node_of[row as usize])].add(derivatives[row as usize]);
     }
     let value =
         |sum: &Derivatives| -config.learning_rate * sum.gradient / (sum.hessian + config.lambda);
@@ -219,17 +219,17 @@ fn grow_tree(
 fn histograms(
     binned: &BinnedFeatures,
     derivatives: &[Derivatives],
-    node_of: &[usize],
+    rows: &[u32],
+    node_of: &[u16],
     n_nodes: usize,
 ) -> Vec<Derivatives> {
     let n_features = binned.n_features;
     let mut histograms = vec![Derivatives::default(); n_nodes * n_features * N_BINS];
-    for ((bins, &own), &node) in binned
-        .bins
-        .chunks_exact(n_features)
-        .zip(derivatives)
-        .zip(node_of)
-    {
+    for &row in rows {
+        let row = row as usize;
+        let own = derivatives[row];
+        let node = usize::from(node_of[row]);
+        let bins = &binned.bins[row * n_features..(row + 1) * n_features];
         for (feature, &bin) in bins.iter().enumerate() {
             histograms[(node * n_features + feature) * N_BINS + usize::from(bin)].add(own);
         }
@@ -237,33 +237,26 @@ fn histograms(
     histograms
 }
 
-/// Feature and last left bin of the split with the greatest gain; `None` without a gain.
+/// Feature and last left bin of the split with the greatest gain, summed over all nodes of the
+/// level; `None` without a gain.
 fn best_split(
-    histogram: &[Derivatives],
+    histograms: &[Derivatives],
     binned: &BinnedFeatures,
     config: &BoostingConfig,
 ) -> Option<(usize, usize)> {
     let mut best = None;
     let mut greatest = 1e-6;
     for feature in 0..binned.n_features {
-        let bins = &histogram[feature * N_BINS..(feature + 1) * N_BINS];
-        let mut all = Derivatives::default();
-        for bin in bins {
-            all.add(*bin);
+        let mut gains = [0.0; N_BINS];
+        for node in histograms.chunks_exact(binned.n_features * N_BINS) {
+            let bins = &node[feature * N_BINS..(feature + 1) * N_BINS];
+            add_gains(bins, config, &mut gains);
         }
-        let mut left = Derivatives::default();
-        for (bin, own) in bins
+        for (bin, &gain) in gains
             .iter()
             .enumerate()
             .take(binned.thresholds[feature].len())
         {
-            left.add(*own);
-            let right = all.without(left);
-            if left.hessian < config.hessian_min || right.hessian < config.hessian_min {
-                continue;
-            }
-            let gain =
-                left.gain(config.lambda) + right.gain(config.lambda) - all.gain(config.lambda);
             if gain > greatest {
                 greatest = gain;
                 best = Some((feature, bin));
@@ -271,6 +264,23 @@ fn best_split(
         }
     }
     best
+}
+
+/// Add the gain of a split behind each bin of a node.
+fn add_gains(bins: &[Derivatives], config: &BoostingConfig, gains: &mut [f64; N_BINS]) {
+    let mut all = Derivatives::default();
+    for bin in bins {
+        all.add(*bin);
+    }
+    let whole = all.gain(config.lambda);
+    let mut left = Derivatives::default();
+    for (own, gain) in bins.iter().zip(gains) {
+        left.add(*own);
+        let right = all.without(left);
+        if left.hessian >= config.hessian_min && right.hessian >= config.hessian_min {
+            *gain += left.gain(config.lambda) + right.gain(config.lambda) - whole;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -283,6 +293,8 @@ mod tests {
         learning_rate: 0.2,
         lambda: 1.0,
         hessian_min: 1.0,
+        subsample: 1.0,
+        seed: 1,
     };
 
     /// Rows of three pseudo-random features, labelled by a rule of the first two.
@@ -297,7 +309,7 @@ mod tests {
     #[test]
     fn an_interaction_of_features_is_learned() {
         let (features, labels) = rows(2_000, 0);
-        let examples = Examples {
+        let examples = LabelledRows {
             features: &features,
             n_features: 3,
             labels: &labels,
@@ -315,7 +327,7 @@ mod tests {
     fn equal_rows_have_the_log_odds_of_their_shares() {
         let features = vec![1.0_f32; 400];
         let labels: Vec<bool> = (0..400).map(|i| i % 4 == 0).collect();
-        let examples = Examples {
+        let examples = LabelledRows {
             features: &features,
             n_features: 1,
             labels: &labels,

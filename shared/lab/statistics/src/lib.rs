@@ -1,6 +1,7 @@
 //! Descriptive statistics of measurements and experiments.
 //!
-//! [`percentiles`] by nearest rank, [`spread`] of errors, and [`bootstrap`] confidence intervals.
+//! [`percentiles`] by nearest rank, [`spread`] of errors, and [`bootstrap`] confidence intervals;
+//! classifiers of [`labelled_rows`] by [`gradient_boosting`] and by a [`multilayer_perceptron`].
 //!
 //! ```
 //! use statistics::{bootstrap::Estimate, percentiles::Percentiles};
@@ -18,5 +19,7 @@
 
 pub mod bootstrap;
 pub mod gradient_boosting;
+pub mod labelled_rows;
+pub mod multilayer_perceptron;
 pub mod percentiles;
 pub mod spread;

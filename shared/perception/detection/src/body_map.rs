@@ -1,5 +1,8 @@
 //! Body map: samples of the image that show a person, with the age of the evidence.
 
+use crate::depth_history::DepthHistory;
+use crate::samples::Samples;
+use geometry::RigidTransform;
 use point_cloud::{ColorHistogram, Rgba};
 
 /// Learning rate of the colours of bodies. Chosen; sensitivity: see `tabula-lab sweep`.
@@ -15,6 +18,7 @@ pub struct BodyMap {
     is_any: bool,
     /// Colours of the bodies, averaged over frames.
     colors: Option<ColorHistogram>,
+    history: DepthHistory,
 }
 
 impl BodyMap {
@@ -28,6 +32,7 @@ impl BodyMap {
         self.ages.clone_from(&other.ages);
         self.is_any = other.is_any;
         self.colors = other.colors;
+        self.history.assign(&other.history);
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -36,6 +41,24 @@ impl BodyMap {
 
     pub(crate) fn clear(&mut self) {
         self.reset(0);
+        self.history.clear();
+    }
+
+    /// Depth history up to this image.
+    pub(crate) fn history(&self) -> &DepthHistory {
+        &self.history
+    }
+
+    /// Add this image to the depth history of the previous one.
+    pub(crate) fn advance_history(
+        &mut self,
+        previous: Option<&Self>,
+        samples: &Samples,
+        world_from_camera: &RigidTransform,
+    ) {
+        let none = DepthHistory::default();
+        let previous = previous.map_or(&none, |map| &map.history);
+        self.history.advance(previous, samples, world_from_camera);
     }
 
     /// Map of an image without bodies.

@@ -1,8 +1,6 @@
 //! Image-space clusters: connected components of the pixels above the table.
 
-mod concavity_split;
 mod connected_components;
-mod region_examples;
 mod support_plane_growth;
 mod track_regrouping;
 
@@ -10,8 +8,6 @@ use point_cloud::Point;
 
 use connected_components::Band;
 
-pub(crate) use concavity_split::ConcavitySplit;
-pub(crate) use region_examples::RegionExamples;
 pub(crate) use track_regrouping::TrackClaims;
 
 /// Label of a pixel outside of all clusters.
@@ -46,6 +42,17 @@ const LINKS: LinkDistance = LinkDistance {
     reach_px: 3,
 };
 
+/// Pixel of a cluster.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ClusteredPixel {
+    /// Index in the image.
+    pub(crate) index: usize,
+    pub(crate) column: usize,
+    pub(crate) row: usize,
+    /// Cluster of the pixel.
+    pub(crate) cluster: u32,
+}
+
 /// Pixel clusters found last, with buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Clusters {
@@ -66,8 +73,6 @@ pub(crate) struct Clusters {
     front: Vec<u32>,
     /// Pixel indices sorted by cluster with the added ones.
     grown: Vec<u32>,
-    /// Cluster numbers, largest cluster first.
-    by_size: Vec<u32>,
 }
 
 impl Clusters {
@@ -79,6 +84,42 @@ impl Clusters {
     /// Pixels of a cluster in image order.
     pub(crate) fn pixels(&self, cluster: usize) -> &[u32] {
         &self.pixels[self.starts[cluster] as usize..self.starts[cluster + 1] as usize]
+    }
+
+    /// All labelled pixels in image order, with those of dropped small components.
+    pub(crate) fn labelled(&self) -> &[u32] {
+        &self.ungrouped
+    }
+
+    /// Labelled pixels of each row of an image of `width` columns that has any: the row and its
+    /// pixels.
+    pub(crate) fn pixel_rows(&self, width: usize) -> impl Iterator<Item = (usize, &[u32])> {
+        pixel_rows(&self.ungrouped, width)
+    }
+
+    /// Give each clustered pixel of an image of `width` columns one of `n` new clusters, or
+    /// [`NO_CLUSTER`].
+    pub(crate) fn relabel(
+        &mut self,
+        width: usize,
+        n: usize,
+        cluster_of: impl Fn(ClusteredPixel) -> u32,
+    ) {
+        for (row, pixels) in pixel_rows(&self.ungrouped, width) {
+            for &pixel in pixels {
+                let index = pixel as usize;
+                let cluster = self.cluster_of[index];
+                if cluster != NO_CLUSTER {
+                    self.cluster_of[index] = cluster_of(ClusteredPixel {
+                        index,
+                        column: index - row * width,
+                        row,
+                        cluster,
+                    });
+                }
+            }
+        }
+        self.rebuild_groups(n);
     }
 
     /// Number the components with at least `n_min` pixels and count their pixels.
@@ -127,6 +168,18 @@ impl Clusters {
             }
         }
     }
+}
+
+/// Runs of the pixels of one image row each, of pixels in image order: the row and its pixels.
+fn pixel_rows(mut pixels: &[u32], width: usize) -> impl Iterator<Item = (usize, &[u32])> {
+    std::iter::from_fn(move || {
+        let row = *pixels.first()? as usize / width;
+        let end = (row + 1) * width;
+        let n_own = pixels.partition_point(|&pixel| (pixel as usize) < end);
+        let (own, rest) = pixels.split_at(n_own);
+        pixels = rest;
+        Some((row, own))
+    })
 }
 
 /// Squared distance of two points, square metres.

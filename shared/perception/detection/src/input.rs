@@ -1,7 +1,7 @@
 //! Detection input: the cloud of one frame and the scene priors.
 
 use crate::body_map::BodyMap;
-use geometry::{Capsule, OrientedBox};
+use geometry::{Capsule, OrientedBox, RigidTransform};
 use nalgebra::{Unit, Vector3};
 use point_cloud::{ColorHistogram, OrganizedCloud};
 
@@ -29,6 +29,9 @@ pub struct ScenePriors<'a> {
     pub robot: Option<&'a [Capsule]>,
     /// Bodies found in depth in the previous frame; `None` for a single frame.
     pub bodies: Option<&'a BodyMap>,
+    /// Camera pose of the frame, by which motion since earlier frames is measured; the identity
+    /// when it is unknown.
+    pub world_from_camera: RigidTransform,
     /// Live tracks, with boxes predicted to this frame.
     pub tracks: &'a [ExpectedTrack],
 }

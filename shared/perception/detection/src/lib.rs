@@ -1,8 +1,8 @@
 //! Tabletop object detection in one RGB-D point cloud.
 //!
 //! [`detect`] finds the table plane by RANSAC, keeps the points in the prism above the
-//! table's polygon, clusters them by connected components on the image grid, splits
-//! clusters at concave creases, and returns each cluster as a [`Candidate`] with an
+//! table's polygon, clusters them by connected components on the image grid, segments the
+//! clusters into objects by trained models, and returns each object as a [`Candidate`] with an
 //! oriented box. Every [`Constraint`](constraint::Constraint) is evaluated for each
 //! candidate; an [`Expression`](constraint::Expression) over them decides whether the
 //! candidate is a new object. A cloud without an image grid is reprojected onto one
@@ -42,7 +42,7 @@ mod cluster_hypothesis;
 mod clusters;
 mod config;
 mod constraint_evaluation;
-mod creases;
+mod depth_history;
 mod detect;
 mod error;
 mod execution;
@@ -55,15 +55,15 @@ mod outline;
 mod outline_tracing;
 mod output;
 mod parallelism;
-mod patch;
 mod pixel_bounds;
 mod plane_ransac;
 mod plane_region;
 mod prism;
 mod reaching_bodies;
 mod region_merging;
-mod region_training;
 mod samples;
+mod segmentation;
+mod segmentation_training;
 mod split_gate;
 mod stage;
 mod support_plane_holes;
@@ -88,7 +88,10 @@ pub use outline::Outline;
 pub use output::Detection;
 pub use parallelism::{Parallelism, Sequential};
 pub use region_merging::{FEATURE_NAMES, N_FEATURES, PairFeatures, RegionPair};
-pub use region_training::region_pairs;
+pub use segmentation::{
+    EDGE_FEATURE_NAMES, EdgeExample, EdgeFeatures, N_EDGE_FEATURES, SegmentationExamples,
+};
+pub use segmentation_training::add_examples;
 pub use stage::DetectionStage;
 pub use table::{Table, TableChoice};
 pub use workspace::Workspace;

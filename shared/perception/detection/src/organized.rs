@@ -3,7 +3,7 @@
 use crate::affine_form::AffineForm;
 use crate::candidate::Candidate;
 use crate::cluster_hypothesis::{ClusterHypothesis, ClusterStatistics};
-use crate::clusters::{Clusters, ConcavitySplit, RegionExamples, TrackClaims};
+use crate::clusters::{Clusters, TrackClaims};
 use crate::constraint_evaluation::{BodyMask, ConstraintEvaluator};
 use crate::execution::Execution;
 use crate::input::DetectionInput;
@@ -14,8 +14,8 @@ use crate::parallelism::{Parallelism, ScratchPool};
 use crate::pixel_bounds::PixelBounds;
 use crate::prism::{Prism, TableOverlap, lowest_m};
 use crate::reaching_bodies::ReachingBodies;
-use crate::region_merging::RegionPair;
 use crate::samples::Samples;
+use crate::segmentation::{Segmentation, SegmentationExamples, SegmentationInput};
 use crate::stage::DetectionStage;
 use crate::support_plane_holes::SupportPlaneHoles;
 use crate::support_relations::find_support_relations;
@@ -79,7 +79,7 @@ pub(crate) struct OrganizedBuffers {
     /// Clusters of people and the robot; stale when `masked` is empty.
     masked_clusters: Clusters,
     clusters: Clusters,
-    splits: ScratchPool<ConcavitySplit>,
+    segmentation: Segmentation,
     track_claims: TrackClaims,
     holes: SupportPlaneHoles,
     found_hypotheses: ScratchPool<Vec<ClusterHypothesis>>,
@@ -123,8 +123,8 @@ pub(crate) fn detect_organized(
         execution.end_stage(DetectionStage::PrismFilter);
         cluster_pixels(frame, &table, raw, parallelism, buffers);
         execution.end_stage(DetectionStage::Clustering);
-        split_at_concavities(&frame.cloud, &table, parallelism, buffers);
-        execution.end_stage(DetectionStage::ConcavitySplit);
+        segment(frame, &table, raw, parallelism, buffers);
+        execution.end_stage(DetectionStage::Segmentation);
         regroup_by_tracks(frame, buffers);
         execution.end_stage(DetectionStage::TrackRegrouping);
         grow_to_support_plane(&frame.cloud, &table, buffers);
@@ -228,28 +228,42 @@ fn cluster_pixels(
     }
 }
 
-/// Concavity split: separate clusters of several objects along concave creases.
-fn split_at_concavities(
-    cloud: &OrganizedCloud<'_>,
+/// Segmentation: split and join the clusters, so that each is one object.
+fn segment(
+    frame: &DetectionInput<'_>,
     table: &Table,
+    config: &RawConfig,
     parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
 ) {
-    let OrganizedBuffers {
-        clusters, splits, ..
-    } = buffers;
-    clusters.split_at_concavities(cloud, parallelism, &TableReference::from(table), splits);
+    let input = segmentation_input(frame, table, config, &buffers.samples);
+    let clusters = &mut buffers.clusters;
+    buffers.segmentation.segment(&input, clusters, parallelism);
 }
 
-/// Training examples of region merging in one frame: pairs of adjacent regions of the
-/// clusters above the table, with the decision that is right. `object_of` gives the object
-/// of a pixel; `None` for one without.
-pub(crate) fn list_region_pairs(
+fn segmentation_input<'a>(
+    frame: &DetectionInput<'a>,
+    table: &Table,
+    config: &RawConfig,
+    samples: &Samples,
+) -> SegmentationInput<'a> {
+    SegmentationInput {
+        cloud: frame.cloud,
+        table: TableReference::from(table),
+        pixel_pitch: samples.rays().pixel_pitch(),
+        tracks: frame.priors.tracks,
+        joins_clusters: config.joins_parts,
+    }
+}
+
+/// Training examples of the segmentation in one frame, see
+/// [`add_examples`](crate::add_examples).
+pub(crate) fn add_segmentation_examples(
     frame: &DetectionInput<'_>,
     config: &Config,
     buffers: &mut OrganizedBuffers,
-    object_of: impl Fn(u32) -> Option<u16>,
-    pairs: &mut Vec<RegionPair>,
+    objects: &[Option<u16>],
+    examples: &mut SegmentationExamples,
 ) {
     let raw = config.get();
     let mut execution = Execution::default();
@@ -259,15 +273,15 @@ pub(crate) fn list_region_pairs(
     };
     list_above_table(&frame.cloud, &table, raw, parallelism, buffers);
     cluster_pixels(frame, &table, raw, parallelism, buffers);
-    let reference = TableReference::from(&table);
-    let mut examples = RegionExamples {
-        split: ConcavitySplit::default(),
-        random: Random::from_seed(frame.seed),
-        pairs,
-    };
-    for cluster in 0..buffers.clusters.len() {
-        let pixels = buffers.clusters.pixels(cluster);
-        examples.add_cluster(&frame.cloud, pixels, &reference, &object_of);
+    if buffers.clusters.len() > 0 {
+        let input = segmentation_input(frame, &table, raw, &buffers.samples);
+        let mut random = Random::from_seed(frame.seed);
+        buffers.segmentation.add_examples(
+            (&input, &buffers.clusters),
+            objects,
+            &mut random,
+            examples,
+        );
     }
 }
 
@@ -311,6 +325,7 @@ fn find_hypotheses(
     buffers: &mut OrganizedBuffers,
 ) {
     let OrganizedBuffers {
+        samples,
         masked,
         masked_clusters,
         clusters,
@@ -349,7 +364,7 @@ fn find_hypotheses(
     });
     hypotheses.clear();
     found_hypotheses.gather(hypotheses);
-    find_support_relations(cloud, clusters, table, hypotheses);
+    find_support_relations(cloud, clusters, table, samples.rays(), hypotheses);
     let distance = |one: &ClusterHypothesis| one.statistics.centroid.coords.norm_squared();
     hypotheses.sort_unstable_by(|a, b| {
         distance(a)

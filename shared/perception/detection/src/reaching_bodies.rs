@@ -20,6 +20,7 @@ mod scene;
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::body_map::BodyMap;
+use crate::depth_history::Motion;
 use crate::input::DetectionInput;
 use crate::prism::lowest_m;
 use crate::samples::Samples;
@@ -121,6 +122,10 @@ impl ReachingBodies {
             noise: table.depth_noise,
             tracks: priors.tracks,
             previous: priors.bodies.filter(|map| map.len() == samples.len()),
+            motion: priors.bodies.and_then(|map| {
+                let history = map.history();
+                history.view(&priors.world_from_camera, table.depth_noise)
+            }),
         };
         for start in 0..samples.len() {
             if self.places[start] == Place::AboveTable
@@ -139,6 +144,8 @@ impl ReachingBodies {
             self.learn_colors(&scene);
             self.grow_into_tracks(&scene);
         }
+        let pose = &priors.world_from_camera;
+        self.map.advance_history(priors.bodies, samples, pose);
     }
 
     /// Move the pixels of bodies out of `pixels` and append them to `masked`, both in image
@@ -311,6 +318,11 @@ impl ReachingBodies {
                 Some(Beneath::Body) => evidence.n_behind_body += 1,
                 None => {}
             }
+            match scene.motion(sample) {
+                Motion::Arrived => evidence.n_arrived += 1,
+                Motion::Still => evidence.n_still += 1,
+                Motion::Unknown => {}
+            }
             evidence.continue_from(scene.previous.map_or(0, |map| map.age(sample)));
         }
         evidence
@@ -321,7 +333,7 @@ impl ReachingBodies {
     fn age_of_body(&mut self, evidence: &Evidence, start: usize, scene: &Scene<'_>) -> Option<u8> {
         let depth_m = scene.samples.depth(start);
         let n_above = self.component.len() as u32;
-        if !evidence.enters(depth_m) {
+        if !evidence.enters(depth_m) || !evidence.moves() {
             None
         } else if evidence.floats(depth_m)
             || evidence.holds(depth_m)

@@ -4,6 +4,7 @@
 mod adjacency;
 mod boundary;
 mod decision_tree;
+mod least_eigenvector;
 mod pair_features;
 mod region;
 mod trained_trees;

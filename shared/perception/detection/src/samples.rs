@@ -1,9 +1,12 @@
 //! Subsampled image on which planes are searched.
 
+mod ray_grid;
+
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use nalgebra::Point3;
 use point_cloud::{Moments, OrganizedCloud, Point};
+pub(crate) use ray_grid::RayGrid;
 
 /// Target number of samples of an image.
 const N_SAMPLES_TARGET: usize = 20_000;
@@ -31,6 +34,7 @@ pub(crate) struct Samples {
     y: Vec<f32>,
     z: Vec<f32>,
     band: Vec<f32>,
+    rays: RayGrid,
 }
 
 /// Greatest lateral offset from the optical axis, metres.
@@ -67,6 +71,7 @@ impl Samples {
                 self.push(point, config);
             }
         }
+        self.rays = RayGrid::fit(self);
     }
 
     fn clear(&mut self) {
@@ -105,6 +110,11 @@ impl Samples {
     /// Stride: pixels between samples.
     pub(crate) fn stride(&self) -> usize {
         self.stride
+    }
+
+    /// Rays of the samples.
+    pub(crate) fn rays(&self) -> &RayGrid {
+        &self.rays
     }
 
     /// Index of a sample's pixel in an image of a width in pixels.

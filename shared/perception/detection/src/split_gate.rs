@@ -15,8 +15,8 @@ const FOOTPRINT_M2: f64 = 0.013;
 /// Target number of points on which a cluster is measured.
 const N_SAMPLES: usize = 512;
 
-/// Size test of a cluster before the crease search. A hand-sized cluster counts as one
-/// object: the inside of a cup and its handle meet the cup in creases too.
+/// Size test of a cluster before its segmentation. A hand-sized cluster counts as one
+/// object: the inside of a cup and its handle have edges too.
 pub(crate) fn may_be_several_objects(
     points: &[Point],
     pixels: &[u32],

@@ -13,8 +13,8 @@ pub enum DetectionStage {
     PrismFilter,
     /// Connected components, with people and robot masked.
     Clustering,
-    /// Concavity split of clusters of several objects.
-    ConcavitySplit,
+    /// Segmentation of the clusters into objects.
+    Segmentation,
     /// Splitting and merging of clusters, guided by tracks.
     TrackRegrouping,
     /// Growth of the clusters down to the support plane.

@@ -4,6 +4,7 @@ use crate::affine_form::AffineForm;
 use crate::candidate::Support;
 use crate::cluster_hypothesis::ClusterHypothesis;
 use crate::clusters::Clusters;
+use crate::samples::RayGrid;
 use crate::table::Table;
 use crate::upright_box::UprightBox;
 use nalgebra::{Point3, Vector3};
@@ -40,9 +41,13 @@ const OCCLUDED_SHARE_MIN: f64 = 0.3;
 /// sensitivity: see `tabula-lab sweep`.
 const NO_DEPTH_SHARE_MIN: f64 = 0.5;
 
-/// Least cosine between the line of sight and straight down at which an object occludes its
-/// own base: about 25 degrees. Chosen; sensitivity: see `tabula-lab sweep`.
-const STEEP_VIEW_COS_MIN: f64 = 0.905;
+/// Heights at which the vertical line below the centre of an object is looked at, as shares of
+/// the height of its lowest point.
+const BELOW_SHARES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+
+/// Tolerance of depth within which a place is in view, metres. Chosen; sensitivity: see
+/// `tabula-lab sweep`.
+const IN_VIEW_M: f64 = 0.01;
 
 /// Greatest distance from the table's plane of a surface level with it, metres. Chosen;
 /// sensitivity: see `tabula-lab sweep`.
@@ -61,23 +66,21 @@ const OFF_TABLE_SHARE_MIN: f64 = 0.3;
 const BORDER_MARGIN_M: f64 = 0.05;
 
 /// Find the support of each hypothesis that does not stand on the table: a supported
-/// hypothesis in contact, or an unseen one behind an occluded lower border. Without either
-/// it stays `None`, and furniture that begins off the table loses its support. People
-/// and the robot neither give nor need support.
+/// hypothesis in contact, or an unseen one behind an occluded lower border or behind the object
+/// itself. Without any it stays `None`, and furniture that begins off the table loses its
+/// support. People and the robot neither give nor need support.
 pub(crate) fn find_support_relations(
     cloud: &OrganizedCloud<'_>,
     clusters: &Clusters,
     table: &Table,
+    rays: &RayGrid,
     hypotheses: &mut [ClusterHypothesis],
 ) {
     let up = &table.plane.normal;
+    let camera_from_table = table.table_from_camera.inverse();
     for hypothesis in hypotheses.iter_mut().filter(|one| !one.is_masked) {
         let is_supported = hypothesis.support.is_some();
         if is_supported && is_inside_border(&hypothesis.upright_box, table) {
-            continue;
-        }
-        if !is_supported && is_seen_from_above(&hypothesis.statistics.centroid, up) {
-            hypothesis.support = Some(Support::Occluded);
             continue;
         }
         let step = image_direction_down(&hypothesis.statistics.centroid, up);
@@ -96,6 +99,16 @@ pub(crate) fn find_support_relations(
     }
     // Each pass carries support one object higher; a pass without change ends it.
     while propagate_support(hypotheses) {}
+    let pixel_at = |place: &Point3<f64>| {
+        let place = camera_from_table * place;
+        Some((rays.pixel_at(&place)?, place.z))
+    };
+    for hypothesis in hypotheses.iter_mut().filter(|one| needs_support(one)) {
+        if hides_place_below(hypothesis, cloud, clusters, pixel_at) {
+            hypothesis.support = Some(Support::Occluded);
+        }
+    }
+    while propagate_support(hypotheses) {}
 }
 
 /// `true` when a box is so far inside the border of the table that nothing of it can begin
@@ -105,6 +118,11 @@ fn is_inside_border(upright_box: &UprightBox, table: &Table) -> bool {
     table
         .outline
         .contains_disc(&centre, radius_m + BORDER_MARGIN_M)
+}
+
+/// `true` for a hypothesis without support that may have one.
+fn needs_support(hypothesis: &ClusterHypothesis) -> bool {
+    hypothesis.support.is_none() && !hypothesis.is_masked && hypothesis.off_table_share == 0.0
 }
 
 /// Propagate support by contact to hypotheses without one; returns `true` on a change.
@@ -118,10 +136,7 @@ pub(crate) fn propagate_support(hypotheses: &mut [ClusterHypothesis]) -> bool {
                 && !other.is_masked
                 && upright_box.touches(&other.upright_box, TOUCH_M, HIDDEN_TOP_M)
         };
-        let is_asked = hypotheses[i].support.is_none()
-            && !hypotheses[i].is_masked
-            && hypotheses[i].off_table_share == 0.0;
-        if is_asked && hypotheses.iter().any(carries) {
+        if needs_support(&hypotheses[i]) && hypotheses.iter().any(carries) {
             hypotheses[i].support = Some(Support::Object);
             news = true;
         }
@@ -129,10 +144,35 @@ pub(crate) fn propagate_support(hypotheses: &mut [ClusterHypothesis]) -> bool {
     news
 }
 
-/// `true` when a point is seen so steeply from above that an object there shows only its
-/// top.
-fn is_seen_from_above(at: &Point3<f64>, up: &Vector3<f64>) -> bool {
-    -at.coords.dot(up) >= STEEP_VIEW_COS_MIN * at.coords.norm()
+/// `true` when an object hides the vertical line between it and the table below its centre, so
+/// that it may stand there unseen, as a ball or anything seen from above does. `pixel_at` gives
+/// the column, row and depth of a point in the table's frame.
+fn hides_place_below(
+    hypothesis: &ClusterHypothesis,
+    cloud: &OrganizedCloud<'_>,
+    clusters: &Clusters,
+    pixel_at: impl Fn(&Point3<f64>) -> Option<([usize; 2], f64)>,
+) -> bool {
+    let (centre, _) = hypothesis.upright_box.disc();
+    let lowest_m = f64::from(hypothesis.statistics.height_m[0]);
+    let mut is_hidden = false;
+    for share in BELOW_SHARES {
+        let place = Point3::new(centre.x, centre.y, share * lowest_m);
+        let Some(([column, row], depth_m)) = pixel_at(&place) else {
+            return false;
+        };
+        if column >= cloud.width() || row >= cloud.height() {
+            return false;
+        }
+        let pixel = row * cloud.width() + column;
+        let seen_m = f64::from(cloud.points()[pixel].z);
+        let is_own = clusters.cluster_of[pixel] == hypothesis.cluster;
+        if seen_m > depth_m - IN_VIEW_M {
+            return false;
+        }
+        is_hidden |= is_own;
+    }
+    is_hidden
 }
 
 /// Unit direction in the image towards the table at a point: columns and rows.

@@ -7,7 +7,7 @@ use detection::{
     Candidate, Config, Detection, DetectionInput, Execution, ExpectedTrack, RawConfig, ScenePriors,
     Workspace, detect,
 };
-use geometry::{Capsule, OrientedBox};
+use geometry::{Capsule, OrientedBox, RigidTransform};
 use nalgebra::{Isometry3, Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use std::f64::consts::FRAC_PI_4;
@@ -143,6 +143,7 @@ fn assumptions_name_the_absent_sources() {
         robot: Some(&[]),
         tracks: &[],
         bodies: None,
+        world_from_camera: RigidTransform::identity(),
     });
     assert_eq!(
         empty_scene.iter().collect::<Vec<_>>(),
@@ -404,6 +405,7 @@ fn body_constraints_are_independent_where_person_and_robot_meet() {
         instructor: Some(&person),
         tracks: &[],
         bodies: None,
+        world_from_camera: RigidTransform::identity(),
     };
     let detection = found(&points, surroundings, &Config::default());
     let both = near(&detection, [0.0, 0.0, 0.025]);
@@ -562,6 +564,7 @@ fn body_mask_ignores_non_finite_capsules() {
         instructor: Some(&capsules),
         tracks: &[],
         bodies: None,
+        world_from_camera: RigidTransform::identity(),
     };
     let detection = found(&points, surroundings, &Config::default());
     assert_eq!(near(&detection, [0.0, 0.0, 0.06]).verdict, Ternary::True);

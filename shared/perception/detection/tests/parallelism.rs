@@ -10,6 +10,7 @@ use detection::{
     Config, Detection, DetectionInput, Execution, Parallelism, ScenePriors, Sequential, Workspace,
     detect,
 };
+use geometry::RigidTransform;
 use point_cloud::{OrganizedCloud, Point};
 use scoped_threads::ScopedThreads;
 use synthetic::{BoxOnTable, render};
@@ -28,6 +29,7 @@ fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
                 instructor: None,
                 robot: Some(&links),
                 bodies: None,
+                world_from_camera: RigidTransform::identity(),
                 tracks: &tracks,
             },
         };

@@ -7,7 +7,7 @@ use detection::{
     BodyMap, Candidate, Config, Detection, DetectionInput, Execution, ExpectedTrack, ScenePriors,
     Workspace, detect,
 };
-use geometry::OrientedBox;
+use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use point_cloud::{ColorHistogram, OrganizedCloud, Rgba};
 use synthetic::{BoxOnTable, camera_from_table, render};
@@ -59,6 +59,24 @@ fn after(bodies: &BodyMap) -> ScenePriors<'_> {
     }
 }
 
+/// Number of frames after which motion is measured.
+const N_FRAMES_BEFORE: usize = 11;
+
+/// Bodies of the last of some frames that show boxes.
+fn bodies_after_watching(boxes: &[BoxOnTable]) -> BodyMap {
+    let mut bodies = BodyMap::default();
+    for _ in 0..N_FRAMES_BEFORE {
+        bodies = search(boxes, after(&bodies)).bodies;
+    }
+    bodies
+}
+
+/// Detection in the first frame with `arrived` after frames with `before` only.
+fn search_arrival(before: &[BoxOnTable], arrived: &[BoxOnTable]) -> Detection {
+    let bodies = bodies_after_watching(before);
+    search(&[before, arrived].concat(), after(&bodies))
+}
+
 /// Candidate with its centre nearest to a place in the table's frame.
 fn near(detection: &Detection, place: [f64; 3]) -> &Candidate {
     let place = camera_from_table() * Point3::from(place);
@@ -74,7 +92,7 @@ fn person(candidate: &Candidate) -> Finding {
 
 #[test]
 fn an_arm_over_the_table_is_a_person_and_an_object_is_not() {
-    let detection = search(&[OBJECT, arm(0.08)], ScenePriors::default());
+    let detection = search_arrival(&[OBJECT], &[arm(0.08)]);
     assert!(detection.bodies.is_any());
     let found = near(&detection, [0.1, 0.2, 0.12]);
     assert_eq!(person(found).reason, Reason::ReachesOverTable);
@@ -89,14 +107,40 @@ fn objects_at_the_rim_and_over_it_are_no_person() {
     let at_rear_rim = solid([0.0, 0.35], 0.0, [0.10, 0.10, 0.25]);
     let over_rear_rim = solid([0.3, 0.38], 0.0, [0.20, 0.14, 0.03]);
     let over_side_rim = solid([-0.58, 0.0], 0.0, [0.14, 0.10, 0.05]);
-    let detection = search(
-        &[OBJECT, at_rear_rim, over_rear_rim, over_side_rim],
-        ScenePriors::default(),
-    );
+    let detection = search_arrival(&[OBJECT], &[at_rear_rim, over_rear_rim, over_side_rim]);
     assert!(!detection.bodies.is_any());
     for candidate in &detection.candidates {
         assert_eq!(person(candidate).reason, Reason::NoPersonKnown);
     }
+}
+
+/// A tall thing that overhangs the table, and was there before, is no arm.
+#[test]
+fn what_does_not_move_is_no_person() {
+    let scene = [OBJECT, arm(0.08)];
+    let detection = search(&scene, after(&bodies_after_watching(&scene)));
+    assert!(!detection.bodies.is_any());
+    let single_frame = search(&scene, ScenePriors::default());
+    assert!(!single_frame.bodies.is_any());
+}
+
+/// A camera that moves sees still things at other places of the image.
+#[test]
+fn what_the_motion_of_the_camera_explains_is_no_motion() {
+    let scene = [OBJECT, arm(0.08)];
+    let shifted = |shift_m: f64| {
+        let bodies = bodies_after_watching(&scene);
+        let priors = ScenePriors {
+            world_from_camera: RigidTransform::new(Vector3::x() * shift_m, Vector3::zeros()),
+            ..after(&bodies)
+        };
+        search(&scene, priors).bodies.is_any()
+    };
+    assert!(!shifted(0.01), "a small error of the pose");
+    assert!(
+        shifted(0.15),
+        "the camera is said to have moved along with the scene"
+    );
 }
 
 /// An arm that puts a box down is connected with a box that stands.
@@ -109,7 +153,7 @@ fn a_body_goes_on_while_it_holds_what_stands() {
             solid([0.1, 0.02], height_m, [0.14, 0.12, 0.10]),
         ]
     };
-    let lifted = search(&held(0.05), ScenePriors::default());
+    let lifted = search_arrival(&[OBJECT], &held(0.05)[1..]);
     assert!(lifted.bodies.is_any());
     let put_down = search(&held(0.0), after(&lifted.bodies));
     let box_and_hand = near(&put_down, [0.1, 0.1, 0.08]);
@@ -125,7 +169,7 @@ fn a_body_goes_on_while_it_holds_what_stands() {
 /// Without evidence of its own a body ends after some frames.
 #[test]
 fn a_body_without_evidence_ends() {
-    let lifted = search(&[OBJECT, arm(0.08)], ScenePriors::default());
+    let lifted = search_arrival(&[OBJECT], &[arm(0.08)]);
     let on_the_table = [OBJECT, arm(0.0)];
     let mut bodies = lifted.bodies;
     let n_frames = (1..100)
@@ -151,13 +195,12 @@ fn what_a_hand_holds_stays_with_its_track() {
         n_points: 2000,
         colors: None,
     };
-    let detection = search(
-        &[OBJECT, held, hand],
-        ScenePriors {
-            tracks: &[track],
-            ..ScenePriors::default()
-        },
-    );
+    let bodies = bodies_after_watching(&[OBJECT, held]);
+    let priors = ScenePriors {
+        tracks: &[track],
+        ..after(&bodies)
+    };
+    let detection = search(&[OBJECT, held, hand], priors);
     let object = near(&detection, [0.1, -0.02, 0.10]);
     assert_eq!(person(object).value, Ternary::Unknown, "touched");
     let middle = camera_from_table() * Point3::new(0.1, -0.02, 0.10);
@@ -179,6 +222,7 @@ fn the_colours_tell_a_hand_from_the_object_in_the_box_of_a_track() {
         frame_from_box: Isometry3::from_parts(middle.into(), UnitQuaternion::identity()),
         half_sides_m: Vector3::new(0.04, 0.04, 0.08),
     };
+    let bodies = bodies_after_watching(&[OBJECT, held]);
     let n_of_the_hand = |colors: Option<ColorHistogram>| {
         let track = ExpectedTrack {
             oriented_box: oriented_box.transformed(&camera_from_table()),
@@ -187,7 +231,7 @@ fn the_colours_tell_a_hand_from_the_object_in_the_box_of_a_track() {
         };
         let priors = ScenePriors {
             tracks: &[track],
-            ..ScenePriors::default()
+            ..after(&bodies)
         };
         let detection = search(&[OBJECT, held, hand], priors);
         assert!(detection.bodies.is_any());
@@ -210,7 +254,7 @@ fn the_colours_tell_a_hand_from_the_object_in_the_box_of_a_track() {
 #[test]
 fn what_an_arm_hides_from_below_is_of_the_person() {
     let torso = solid([0.1, 0.62], 0.05, [0.30, 0.10, 0.60]);
-    let detection = search(&[OBJECT, arm(0.08), torso], ScenePriors::default());
+    let detection = search_arrival(&[OBJECT], &[arm(0.08), torso]);
     let of_objects = detection
         .candidates
         .iter()

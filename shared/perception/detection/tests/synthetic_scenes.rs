@@ -104,7 +104,7 @@ fn detection_finds_boxes_at_their_true_pose() {
 }
 
 #[test]
-fn concavity_split_separates_a_stack() {
+fn segmentation_separates_a_stack() {
     let detection = found(&render(&stack(), 1.0), (640, 480), None);
     let colours: Vec<(Option<Support>, f32)> = detection
         .candidates

@@ -103,6 +103,7 @@ impl SequentialExecutor<'_> {
                 instructor: self.frame.people,
                 robot: self.frame.robot,
                 bodies: Some(&state.bodies),
+                world_from_camera: self.frame.pose.world_from_camera,
                 tracks: &state.expected,
             },
         };

@@ -8,15 +8,17 @@ use crate::arguments::DetectionArguments;
 use crate::output_files::{create_folder, write};
 use crate::timing::durations_ms;
 use command_line::{Output, progress_bar};
-use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
+use detection::{
+    Config, Detection, DetectionInput, Execution, RawConfig, ScenePriors, Workspace, detect,
+};
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::{LabelledScene, LabelledScenes, SceneEntry};
 use evaluation::memory_floor::sum_of_words;
 use evaluation::scene_picture;
-use evaluation::segmentation_score::{Overlaps, score};
+use evaluation::segmentation_score::Overlaps;
 use point_cloud::OrganizedCloud;
 use report::DetectionReport;
-use scene_result::{SceneResult, SkippedScene};
+use scene_result::{PsiScores, SceneResult, SkippedScene};
 use service::Failure;
 use std::convert::Infallible;
 use std::hint::black_box;
@@ -57,7 +59,7 @@ pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<Exi
     });
     let mut skipped: Vec<SkippedScene> = folders.collect();
     let mut results = Vec::new();
-    let mut evaluator = SceneEvaluator::new(arguments);
+    let mut evaluator = SceneEvaluator::new(arguments)?;
     let bar = progress_bar(scenes.entries().len() as u64, "scenes", output);
     for entry in scenes.entries() {
         match evaluator.evaluate(&scenes, entry) {
@@ -72,7 +74,7 @@ pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<Exi
     }
     bar.finish_and_clear();
     // The sort is stable: equally bad scenes stay in natural order.
-    results.sort_by(|a, b| a.before_psi.wov.total_cmp(&b.before_psi.wov));
+    results.sort_by(|a, b| a.scores.before_psi.wov.total_cmp(&b.scores.before_psi.wov));
     let Some(document) = DetectionReport::of(&results, &skipped, arguments) else {
         return Err(nothing_scored(arguments, &skipped));
     };
@@ -99,18 +101,25 @@ fn nothing_scored(arguments: &DetectionArguments, skipped: &[SkippedScene]) -> F
 struct SceneEvaluator<'a> {
     arguments: &'a DetectionArguments,
     config: Config,
+    /// Configuration that makes one object of its disjoint parts.
+    config_of_whole_objects: Config,
     workspace: Workspace,
     detection: Detection,
 }
 
 impl<'a> SceneEvaluator<'a> {
-    fn new(arguments: &'a DetectionArguments) -> Self {
-        Self {
+    fn new(arguments: &'a DetectionArguments) -> Result<Self, Failure> {
+        let whole_objects = RawConfig {
+            joins_parts: true,
+            ..RawConfig::default()
+        };
+        Ok(Self {
             arguments,
             config: Config::default(),
+            config_of_whole_objects: Config::new(whole_objects).map_err(Failure::general)?,
             workspace: Workspace::default(),
             detection: Detection::default(),
-        }
+        })
     }
 
     /// Detects, scores, draws and times one scene.
@@ -127,30 +136,18 @@ impl<'a> SceneEvaluator<'a> {
             seed: self.arguments.seed,
             priors: ScenePriors::default(),
         };
-        self.detect(&frame).map_err(scene_error)?;
-        let found = HypothesisImages::of(&self.detection, scene.points.len())
-            .ok_or_else(|| scene_error("detection finds more objects than 16 bits can number"))?;
+        let whole_objects = if scene.has_part_labels {
+            let found = self.find(&frame, true)?;
+            let scores = PsiScores::of(&found, &scene.whole_object_labels());
+            Some(scores.ok_or_else(no_object)?)
+        } else {
+            None
+        };
+        let found = self.find(&frame, false)?;
+        let scores = PsiScores::of(&found, &scene.labels).ok_or_else(no_object)?;
         self.write_labels(&entry.name, &found, &scene)?;
-        let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
-        let after_psi = Overlaps::count(&found.after_psi, &scene.labels);
-        let scores = score(&overlaps).zip(score(&after_psi));
-        let (before_psi, after_psi) = scores.ok_or_else(|| {
-            scene_error(
-                "no object is labelled; objects have labels from 10 on, or a number in a mask",
-            )
-        })?;
-        let picture = format!("{PICTURES}/{}.png", entry.name);
-        let image = scene_picture::draw(&scene, self.detection.table.as_ref(), &found, &overlaps);
-        write(
-            &self.arguments.out.join(&picture),
-            &image.map_err(Failure::general)?,
-        )?;
-        let repeats = self.arguments.repeats;
-        let detection_ms = durations_ms(repeats, || self.detect(&frame)).map_err(scene_error)?;
-        let Ok(pass_ms) = durations_ms(repeats, || {
-            black_box(sum_of_words(black_box(&scene.points)));
-            Ok::<(), Infallible>(())
-        });
+        let picture = self.draw(&entry.name, &scene, &found)?;
+        let [detection_ms, pass_ms] = self.measure(&frame)?;
         Ok(SceneResult {
             name: entry.name.clone(),
             group: entry.group.clone(),
@@ -158,24 +155,67 @@ impl<'a> SceneEvaluator<'a> {
             has_up: scene.up_in_camera.is_some(),
             assumptions: self.detection.assumptions,
             n_points: scene.points.len(),
-            before_psi,
-            after_psi,
+            scores,
+            whole_objects,
             detection_ms,
             pass_ms,
             picture,
         })
     }
 
-    fn detect(&mut self, frame: &DetectionInput<'_>) -> Result<(), detection::Error> {
-        detect(
-            black_box(frame),
-            &self.config,
-            &mut self.workspace,
-            &mut self.detection,
-            Execution::default(),
-        )?;
-        black_box(&self.detection);
-        Ok(())
+    /// Detects the objects of a scene, with their disjoint parts joined or not.
+    fn find(
+        &mut self,
+        frame: &DetectionInput<'_>,
+        joins_parts: bool,
+    ) -> Result<HypothesisImages, SceneError> {
+        let config = if joins_parts {
+            &self.config_of_whole_objects
+        } else {
+            &self.config
+        };
+        let (workspace, detection) = (&mut self.workspace, &mut self.detection);
+        detect(frame, config, workspace, detection, Execution::default()).map_err(scene_error)?;
+        HypothesisImages::of(&self.detection, frame.cloud.points().len())
+            .ok_or_else(|| scene_error("detection finds more objects than 16 bits can number"))
+    }
+
+    /// Draws the result; returns the path of the picture, relative to the output folder.
+    fn draw(
+        &self,
+        name: &str,
+        scene: &LabelledScene,
+        found: &HypothesisImages,
+    ) -> Result<String, Failure> {
+        let picture = format!("{PICTURES}/{name}.png");
+        let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
+        let image = scene_picture::draw(scene, self.detection.table.as_ref(), found, &overlaps);
+        let image = image.map_err(Failure::general)?;
+        write(&self.arguments.out.join(&picture), &image)?;
+        Ok(picture)
+    }
+
+    /// Times of detection and of one pass over the cloud, milliseconds, one for each repetition.
+    fn measure(&mut self, frame: &DetectionInput<'_>) -> Result<[Vec<f64>; 2], SceneError> {
+        let repeats = self.arguments.repeats;
+        let detection_ms = durations_ms(repeats, || {
+            let (workspace, detection) = (&mut self.workspace, &mut self.detection);
+            let execution = Execution::default();
+            detect(
+                black_box(frame),
+                &self.config,
+                workspace,
+                detection,
+                execution,
+            )?;
+            black_box(&self.detection);
+            Ok::<(), detection::Error>(())
+        });
+        let Ok(pass_ms) = durations_ms(repeats, || {
+            black_box(sum_of_words(black_box(frame.cloud.points())));
+            Ok::<(), Infallible>(())
+        });
+        Ok([detection_ms.map_err(scene_error)?, pass_ms])
     }
 
     /// Writes result and truth as raw 16-bit label images, little-endian.
@@ -198,6 +238,11 @@ impl<'a> SceneEvaluator<'a> {
         }
         Ok(())
     }
+}
+
+/// Error of a scene without labelled objects.
+fn no_object() -> SceneError {
+    scene_error("no object is labelled; objects have labels from 10 on, or a number in a mask")
 }
 
 #[cfg(test)]

@@ -78,27 +78,30 @@ proptest! {
     }
 
     #[test]
-    fn concavity_split_loses_no_pixel(
-        image in image(), creased in prop::collection::vec(any::<bool>(), WIDTH * 8),
+    fn relabelled_pixels_are_grouped_by_their_new_cluster(
+        image in image(), labels in prop::collection::vec(0..5_u32, WIDTH * 8),
     ) {
         let points = points(&image);
         let pixels: Vec<u32> =
             (0..image.len() as u32).filter(|&i| image[i as usize].is_some()).collect();
         let cloud = OrganizedCloud::new(&points, WIDTH, 8).unwrap();
-        let (mut clusters, mut split) = (Clusters::default(), ConcavitySplit::default());
-        clusters.label_components(&cloud, &Sequential, &pixels, 2);
-        for cluster in 0..clusters.len() {
-            let whole = clusters.pixels(cluster).to_vec();
-            let (mut split_pixels, sizes) = split.split_along(&cloud, &whole, &creased, 3);
-            let mut others = split_pixels.as_slice();
-            for &size in &sizes {
-                let part;
-                (part, others) = others.split_at(size as usize);
-                prop_assert!(!part.is_empty() && part.is_sorted());
-            }
-            prop_assert!(!sizes.is_empty() && others.is_empty());
-            split_pixels.sort_unstable();
-            prop_assert_eq!(split_pixels, whole);
+        let mut clusters = Clusters::default();
+        clusters.label_components(&cloud, &Sequential, &pixels, 1);
+        let label = |pixel: usize| match labels[pixel] {
+            4 => NO_CLUSTER,
+            label => label,
+        };
+        let before = clusters.cluster_of.clone();
+        clusters.relabel(WIDTH, 4, |pixel| {
+            assert_eq!(pixel.index, pixel.row * WIDTH + pixel.column);
+            assert_eq!(pixel.cluster, before[pixel.index]);
+            label(pixel.index)
+        });
+        prop_assert_eq!(clusters.len(), 4);
+        for cluster in 0..4 {
+            let expected: Vec<u32> =
+                pixels.iter().copied().filter(|&p| label(p as usize) == cluster as u32).collect();
+            prop_assert_eq!(clusters.pixels(cluster), &expected);
         }
     }
 }

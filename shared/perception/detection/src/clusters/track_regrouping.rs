@@ -132,15 +132,19 @@ impl Clusters {
     }
 
     /// Sort the pixels again by the labels in `cluster_of`.
-    fn rebuild_groups(&mut self, n_clusters: usize) {
+    pub(super) fn rebuild_groups(&mut self, n_clusters: usize) {
         self.starts.clear();
         self.starts.resize(n_clusters + 1, 0);
-        for &pixel in &self.pixels {
-            self.starts[self.cluster_of[pixel as usize] as usize + 1] += 1;
+        for &pixel in &self.ungrouped {
+            let cluster = self.cluster_of[pixel as usize];
+            if cluster != NO_CLUSTER {
+                self.starts[cluster as usize + 1] += 1;
+            }
         }
         for i in 0..n_clusters {
             self.starts[i + 1] += self.starts[i];
         }
+        self.pixels.resize(self.starts[n_clusters] as usize, 0);
         self.number_of.clear();
         self.number_of.extend_from_slice(&self.starts);
         for &pixel in &self.ungrouped {

@@ -25,6 +25,10 @@ const CONTINUED_SHARE_MIN: f32 = 0.5;
 /// `tabula-lab sweep`.
 const CONTINUED_FRAMES_MAX: u8 = 60;
 
+/// Least share of the samples at places that were seen free, of those whose places were seen.
+/// Chosen; sensitivity: see `tabula-lab sweep`.
+const ARRIVED_SHARE_MIN: f32 = 0.2;
+
 /// Evidence for a part of a body in one component, as numbers of samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Evidence {
@@ -38,6 +42,10 @@ pub(super) struct Evidence {
     pub(super) n_holding: u32,
     /// Samples of the lower contour that a body hides.
     pub(super) n_behind_body: u32,
+    /// Samples at places that were seen free some frames ago.
+    pub(super) n_arrived: u32,
+    /// Samples at places where a surface was seen some frames ago.
+    pub(super) n_still: u32,
     /// Samples that showed a body in the previous frame.
     pub(super) n_continued: u32,
     /// Least age of these, frames; 0 without any.
@@ -55,6 +63,12 @@ impl Evidence {
                 self.age.min(age)
             };
         }
+    }
+
+    /// `true` when the component moves, or showed a body in the previous frame.
+    pub(super) fn moves(&self) -> bool {
+        let [arrived, still] = [self.n_arrived, self.n_still].map(|n| n as f32);
+        self.n_continued > 0 || arrived > ARRIVED_SHARE_MIN * (arrived + still)
     }
 
     /// `true` when the component enters over a border with the width of an arm.

@@ -3,6 +3,7 @@
 use crate::affine_form::AffineForm;
 use crate::body_map::BodyMap;
 use crate::constraint_evaluation::is_expected;
+use crate::depth_history::{Motion, MotionView};
 use crate::input::ExpectedTrack;
 use crate::samples::Samples;
 use point_cloud::{ColorHistogram, OrganizedCloud, Rgba};
@@ -27,6 +28,8 @@ pub(super) struct Scene<'a> {
     pub(super) tracks: &'a [ExpectedTrack],
     /// Bodies of the previous frame.
     pub(super) previous: Option<&'a BodyMap>,
+    /// Motion since earlier frames; `None` without any.
+    pub(super) motion: Option<MotionView<'a>>,
 }
 
 impl Scene<'_> {
@@ -34,6 +37,13 @@ impl Scene<'_> {
     pub(super) fn is_connected(&self, one: usize, other: usize) -> bool {
         let z = self.samples.depth(one);
         (self.samples.depth(other) - z).abs() <= step_m(z, &self.noise)
+    }
+
+    /// Motion of the place of a sample.
+    pub(super) fn motion(&self, sample: usize) -> Motion {
+        let position = self.samples.position(sample);
+        self.motion
+            .map_or(Motion::Unknown, |view| view.motion(&position))
     }
 
     /// Colour of a sample.

@@ -1,19 +1,24 @@
 //! Region adjacency graph and greedy merging.
 
-use super::boundary::{BoundaryPair, RegionBoundary};
-use super::decision_tree::log_odds;
-use super::pair_features::{PairFeatures, pair_features};
+use super::boundary::{BoundaryImage, BoundaryPair, RegionBoundary};
+use super::decision_tree::{FeatureLanes, LANES};
+use super::pair_features::{PairContext, PairFeatures, pair_features};
 use super::region::{Region, RegionSums, YawAxes};
-use crate::affine_form::AffineForm;
-use crate::patch::Patch;
+use crate::segmentation::{Bends, Cell, CellImage, NO_TRACK};
 use crate::table_reference::TableReference;
 use nalgebra::Vector3;
 use point_cloud::Point;
-use random::Random;
 use sensor_noise::DepthNoise;
 
 /// Least log odds at which two regions are merged: even odds.
 const LOG_ODDS_MIN: f32 = 0.0;
+
+/// Prior log odds that two regions are one object because one track claims both, and that they
+/// are two because two tracks do. Chosen; sensitivity: see `tabula-lab sweep`.
+const TRACK_LOG_ODDS: f32 = 2.5;
+
+/// Place of no edge.
+const NO_EDGE_PLACE: u32 = u32::MAX;
 
 /// Pair of adjacent regions with the decision that is right: a training example.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,20 +29,28 @@ pub struct RegionPair {
     pub is_one_object: bool,
 }
 
-/// Region adjacency graph with the pixel pairs along all boundaries. Reused from frame to
+/// Region adjacency graph with the cell pairs along all boundaries. Reused from frame to
 /// frame.
 #[derive(Debug, Default)]
 pub(crate) struct RegionAdjacency {
     axes: YawAxes,
     /// Position of the camera in the table's frame, metres.
     camera: Vector3<f32>,
+    noise: DepthNoise,
+    /// Per cell: the height over the table, metres.
+    height_m: Vec<f32>,
     pairs: Vec<BoundaryPair>,
     edges: Vec<RegionEdge>,
     sums: Vec<RegionSums>,
     regions: Vec<Region>,
-    /// All regions together.
-    cluster: Region,
-    noise: DepthNoise,
+    /// Per region: its cluster.
+    cluster_of: Vec<u32>,
+    cluster_sums: Vec<RegionSums>,
+    clusters: Vec<Region>,
+    /// Per region: the track that claims it, or [`NO_TRACK`].
+    claims: Vec<u32>,
+    /// Per region: the place of its edge with the region that was merged last.
+    edge_with: Vec<u32>,
 }
 
 /// Edge of the graph: two adjacent regions.
@@ -49,290 +62,309 @@ struct RegionEdge {
 }
 
 impl RegionAdjacency {
-    /// Reset to `n_parts` empty regions, counted from 0.
-    pub(crate) fn clear(&mut self, n_parts: usize) {
+    /// Reset to `n_regions` empty regions.
+    pub(crate) fn clear(&mut self, n_regions: usize) {
+        self.height_m.clear();
         self.pairs.clear();
         self.sums.clear();
-        self.sums.resize(n_parts, RegionSums::default());
+        self.sums.resize(n_regions, RegionSums::default());
+        self.cluster_of.clear();
+        self.cluster_of.resize(n_regions, 0);
+        self.claims.clear();
+        self.claims.resize(n_regions, NO_TRACK);
     }
 
-    /// Add the colour and area of a pixel to its region.
+    /// Add the next cell, with the point that stands for it, to its region.
     #[inline]
-    pub(crate) fn add_pixel(&mut self, region: u32, point: &Point) {
-        self.sums[region as usize].add_pixel(point);
+    pub(crate) fn add_cell(
+        &mut self,
+        region: u32,
+        cell: &Cell,
+        point: &Point,
+        table: &TableReference,
+    ) {
+        let position = table.axes.map(|axis| axis.at(point.x, point.y, point.z));
+        self.height_m.push(position[2]);
+        self.cluster_of[region as usize] = cell.cluster;
+        self.sums[region as usize].add(cell, position, &self.axes);
     }
 
-    /// Add the position of a pixel to its region.
+    /// Add a pair of neighbouring cells, in the order of the image, of different regions.
     #[inline]
-    pub(crate) fn add_position(&mut self, region: u32, point: &Point, table: &[AffineForm; 3]) {
-        let position = [0, 1, 2].map(|i| table[i].at(point.x, point.y, point.z));
-        self.sums[region as usize].add_position(position, point.z, &self.axes);
-    }
-
-    /// Add a pair of neighbouring pixels of different regions, as patch indices.
-    #[inline]
-    pub(crate) fn add_pair(&mut self, regions: [u32; 2], pixels: [usize; 2]) {
-        let [a, b] = pixels.map(|pixel| pixel as u32);
-        self.pairs.push(if regions[0] < regions[1] {
-            BoundaryPair {
-                regions,
-                pixels: [a, b],
-            }
-        } else {
-            BoundaryPair {
-                regions: [regions[1], regions[0]],
-                pixels: [b, a],
-            }
+    pub(crate) fn add_pair(&mut self, cells: [u32; 2], region_of: &[u32], strength: u8) {
+        let [a, b] = cells.map(|cell| region_of[cell as usize]);
+        self.pairs.push(BoundaryPair {
+            regions: [a.min(b), a.max(b)],
+            cells,
+            strength,
         });
     }
 
-    /// Build the graph from the added pixels and pairs; `bend` holds the signed bend at each
-    /// pixel of the patch.
-    pub(crate) fn connect(&mut self, patch: &Patch, bend: &[f32], table: &TableReference) {
+    /// Build the graph from the added cells and pairs.
+    pub(crate) fn connect(
+        &mut self,
+        image: &CellImage,
+        bends: &Bends,
+        region_of: &[u32],
+        table: &TableReference,
+    ) {
         self.noise = table.noise;
         self.camera = Vector3::from(table.axes.map(|axis| axis.at(0.0, 0.0, 0.0)));
-        self.regions.clear();
-        self.regions
-            .extend(self.sums.iter().map(|sums| sums.describe(&self.camera)));
-        let mut all = RegionSums::default();
-        self.sums.iter().for_each(|sums| all.merge(sums));
-        self.cluster = all.describe(&self.camera);
+        self.describe_clusters();
+        let cells = BoundaryImage {
+            image,
+            bends,
+            region_of,
+            height_m: &self.height_m,
+        };
         self.pairs.sort_unstable();
         self.edges.clear();
         for pairs in self.pairs.chunk_by(|a, b| a.regions == b.regions) {
             self.edges.push(RegionEdge {
-                boundary: RegionBoundary::of(pairs, patch, bend, &table.axes[2]),
-                log_odds: 0.0,
+                boundary: RegionBoundary::of(pairs, &cells),
+                log_odds: f32::NEG_INFINITY,
             });
         }
     }
 
-    /// Greedy region merging: call `join(target, source)` for each two regions that are one
-    /// object, most certain first, and update the graph after each merge.
-    pub(crate) fn merge_regions(&mut self, mut join: impl FnMut(u32, u32)) {
-        for edge in 0..self.edges.len() {
-            self.edges[edge].log_odds = log_odds(&self.features(edge));
+    /// Describe all regions and clusters by their sums.
+    fn describe_clusters(&mut self) {
+        let n_clusters = self.cluster_of.iter().max();
+        let n_clusters = n_clusters.map_or(0, |&last| last as usize + 1);
+        self.cluster_sums.clear();
+        self.cluster_sums.resize(n_clusters, RegionSums::default());
+        for (sums, &cluster) in self.sums.iter().zip(&self.cluster_of) {
+            self.cluster_sums[cluster as usize].merge(sums);
         }
+        for (regions, sums) in [
+            (&mut self.regions, &self.sums),
+            (&mut self.clusters, &self.cluster_sums),
+        ] {
+            regions.clear();
+            regions.extend(sums.iter().map(|sums| sums.describe(&self.camera)));
+        }
+    }
+
+    /// Note the track that claims each region, or [`NO_TRACK`].
+    pub(crate) fn claim(&mut self, claims: &[u32]) {
+        self.claims.copy_from_slice(claims);
+    }
+
+    /// Greedy region merging: call `join(target, source)` for each two regions that are one
+    /// object, most certain first, and update the graph after each merge. Regions of two clusters
+    /// are merged only when `joins_clusters`.
+    pub(crate) fn merge_regions(&mut self, joins_clusters: bool, mut join: impl FnMut(u32, u32)) {
+        if !joins_clusters {
+            let cluster_of = &self.cluster_of;
+            self.edges.retain(|edge| {
+                let [a, b] = edge.boundary.regions.map(|region| region as usize);
+                cluster_of[a] == cluster_of[b]
+            });
+        }
+        self.rate(|_| true);
         while let Some(edge) = self.most_certain() {
             let [target, source] = self.merge(edge);
             join(target, source);
-            for edge in 0..self.edges.len() {
-                if self.edges[edge].boundary.regions.contains(&target) {
-                    self.edges[edge].log_odds = log_odds(&self.features(edge));
-                }
-            }
+            self.rate(|regions| regions.contains(&target));
         }
     }
 
-    /// Training examples: list all edges whose regions have known objects, then merge the
-    /// regions of one object in a random order and list the changed edges after each merge.
-    pub(crate) fn list_examples(
+    /// Training examples: merge regions of one object greedily, those with the weakest boundary
+    /// first, and add each edge when it is new or changed (learned agglomeration;
+    /// Nunez-Iglesias et al. 2013).
+    pub(crate) fn add_examples(
         &mut self,
         object_of_region: &[Option<u16>],
-        random: &mut Random,
         examples: &mut Vec<RegionPair>,
     ) {
-        let objects = |adjacency: &Self, edge: usize| {
-            let [a, b] = adjacency.regions_of(edge);
-            object_of_region[a as usize].zip(object_of_region[b as usize])
-        };
         let mut changed = None;
         loop {
-            let mut same = Vec::new();
             for edge in 0..self.edges.len() {
-                let Some((a, b)) = objects(self, edge) else {
+                let regions = self.regions_of(edge);
+                if changed.is_some_and(|region| !regions.contains(&region)) {
                     continue;
-                };
-                if changed.is_none_or(|region| self.regions_of(edge).contains(&region)) {
-                    examples.push(RegionPair {
+                }
+                let objects = regions.map(|region| object_of_region[region as usize]);
+                self.edges[edge].log_odds = f32::NEG_INFINITY;
+                if let [Some(a), Some(b)] = objects {
+                    let example = RegionPair {
                         features: self.features(edge),
                         is_one_object: a == b,
-                    });
-                }
-                if a == b {
-                    same.push(edge);
+                    };
+                    if example.is_one_object {
+                        self.edges[edge].log_odds = -self.edges[edge].boundary.mean_log_odds();
+                    }
+                    examples.push(example);
                 }
             }
-            let Some(&next) = random.choice(&same) else {
-                return;
-            };
-            changed = Some(self.merge(next)[0]);
+            match self.best_edge() {
+                Some((edge, odds)) if odds > f32::NEG_INFINITY => {
+                    changed = Some(self.merge(edge)[0]);
+                }
+                _ => return,
+            }
         }
     }
 
-    /// Number of edges of the graph.
-    pub(crate) fn n_edges(&self) -> usize {
-        self.edges.len()
+    /// Rate the log odds of the edges whose regions are selected.
+    fn rate(&mut self, is_selected: impl Fn(&[u32; 2]) -> bool) {
+        let mut lanes = FeatureLanes::default();
+        let (mut rated, mut n) = ([0; LANES], 0);
+        for edge in 0..self.edges.len() {
+            if is_selected(&self.edges[edge].boundary.regions) {
+                lanes.set(n, &self.features(edge));
+                rated[n] = edge;
+                n += 1;
+                if n == LANES {
+                    self.set_log_odds(&rated, &lanes);
+                    n = 0;
+                }
+            }
+        }
+        self.set_log_odds(&rated[..n], &lanes);
+    }
+
+    fn set_log_odds(&mut self, edges: &[usize], lanes: &FeatureLanes) {
+        if edges.is_empty() {
+            return;
+        }
+        for (&edge, log_odds) in edges.iter().zip(lanes.log_odds()) {
+            self.edges[edge].log_odds = log_odds + self.prior_log_odds(edge);
+        }
+    }
+
+    /// Prior log odds of an edge by the claims of tracks on its regions.
+    fn prior_log_odds(&self, edge: usize) -> f32 {
+        let claims = self.regions_of(edge);
+        match claims.map(|region| self.claims[region as usize]) {
+            [NO_TRACK, _] | [_, NO_TRACK] => 0.0,
+            [a, b] if a == b => TRACK_LOG_ODDS,
+            _ => -TRACK_LOG_ODDS,
+        }
     }
 
     /// Regions of an edge, lower number first.
-    pub(crate) fn regions_of(&self, edge: usize) -> [u32; 2] {
+    fn regions_of(&self, edge: usize) -> [u32; 2] {
         self.edges[edge].boundary.regions
     }
 
     /// Features of an edge.
-    pub(crate) fn features(&self, edge: usize) -> PairFeatures {
+    fn features(&self, edge: usize) -> PairFeatures {
         let boundary = &self.edges[edge].boundary;
         let [a, b] = boundary.regions.map(|region| region as usize);
-        let mut both = self.sums[a];
-        both.merge(&self.sums[b]);
-        pair_features(
-            boundary,
-            [&self.regions[a], &self.regions[b]],
-            &both.describe(&self.camera),
-            &self.cluster,
-            &self.noise,
-        )
+        let together = |sums: &[RegionSums], a: usize, b: usize| {
+            let mut both = sums[a];
+            both.merge(&sums[b]);
+            both.describe(&self.camera)
+        };
+        let clusters = [a, b].map(|region| self.cluster_of[region] as usize);
+        let is_one_cluster = clusters[0] == clusters[1];
+        let cluster = if is_one_cluster {
+            self.clusters[clusters[0]]
+        } else {
+            together(&self.cluster_sums, clusters[0], clusters[1])
+        };
+        let context = PairContext {
+            both: &together(&self.sums, a, b),
+            cluster: &cluster,
+            is_one_cluster,
+            noise: &self.noise,
+        };
+        pair_features(boundary, [&self.regions[a], &self.regions[b]], &context)
     }
 
     /// Merge the regions of an edge, and their boundaries to common third regions. Returns
     /// the region that remains and the one that is gone.
-    pub(crate) fn merge(&mut self, edge: usize) -> [u32; 2] {
+    fn merge(&mut self, edge: usize) -> [u32; 2] {
         let [target, source] = self.edges.swap_remove(edge).boundary.regions;
         let gone = self.sums[source as usize];
         let kept = &mut self.sums[target as usize];
         kept.merge(&gone);
         self.regions[target as usize] = kept.describe(&self.camera);
-        for edge in &mut self.edges {
-            let regions = &mut edge.boundary.regions;
-            for region in regions.iter_mut().filter(|region| **region == source) {
-                *region = target;
-            }
-            regions.sort_unstable();
-        }
-        self.edges
-            .sort_unstable_by_key(|edge| edge.boundary.regions);
-        self.edges.dedup_by(|next, first| {
-            let same = next.boundary.regions == first.boundary.regions;
-            if same {
-                first.boundary.add(&next.boundary);
-            }
-            same
-        });
+        self.join_clusters(target, source);
+        let claims = [target, source].map(|region| self.claims[region as usize]);
+        self.claims[target as usize] = match claims {
+            [NO_TRACK, claim] | [claim, NO_TRACK] => claim,
+            [a, b] if a == b => a,
+            _ => NO_TRACK,
+        };
+        self.join_boundaries(target, source);
         [target, source]
+    }
+
+    /// Make the clusters of two merged regions one.
+    fn join_clusters(&mut self, target: u32, source: u32) {
+        let [kept, gone] = [target, source].map(|region| self.cluster_of[region as usize]);
+        if kept != gone {
+            let sums = self.cluster_sums[gone as usize];
+            self.cluster_sums[kept as usize].merge(&sums);
+            let cluster = self.cluster_sums[kept as usize].describe(&self.camera);
+            self.clusters[kept as usize] = cluster;
+            let of_gone = self.cluster_of.iter_mut().filter(|own| **own == gone);
+            of_gone.for_each(|cluster| *cluster = kept);
+        }
+    }
+
+    /// Move the boundaries of the region `source` to `target`, and add up those that `target` has
+    /// already.
+    fn join_boundaries(&mut self, target: u32, source: u32) {
+        let other_of = |regions: [u32; 2], own: u32| match regions {
+            [a, b] if a == own => Some(b as usize),
+            [a, b] if b == own => Some(a as usize),
+            _ => None,
+        };
+        self.edge_with.clear();
+        self.edge_with.resize(self.regions.len(), NO_EDGE_PLACE);
+        for (place, edge) in (0..).zip(&self.edges) {
+            if let Some(other) = other_of(edge.boundary.regions, target) {
+                self.edge_with[other] = place;
+            }
+        }
+        // From the last one on, so that a removed edge is replaced by one that has been seen.
+        for place in (0..self.edges.len()).rev() {
+            let Some(other) = other_of(self.edges[place].boundary.regions, source) else {
+                continue;
+            };
+            let region = other as u32;
+            match self.edge_with[other] {
+                NO_EDGE_PLACE => {
+                    let regions = [target.min(region), target.max(region)];
+                    self.edges[place].boundary.regions = regions;
+                }
+                first => {
+                    let boundary = self.edges[place].boundary;
+                    self.edges[first as usize].boundary.add(&boundary);
+                    self.remove_edge(place, target);
+                }
+            }
+        }
+    }
+
+    /// Remove an edge, and note the new place of the last one if that is an edge of `target`.
+    fn remove_edge(&mut self, place: usize, target: u32) {
+        self.edges.swap_remove(place);
+        if let Some(moved) = self.edges.get(place) {
+            let [a, b] = moved.boundary.regions;
+            if a == target {
+                self.edge_with[b as usize] = place as u32;
+            } else if b == target {
+                self.edge_with[a as usize] = place as u32;
+            }
+        }
+    }
+
+    /// Edge with the highest log odds, with these.
+    fn best_edge(&self) -> Option<(usize, f32)> {
+        let log_odds = self.edges.iter().map(|edge| edge.log_odds);
+        log_odds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Edge with the highest log odds; `None` when no two regions are one object.
     fn most_certain(&self) -> Option<usize> {
-        let odds = self.edges.iter().map(|edge| edge.log_odds);
-        let (at, odds) = odds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (odds > LOG_ODDS_MIN).then_some(at)
+        let best = self.best_edge();
+        best.and_then(|(edge, odds)| (odds > LOG_ODDS_MIN).then_some(edge))
     }
 }
+
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use geometry::RigidTransform;
-    use point_cloud::{OrganizedCloud, Rgba};
-
-    const WIDTH: usize = 90;
-    const HEIGHT: usize = 40;
-
-    /// Graph of an image of three regions side by side, each 30 columns wide, numbered by
-    /// `number_of`; the depth steps back by 2 cm from the second to the third.
-    fn graph(number_of: [u32; 3]) -> RegionAdjacency {
-        let column_of = |i: usize| i % WIDTH;
-        let points: Vec<Point> = (0..WIDTH * HEIGHT)
-            .map(|i| {
-                let z = if column_of(i) < 60 { 1.0 } else { 1.02 };
-                let grey = 80 + 40 * (column_of(i) / 30) as u8;
-                Point {
-                    x: (column_of(i) as f32 - 45.0) / 585.0 * z,
-                    y: (i / WIDTH) as f32 / 585.0 * z,
-                    z,
-                    color: Rgba::opaque(grey, grey, grey),
-                }
-            })
-            .collect();
-        let cloud = OrganizedCloud::new(&points, WIDTH, HEIGHT).unwrap();
-        let cluster: Vec<u32> = (0..points.len() as u32).collect();
-        let mut patch = Patch::default();
-        patch.copy_cluster(&cloud, &cluster);
-        let table = TableReference {
-            axes: AffineForm::coordinates_of(&RigidTransform::identity()),
-            noise: DepthNoise::default(),
-        };
-        let mut graph = RegionAdjacency::default();
-        graph.clear(3);
-        let columns: Vec<(usize, usize)> = patch
-            .pixels
-            .iter()
-            .enumerate()
-            .map(|(i, pixel)| (pixel.index as usize, column_of(i)))
-            .collect();
-        for &(index, column) in &columns {
-            patch.part_of[index] = number_of[column / 30];
-        }
-        for &(index, column) in &columns {
-            let region = number_of[column / 30];
-            graph.add_pixel(region, &patch.points[index]);
-            graph.add_position(region, &patch.points[index], &table.axes);
-            if column + 1 < WIDTH && number_of[(column + 1) / 30] != region {
-                graph.add_pair([region, number_of[(column + 1) / 30]], [index, index + 1]);
-            }
-        }
-        let bend = vec![0.0; patch.points.len()];
-        graph.connect(&patch, &bend, &table);
-        graph
-    }
-
-    fn feature(features: &PairFeatures, name: &str) -> f32 {
-        let at = super::super::FEATURE_NAMES
-            .iter()
-            .position(|own| own.starts_with(name));
-        features[at.unwrap()]
-    }
-
-    #[test]
-    fn features_tell_a_surface_from_a_step() {
-        let graph = graph([0, 1, 2]);
-        assert_eq!(graph.n_edges(), 2);
-        let [flat, step] = [0, 1].map(|edge| graph.features(edge));
-        assert_eq!([graph.regions_of(0), graph.regions_of(1)], [[0, 1], [1, 2]]);
-        for (name, expected) in [
-            ("share of the boundary with unknown", [0.0, 1.0]),
-            ("cosine between the normals", [1.0, 1.0]),
-            ("distance of the smaller region's centroid", [0.0, 0.02]),
-            ("convexity of the centroids", [0.0, 0.0]),
-            ("mean depth step across", [0.0, 0.02]),
-        ] {
-            for (features, expected) in [flat, step].iter().zip(expected) {
-                let found = feature(features, name);
-                assert!((found - expected).abs() < 0.01, "{name}: {found}");
-            }
-        }
-    }
-
-    #[test]
-    fn merged_region_has_the_features_of_all_its_pixels() {
-        let mut merged = graph([0, 1, 2]);
-        assert_eq!(merged.merge(0), [0, 1]);
-        assert_eq!(merged.regions_of(0), [0, 2]);
-        let whole = graph([0, 0, 2]).features(0);
-        for (i, (a, b)) in merged.features(0).into_iter().zip(whole).enumerate() {
-            assert!((a - b).abs() < 1e-3, "feature {i}: {a} {b}");
-        }
-    }
-
-    #[test]
-    fn merging_ends_and_joins_neighbours_only() {
-        let mut joined = Vec::new();
-        graph([0, 1, 2]).merge_regions(|a, b| joined.push([a, b]));
-        assert!(joined.contains(&[0, 1]), "{joined:?}");
-        assert!(joined.len() <= 2);
-    }
-
-    #[test]
-    fn examples_follow_the_known_objects() {
-        let mut pairs = Vec::new();
-        let mut random = Random::from_seed(1);
-        let objects = [Some(10), Some(10), Some(20)];
-        graph([0, 1, 2]).list_examples(&objects, &mut random, &mut pairs);
-        let truths: Vec<bool> = pairs.iter().map(|pair| pair.is_one_object).collect();
-        // Both edges at first, and the remaining one after the merge of the first two.
-        assert_eq!(truths, [true, false, false]);
-        pairs.clear();
-        graph([0, 1, 2]).list_examples(&[None, Some(10), None], &mut random, &mut pairs);
-        assert!(pairs.is_empty());
-    }
-}
+mod tests;

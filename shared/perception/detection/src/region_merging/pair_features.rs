@@ -5,7 +5,7 @@ use super::region::Region;
 use sensor_noise::DepthNoise;
 
 /// Number of features of a pair.
-pub const N_FEATURES: usize = 32;
+pub const N_FEATURES: usize = 35;
 
 /// Features of a pair of adjacent regions, in the order of [`FEATURE_NAMES`].
 pub type PairFeatures = [f32; N_FEATURES];
@@ -44,6 +44,9 @@ pub const FEATURE_NAMES: [&str; N_FEATURES] = [
     "deviation of the boundary's height, metres",
     "longest side of the cluster's box, metres",
     "log of the share of both in the area of the cluster",
+    "mean log odds that the edges along the boundary are boundaries of objects",
+    "share of the boundary across a gap without depth",
+    "1 for regions of one cluster, 0 for those of two",
 ];
 
 /// Greatest deviation from a plane, sigmas.
@@ -52,15 +55,29 @@ const DEVIATION_MAX: f32 = 30.0;
 /// Greatest distance, metres.
 const DISTANCE_MAX_M: f32 = 0.3;
 
-/// Features of two regions with their boundary, of both together, and of their cluster,
-/// with the noise of the depth image.
+/// Surroundings of a pair of regions.
+pub(super) struct PairContext<'a> {
+    /// Both regions together.
+    pub(super) both: &'a Region,
+    /// Cluster of the regions, or their two clusters together.
+    pub(super) cluster: &'a Region,
+    pub(super) is_one_cluster: bool,
+    /// Noise of the depth image.
+    pub(super) noise: &'a DepthNoise,
+}
+
+/// Features of two regions with their boundary.
 pub(super) fn pair_features(
     boundary: &RegionBoundary,
     [a, b]: [&Region; 2],
-    both: &Region,
-    cluster: &Region,
-    noise: &DepthNoise,
+    context: &PairContext<'_>,
 ) -> PairFeatures {
+    let PairContext {
+        both,
+        cluster,
+        is_one_cluster,
+        noise,
+    } = *context;
     let (small, large) = if a.n_pixels_at_1m <= b.n_pixels_at_1m {
         (a, b)
     } else {
@@ -70,19 +87,11 @@ pub(super) fn pair_features(
     let n_known = (boundary.n_pairs - boundary.n_unknown).max(1) as f32;
     let share = |n: u32| n as f32 / n_pairs;
     let length = n_pairs * both.depth_m / small.n_pixels_at_1m.sqrt();
-    let distance_m = |from: &Region, plane: &Region| {
-        (from.centroid - plane.centroid)
-            .dot(&plane.normal)
-            .abs()
-            .min(DISTANCE_MAX_M)
-    };
     let deviation =
         |region: &Region| (region.plane_rms_m / noise.sigma_m(region.depth_m)).min(DEVIATION_MAX);
-    let footprint_m2 = |region: &Region| region.sides_m[0] * region.sides_m[1];
     let [lower, upper] = by_height(small, large);
     let boundary_m = boundary.height_m / n_pairs;
     let variance_m2 = boundary.height_squares_m2 / n_pairs - boundary_m * boundary_m;
-    let volume_m3 = |region: &Region| footprint_m2(region) * region.sides_m[2];
     [
         (small.n_pixels_at_1m / 1000.0).ln(),
         (large.n_pixels_at_1m / 1000.0).ln(),
@@ -97,8 +106,8 @@ pub(super) fn pair_features(
         small.color_sigma,
         large.color_sigma,
         small.normal.dot(&large.normal).abs(),
-        distance_m(small, large),
-        distance_m(large, small),
+        plane_distance_m(small, large),
+        plane_distance_m(large, small),
         deviation(small),
         deviation(large),
         deviation(both),
@@ -116,7 +125,27 @@ pub(super) fn pair_features(
         variance_m2.max(0.0).sqrt(),
         longest_side_m(cluster),
         (both.n_pixels_at_1m / cluster.n_pixels_at_1m).ln(),
+        boundary.mean_log_odds(),
+        share(boundary.n_gaps),
+        f32::from(u8::from(is_one_cluster)),
     ]
+}
+
+/// Distance of a region's centroid from the plane of another one, metres, up to
+/// [`DISTANCE_MAX_M`].
+fn plane_distance_m(from: &Region, plane: &Region) -> f32 {
+    let distance_m = (from.centroid - plane.centroid).dot(&plane.normal).abs();
+    distance_m.min(DISTANCE_MAX_M)
+}
+
+/// Area of a region's footprint, square metres.
+fn footprint_m2(region: &Region) -> f32 {
+    region.sides_m[0] * region.sides_m[1]
+}
+
+/// Volume of a region's box, cubic metres.
+fn volume_m3(region: &Region) -> f32 {
+    footprint_m2(region) * region.sides_m[2]
 }
 
 /// Longest side of a region's box, metres.

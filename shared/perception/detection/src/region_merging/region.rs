@@ -1,8 +1,9 @@
 //! Region statistics: colour, area, plane and extent; sums, so that regions can be merged.
 
+use super::least_eigenvector::least_eigenvector;
 use crate::cielab::{CieLab, ColorSum};
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
-use point_cloud::Point;
+use crate::segmentation::Cell;
+use nalgebra::{Matrix3, Vector3};
 
 /// Number of yaws at which the footprint of a region is measured: 15 degrees each.
 const N_YAWS: usize = 6;
@@ -92,37 +93,15 @@ pub(super) struct Region {
 }
 
 impl RegionSums {
-    /// Add the colour and area of a pixel.
+    /// Add a cell with its position in the table's frame, metres.
     #[inline]
-    pub(super) fn add_pixel(&mut self, point: &Point) {
-        let rgb = point.color.rgb();
-        self.color.add(rgb);
-        let squares = rgb.map(|value| u32::from(value) * u32::from(value));
+    pub(super) fn add(&mut self, cell: &Cell, position: [f32; 3], axes: &YawAxes) {
+        self.color.add(cell.rgb);
+        let squares = cell.rgb.map(|value| u32::from(value) * u32::from(value));
         self.rgb_squares += u64::from(squares.iter().sum::<u32>());
-        self.n_pixels_at_1m += point.z * point.z;
-    }
-
-    /// Add the position of a pixel in the table's frame, metres, at a depth.
-    #[inline]
-    pub(super) fn add_position(&mut self, position: [f32; 3], depth_m: f32, axes: &YawAxes) {
-        let place = Vector3::from(position.map(f64::from));
-        let moments = &mut self.moments;
-        moments.n += 1.0;
-        moments.sum += place;
-        moments.products += place * place.transpose();
-        moments.depth += f64::from(depth_m);
-        let Extent {
-            height_m,
-            low,
-            high,
-        } = &mut self.extent;
-        let [u, v, height] = position;
-        *height_m = [height_m[0].min(height), height_m[1].max(height)];
-        for i in 0..2 * N_YAWS {
-            let along = axes.0[0][i] * u + axes.0[1][i] * v;
-            low[i] = low[i].min(along);
-            high[i] = high[i].max(along);
-        }
+        self.n_pixels_at_1m += cell.n_pixels as f32 * cell.depth_m * cell.depth_m;
+        self.moments.add(position, cell.depth_m);
+        self.extent.add(position, axes);
     }
 
     /// Add the statistics of another region.
@@ -160,10 +139,8 @@ impl RegionSums {
             };
         }
         let mean = sum / n;
-        let eigen = SymmetricEigen::new(products / n - mean * mean.transpose());
-        let least = eigen.eigenvalues.imin();
-        let normal: Vector3<f32> = eigen.eigenvectors.column(least).into_owned().cast();
-        let centroid: Vector3<f32> = mean.cast();
+        let (variance_m2, normal) = least_eigenvector(&(products / n - mean * mean.transpose()));
+        let [normal, centroid]: [Vector3<f32>; 2] = [normal.cast(), mean.cast()];
         let is_towards = normal.dot(&(camera - centroid)) >= 0.0;
         Region {
             n_pixels_at_1m: self.n_pixels_at_1m.max(1.0),
@@ -171,7 +148,7 @@ impl RegionSums {
             color_sigma: self.color.sigma(self.rgb_squares as f64),
             centroid,
             normal: if is_towards { normal } else { -normal },
-            plane_rms_m: eigen.eigenvalues[least].max(0.0).sqrt() as f32,
+            plane_rms_m: variance_m2.max(0.0).sqrt() as f32,
             depth_m: (depth / n) as f32,
             height_m: self.extent.height_m,
             sides_m: self.extent.sides_m(),
@@ -179,7 +156,29 @@ impl RegionSums {
     }
 }
 
+impl PointSums {
+    #[inline]
+    fn add(&mut self, position: [f32; 3], depth_m: f32) {
+        let place = Vector3::from(position.map(f64::from));
+        self.n += 1.0;
+        self.sum += place;
+        self.products += place * place.transpose();
+        self.depth += f64::from(depth_m);
+    }
+}
+
 impl Extent {
+    #[inline]
+    fn add(&mut self, [u, v, height]: [f32; 3], axes: &YawAxes) {
+        let [lowest, highest] = self.height_m;
+        self.height_m = [lowest.min(height), highest.max(height)];
+        for i in 0..2 * N_YAWS {
+            let along = axes.0[0][i] * u + axes.0[1][i] * v;
+            self.low[i] = self.low[i].min(along);
+            self.high[i] = self.high[i].max(along);
+        }
+    }
+
     /// Sides of the footprint of least area, and the height, metres.
     fn sides_m(&self) -> [f32; 3] {
         let side = |i: usize| (self.high[i] - self.low[i]).max(SIDE_MIN_M);

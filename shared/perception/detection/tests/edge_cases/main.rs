@@ -1,10 +1,11 @@
 //! Rare tables, views and images: no table, several, cut, concave, covered, unusual
 //! viewpoints and image sizes.
 
-mod concavity_split;
 mod detection_outcome;
+mod hidden_bases;
 mod hollow_objects;
 mod image_geometry;
+mod segmentation;
 mod several_tables;
 #[path = "../synthetic/synthetic_scene.rs"]
 mod synthetic_scene;

@@ -1,4 +1,4 @@
-//! Synthetic scenes of polygons, boxes and hollow cylinders, rendered by ray casting.
+//! Synthetic scenes of polygons, boxes, hollow cylinders and balls, rendered by ray casting.
 //!
 //! World frame: z up, the floor at 0. Every pixel has a ground-truth label.
 
@@ -32,6 +32,8 @@ pub(crate) enum Shape {
         bore: f64,
         floor: f64,
     },
+    /// Ball of a radius that rests on z = 0, metres.
+    Ball(f64),
 }
 
 /// Shape placed in the world, with colour and label.
@@ -119,6 +121,7 @@ impl PlacedShape {
         match &self.shape {
             Shape::Polygon(corners) => meet_polygon(&eye, &ray, corners),
             Shape::Box(sides) => meet_box(&eye, &ray, sides),
+            &Shape::Ball(radius) => meet_ball(&eye, &ray, radius),
             &Shape::Cylinder {
                 radius,
                 height,
@@ -176,6 +179,15 @@ fn meet_box(eye: &Point3<f64>, ray: &Vector3<f64>, sides: &[f64; 3]) -> Option<f
         far = far.min(t[0].max(t[1]));
     }
     (near <= far && near > 0.0).then_some(near)
+}
+
+/// First intersection of a ray with a ball that rests on z = 0.
+fn meet_ball(eye: &Point3<f64>, ray: &Vector3<f64>, radius: f64) -> Option<f64> {
+    let from_centre = eye - Point3::new(0.0, 0.0, radius);
+    let (a, b) = (ray.norm_squared(), from_centre.dot(ray));
+    let root = b * b - a * (from_centre.norm_squared() - radius * radius);
+    let t = (-b - root.max(0.0).sqrt()) / a;
+    (root >= 0.0 && t > 0.0).then_some(t)
 }
 
 /// All intersections of a ray with a cylinder: side, bore, upper face and floor.

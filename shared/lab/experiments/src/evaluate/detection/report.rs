@@ -1,6 +1,6 @@
 //! Report of the detection evaluation.
 
-use super::scene_result::{SceneResult, SkippedScene};
+use super::scene_result::{PsiScores, SceneResult, SkippedScene};
 use crate::arguments::DetectionArguments;
 use crate::evaluate::report_parts::ReportFiles;
 use constraint::Assumption;
@@ -16,8 +16,12 @@ pub(super) struct DetectionReport<'a> {
     version: &'static str,
     dataset: String,
     pub(super) n_scenes: usize,
-    pub(super) overall: SegmentationScore,
-    pub(super) after_psi: SegmentationScore,
+    overall: SegmentationScore,
+    after_psi: SegmentationScore,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) whole_objects: Option<PsiScores>,
+    #[serde(skip)]
+    pub(super) all: SceneGroup,
     pub(super) groups: BTreeMap<&'a str, SceneGroup>,
     pub(super) halves: Halves,
     pub(super) detection_ms: Percentiles,
@@ -54,8 +58,9 @@ pub(super) struct Halves {
 pub(super) struct SceneGroup {
     pub(super) n_scenes: usize,
     #[serde(flatten)]
-    pub(super) scores: SegmentationScore,
-    pub(super) after_psi: SegmentationScore,
+    pub(super) scores: PsiScores,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) whole_objects: Option<PsiScores>,
     pub(super) detection_ms: Percentiles,
 }
 
@@ -66,8 +71,9 @@ pub(super) struct SceneScores<'a> {
     pub(super) group: &'a str,
     n_points: usize,
     #[serde(flatten)]
-    pub(super) scores: SegmentationScore,
-    after_psi: SegmentationScore,
+    pub(super) scores: PsiScores,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    whole_objects: Option<PsiScores>,
     pub(super) detection_ms: Percentiles,
     picture: &'a str,
 }
@@ -85,14 +91,14 @@ impl SceneGroup {
     /// Group of the scenes that fulfil a predicate; `None` if there are none.
     fn of(results: &[SceneResult], is_wanted: impl Fn(&SceneResult) -> bool) -> Option<Self> {
         let wanted: Vec<&SceneResult> = results.iter().filter(|result| is_wanted(result)).collect();
-        let mean = |score: fn(&SceneResult) -> &SegmentationScore| {
-            SegmentationScore::mean(wanted.iter().map(|result| score(result)))
-        };
+        let whole_objects = wanted
+            .iter()
+            .filter_map(|result| result.whole_objects.as_ref());
         let detection_ms = |result: &SceneResult| result.detection_ms.clone();
         Some(Self {
             n_scenes: wanted.len(),
-            scores: mean(|result| &result.before_psi)?,
-            after_psi: mean(|result| &result.after_psi)?,
+            scores: PsiScores::mean(wanted.iter().map(|result| &result.scores))?,
+            whole_objects: PsiScores::mean(whole_objects),
             detection_ms: percentiles(wanted.iter().copied(), detection_ms)?,
         })
     }
@@ -105,8 +111,8 @@ impl<'a> SceneScores<'a> {
             name: &result.name,
             group: &result.group,
             n_points: result.n_points,
-            scores: result.before_psi,
-            after_psi: result.after_psi,
+            scores: result.scores,
+            whole_objects: result.whole_objects,
             detection_ms: percentiles([result], detection_ms)?,
             picture: &result.picture,
         })
@@ -135,8 +141,9 @@ impl<'a> DetectionReport<'a> {
             version: env!("CARGO_PKG_VERSION"),
             dataset: arguments.dataset.display().to_string(),
             n_scenes: all.n_scenes,
-            overall: all.scores,
-            after_psi: all.after_psi,
+            overall: all.scores.before_psi,
+            after_psi: all.scores.after_psi,
+            whole_objects: all.whole_objects,
             groups: groups.collect(),
             halves: Halves {
                 even: SceneGroup::of(results, |result| !result.is_odd),
@@ -156,6 +163,7 @@ impl<'a> DetectionReport<'a> {
                 hypothesis_pixels_min: HYPOTHESIS_PIXELS_MIN,
             },
             assumptions: assumptions(results),
+            all,
             files: ReportFiles::in_folder(&arguments.out, "detection.json"),
         })
     }

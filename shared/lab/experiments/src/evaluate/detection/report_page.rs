@@ -27,7 +27,7 @@ pub(super) fn text(document: &DetectionReport<'_>, arguments: &DetectionArgument
     let worst = document.per_scene.iter().take(N_WORST);
     let worst = worst.map(|scene| {
         let names = [scene.name.into(), scene.group.into()];
-        row(names, &scene.scores, scene.detection_ms.p50)
+        row(names, &scene.scores.before_psi, scene.detection_ms.p50)
     });
     let worst = format_table(&heading(["worst", "group"]), &worst.collect::<Vec<_>>());
     lines.extend([worst, String::new()]);
@@ -93,7 +93,7 @@ pub(super) fn page(document: &DetectionReport<'_>, results: &[SceneResult]) -> S
     let scenes = scenes.map(|(result, figures)| PicturedScene {
         name: result.name.clone(),
         group: result.group.clone(),
-        score: result.before_psi,
+        score: result.scores.before_psi,
         detection_ms: figures.detection_ms.p50,
         picture: result.picture.clone(),
     });
@@ -106,43 +106,55 @@ pub(super) fn page(document: &DetectionReport<'_>, results: &[SceneResult]) -> S
     )
 }
 
-/// Score tables of the hypotheses before and after the object rule ψ.
-fn tables(document: &DetectionReport<'_>) -> [ScoreTable; 2] {
-    [
-        ScoreTable {
-            title: "Hypotheses before ψ".to_owned(),
-            lines: lines(document, &document.overall, |part| &part.scores),
-        },
-        ScoreTable {
-            title: "Hypotheses after ψ".to_owned(),
-            lines: lines(document, &document.after_psi, |part| &part.after_psi),
-        },
-    ]
+/// Score tables of the hypotheses before and after the object rule ψ: of the parts of objects
+/// where these have labels of their own, then of whole objects.
+fn tables(document: &DetectionReport<'_>) -> Vec<ScoreTable> {
+    let has_parts = document.whole_objects.is_some();
+    let kind = if has_parts { "Parts" } else { "Objects" };
+    let table =
+        |title: String, of_part: &dyn Fn(&SceneGroup) -> Option<SegmentationScore>| ScoreTable {
+            title,
+            lines: lines(document, of_part),
+        };
+    let mut tables = vec![
+        table(format!("{kind} before ψ"), &|part| {
+            Some(part.scores.before_psi)
+        }),
+        table(format!("{kind} after ψ"), &|part| {
+            Some(part.scores.after_psi)
+        }),
+    ];
+    if has_parts {
+        tables.extend([
+            table("Whole objects before ψ".to_owned(), &|part| {
+                Some(part.whole_objects?.before_psi)
+            }),
+            table("Whole objects after ψ".to_owned(), &|part| {
+                Some(part.whole_objects?.after_psi)
+            }),
+        ]);
+    }
+    tables
 }
 
 /// Table lines of the detection report: all scenes, groups, halves.
 fn lines(
     document: &DetectionReport<'_>,
-    all: &SegmentationScore,
-    of_part: fn(&SceneGroup) -> &SegmentationScore,
+    score: &dyn Fn(&SceneGroup) -> Option<SegmentationScore>,
 ) -> Vec<ScoreLine> {
-    let line = |name: &str, part: &SceneGroup| ScoreLine {
-        name: name.to_owned(),
-        n_scenes: part.n_scenes,
-        score: *of_part(part),
-        detection_ms: part.detection_ms.p50,
+    let line = |(name, part): (&str, &SceneGroup)| {
+        Some(ScoreLine {
+            name: name.to_owned(),
+            n_scenes: part.n_scenes,
+            score: score(part)?,
+            detection_ms: part.detection_ms.p50,
+        })
     };
-    let mut lines = vec![ScoreLine {
-        name: "all".to_owned(),
-        n_scenes: document.n_scenes,
-        score: *all,
-        detection_ms: document.detection_ms.p50,
-    }];
-    let groups = document.groups.iter();
-    lines.extend(groups.map(|(name, group)| line(name, group)));
     let Halves { even, odd } = &document.halves;
-    for (name, half) in [("even half", even), ("odd half", odd)] {
-        lines.extend(half.iter().map(|half| line(name, half)));
-    }
-    lines
+    let groups = document.groups.iter().map(|(name, group)| (*name, group));
+    let halves = [("even half", even), ("odd half", odd)];
+    let halves = halves.into_iter();
+    let halves = halves.filter_map(|(name, half)| Some((name, half.as_ref()?)));
+    let all = std::iter::once(("all", &document.all));
+    all.chain(groups).chain(halves).filter_map(line).collect()
 }

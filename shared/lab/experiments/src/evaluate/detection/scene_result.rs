@@ -1,7 +1,8 @@
 //! Result of one labelled scene: scores, timings and picture.
 
 use constraint::Assumptions;
-use evaluation::segmentation_score::SegmentationScore;
+use evaluation::hypothesis_image::HypothesisImages;
+use evaluation::segmentation_score::{Overlaps, SegmentationScore, score};
 use serde::Serialize;
 
 /// Detection result of one scene.
@@ -12,14 +13,43 @@ pub(super) struct SceneResult {
     pub(super) has_up: bool,
     pub(super) assumptions: Assumptions,
     pub(super) n_points: usize,
-    pub(super) before_psi: SegmentationScore,
-    pub(super) after_psi: SegmentationScore,
+    /// Scores against the labels as they are: of parts, where these have labels of their own.
+    pub(super) scores: PsiScores,
+    /// Scores of objects against labels whose parts are joined; `None` without labels of parts.
+    pub(super) whole_objects: Option<PsiScores>,
     /// Detection times, milliseconds, one for each repetition.
     pub(super) detection_ms: Vec<f64>,
     /// Times of reading the cloud's bytes once, milliseconds: the memory bandwidth floor.
     pub(super) pass_ms: Vec<f64>,
     /// Path of the picture, relative to the output folder.
     pub(super) picture: String,
+}
+
+/// Scores of the hypotheses before and after the candidate rule ψ.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(super) struct PsiScores {
+    #[serde(flatten)]
+    pub(super) before_psi: SegmentationScore,
+    pub(super) after_psi: SegmentationScore,
+}
+
+impl PsiScores {
+    /// Scores of the hypotheses of a scene; `None` without a labelled object.
+    pub(super) fn of(found: &HypothesisImages, labels: &[u16]) -> Option<Self> {
+        let score_of = |hypotheses: &[u16]| score(&Overlaps::count(hypotheses, labels));
+        Some(Self {
+            before_psi: score_of(&found.before_psi)?,
+            after_psi: score_of(&found.after_psi)?,
+        })
+    }
+
+    /// Mean of the scores of scenes; `None` without scenes.
+    pub(super) fn mean<'a>(scores: impl Iterator<Item = &'a Self> + Clone) -> Option<Self> {
+        Some(Self {
+            before_psi: SegmentationScore::mean(scores.clone().map(|one| &one.before_psi))?,
+            after_psi: SegmentationScore::mean(scores.map(|one| &one.after_psi))?,
+        })
+    }
 }
 
 /// Skipped scene with its reason.

@@ -3,7 +3,7 @@ use crate::arguments::{SceneArguments, SimulateVerb};
 use crate::simulate;
 use constraint::Assumptions;
 use dataset::pcd::{self, Encoding, PcdView};
-use evaluation::segmentation_score::SegmentationScore;
+use evaluation::segmentation_score::{SegmentationScore, score};
 use geometry::{PinholeCamera, RigidTransform};
 use point_cloud::{Point, Rgba};
 use serde_json::Value;
@@ -219,6 +219,13 @@ fn unusable_folders_are_refused_with_reasons() {
 
 #[test]
 fn report_lists_groups_halves_and_worst_scenes() {
+    let scores = |wov: f64| PsiScores {
+        before_psi: SegmentationScore {
+            wov,
+            ..SegmentationScore::default()
+        },
+        after_psi: SegmentationScore::default(),
+    };
     let result = |name: &str, wov: f64, is_odd: bool| SceneResult {
         name: name.into(),
         group: "boxes".into(),
@@ -226,11 +233,8 @@ fn report_lists_groups_halves_and_worst_scenes() {
         has_up: false,
         assumptions: Assumptions::default(),
         n_points: 1000,
-        before_psi: SegmentationScore {
-            wov,
-            ..SegmentationScore::default()
-        },
-        after_psi: SegmentationScore::default(),
+        scores: scores(wov),
+        whole_objects: Some(scores(0.125)),
         detection_ms: vec![2.0, 4.0],
         pass_ms: vec![0.1],
         picture: format!("scenes/{name}.png"),
@@ -246,12 +250,14 @@ fn report_lists_groups_halves_and_worst_scenes() {
     let document = DetectionReport::of(&results, &skipped, &arguments).unwrap();
     let text = report_page::text(&document, &arguments);
     for part in [
-        "Hypotheses before ψ\n%          scenes  wov",
+        "Parts before ψ\n%          scenes  wov",
         "even half  1        75.0",
         "boxes      2        50.0",
         "learn1  boxes   25.0",
-        "Hypotheses after ψ",
+        "Parts after ψ",
+        "Whole objects before ψ\n%          scenes  wov",
         "all        2         0.0",
+        "all        2        12.5",
         "2.00 ms (median), 4.00 ms (99 %)",
         "2000.0 ns a point, 20.0 times a pass over the cloud (0.100 ms)",
         "left out: learn14: it is broken\nleft out: 5 more",

@@ -197,6 +197,7 @@ impl SceneDescriber {
                 .zip(&self.points)
                 .map(label_of)
                 .collect(),
+            has_part_labels: false,
             width: CAMERA.width as usize,
             height: CAMERA.height as usize,
             up_in_camera: Some(frame_truth.up_in_camera),

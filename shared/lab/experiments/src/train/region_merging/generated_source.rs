@@ -4,14 +4,14 @@ use statistics::gradient_boosting::BoostedTrees;
 use std::fmt::Write;
 
 /// Rust source of the trees, with the command that made them.
-pub(super) fn source(model: &BoostedTrees, datasets: &[&str]) -> String {
+pub(super) fn source(model: &BoostedTrees, datasets: &str) -> String {
     let mut source = format!(
         "//! Trained trees of region merging. Generated, do not edit:\n//! `tabula-lab train \
-         region-merging {} --out <this file>`; `scripts/train-region-merging` simulates the data \
+         region-merging {} --out <this file>`; `scripts/train-segmentation` simulates the data \
          sets.\n\nuse super::decision_tree::DecisionTree;\n\n/// Log odds without any \
          tree.\npub(super) const CONSTANT: f32 = {:.4e};\n\n/// Trees in the order of their \
          training.\n#[rustfmt::skip]\npub(super) static TREES: [DecisionTree; {}] = [\n",
-        datasets.join(" "),
+        datasets,
         model.constant,
         model.trees.len()
     );

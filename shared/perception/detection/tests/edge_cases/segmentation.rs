@@ -1,4 +1,4 @@
-//! Concavity split: touching objects are separated, single objects stay whole.
+//! Segmentation: touching objects are separated, single objects stay whole.
 
 use crate::detection_outcome::DetectionOutcome;
 use crate::synthetic_scene::{OBJECT, PlacedShape};

@@ -1,0 +1,78 @@
+//! Training examples of the segmentation, of one data set of labelled scenes.
+
+use super::color_augmentation::augment;
+use command_line::{Output, progress_bar};
+use detection::{Config, DetectionInput, ScenePriors, SegmentationExamples, Workspace};
+use evaluation::labelled_scenes::{LabelledScene, LabelledScenes};
+use evaluation::segmentation_score::FIRST_OBJECT_LABEL;
+use point_cloud::OrganizedCloud;
+use random::Random;
+use service::Failure;
+use std::path::Path;
+
+/// Training examples of one data set.
+pub(super) struct TrainingSet {
+    pub(super) dataset: String,
+    pub(super) n_scenes: usize,
+    pub(super) examples: SegmentationExamples,
+}
+
+impl TrainingSet {
+    /// Reads the examples of all organised scenes of a data set; after each scene `pick` drops
+    /// those that are not needed.
+    pub(super) fn read(
+        folder: &Path,
+        output: &Output,
+        pick: impl Fn(&mut SegmentationExamples),
+    ) -> Result<Self, Failure> {
+        let scenes = LabelledScenes::open(folder).map_err(Failure::usage)?;
+        let mut set = Self {
+            dataset: folder.display().to_string(),
+            n_scenes: 0,
+            examples: SegmentationExamples::default(),
+        };
+        let mut workspace = Workspace::default();
+        let bar = progress_bar(scenes.entries().len() as u64, "scenes", output);
+        for entry in scenes.entries() {
+            let scene = scenes.read(entry).map_err(Failure::general)?;
+            if scene.height > 1 {
+                set.add_scene(scene, &mut workspace)?;
+                pick(&mut set.examples);
+            }
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(set)
+    }
+
+    fn add_scene(
+        &mut self,
+        mut scene: LabelledScene,
+        workspace: &mut Workspace,
+    ) -> Result<(), Failure> {
+        let seed = self.n_scenes as u64;
+        augment(&mut scene.points, scene.width, &mut Random::from_seed(seed));
+        let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height);
+        let frame = DetectionInput {
+            cloud: cloud.map_err(Failure::general)?,
+            up_in_camera: scene.up_in_camera,
+            seed,
+            priors: ScenePriors::default(),
+        };
+        let object = |&label: &u16| (label >= FIRST_OBJECT_LABEL).then_some(label);
+        let objects: Vec<Option<u16>> = scene.labels.iter().map(object).collect();
+        let config = Config::default();
+        detection::add_examples(&frame, &config, workspace, &objects, &mut self.examples);
+        self.n_scenes += 1;
+        Ok(())
+    }
+
+    /// Name of the data set: the last part of its folder.
+    pub(super) fn name(&self) -> &str {
+        self.dataset
+            .trim_end_matches('/')
+            .rsplit('/')
+            .next()
+            .unwrap_or(&self.dataset)
+    }
+}
