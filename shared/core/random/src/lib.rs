@@ -59,6 +59,16 @@ impl Random {
         unit_f32(self.next_u64())
     }
 
+    /// Approximately standard normal number: the sum of twelve uniform ones (Irwin and Hall).
+    pub fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.unit()).sum::<f64>() - 6.0
+    }
+
+    /// Approximately standard normal number, single precision.
+    pub fn normal_f32(&mut self) -> f32 {
+        (0..12).map(|_| self.unit_f32()).sum::<f32>() - 6.0
+    }
+
     /// Uniform random number in [`low`, `high`).
     #[inline]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
@@ -194,5 +204,24 @@ mod tests {
         // 2000 expected; the standard deviation is 40.
         let in_range = |count: &u32| (1800..=2200).contains(count);
         assert!(counts.as_flattened().iter().all(in_range), "{counts:?}");
+    }
+
+    #[test]
+    fn normal_numbers_have_mean_0_and_variance_1() {
+        let mut random = Random::from_seed(1);
+        let n = 20_000;
+        let moments = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / f64::from(n);
+            let squares = values.iter().map(|x| x * x).sum::<f64>() / f64::from(n);
+            (mean, squares - mean * mean)
+        };
+        let double: Vec<f64> = (0..n).map(|_| random.normal()).collect();
+        let single: Vec<f64> = (0..n).map(|_| random.normal_f32().into()).collect();
+        for (mean, variance) in [moments(&double), moments(&single)] {
+            assert!(
+                mean.abs() < 0.03 && (variance - 1.0).abs() < 0.05,
+                "{mean} {variance}"
+            );
+        }
     }
 }

@@ -90,20 +90,13 @@ mod tests {
     use super::*;
     use random::Random;
 
-    /// Approximately standard normal deviate: sum of twelve uniforms (Irwin-Hall).
-    fn normal(random: &mut Random) -> f64 {
-        (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
-    }
-
     /// Coverage: share of experiments whose interval over `n_runs` values contains their true
     /// mean of 3.
     fn coverage(n_runs: usize) -> f64 {
         let mut random = Random::substream(11, 99);
         let n_experiments = 600;
         let holds = (0..n_experiments).filter(|&experiment| {
-            let values: Vec<_> = (0..n_runs)
-                .map(|_| Some(3.0 + normal(&mut random)))
-                .collect();
+            let values: Vec<_> = (0..n_runs).map(|_| Some(3.0 + random.normal())).collect();
             let Estimate { low, high, .. } = Estimate::mean(&values, experiment).unwrap();
             (low..=high).contains(&3.0)
         });
@@ -126,10 +119,10 @@ mod tests {
     #[test]
     fn paired_intervals_are_narrower_than_unpaired_ones() {
         let mut random = Random::substream(5, 99);
-        let first: Vec<f64> = (0..10).map(|_| 20.0 + 5.0 * normal(&mut random)).collect();
+        let first: Vec<f64> = (0..10).map(|_| 20.0 + 5.0 * random.normal()).collect();
         let second: Vec<f64> = first
             .iter()
-            .map(|value| value + 1.0 + 0.1 * normal(&mut random))
+            .map(|value| value + 1.0 + 0.1 * random.normal())
             .collect();
         let width = |estimate: Option<Estimate>| estimate.map(|e| e.high - e.low).unwrap();
         let difference = Estimate::paired_difference(&first, &second, 1);

@@ -77,11 +77,6 @@ mod tests {
     const WIDTH: usize = 160;
     const HEIGHT: usize = 120;
 
-    /// Nearly normal variable: a sum of twelve uniform ones (Irwin-Hall).
-    fn normal(random: &mut Random) -> f32 {
-        (0..12).map(|_| random.unit_f32()).sum::<f32>() - 6.0
-    }
-
     /// Ratio measured on a table 1 m in front of the camera, with `ratio` times the noise of
     /// the law; every fifth point belongs to an object `object_m` nearer.
     fn measured(ratio: f32, object_m: f32, n_rows: usize) -> f32 {
@@ -89,7 +84,7 @@ mod tests {
         let mut random = Random::from_seed(1);
         let points: Vec<Point> = (0..WIDTH * n_rows)
             .map(|i| {
-                let noise_m = ratio * law.sigma_m(1.0) * normal(&mut random);
+                let noise_m = ratio * law.sigma_m(1.0) * random.normal_f32();
                 let object_m = if i % 5 == 0 { object_m } else { 0.0 };
                 let place = [i % WIDTH, i / WIDTH].map(|at| (at as f32 - 60.0) / 585.0);
                 Point {

@@ -39,8 +39,8 @@ struct ColorResponse {
 
 impl ColorResponse {
     fn random(random: &mut Random) -> Self {
-        let exposure = GAIN_SIGMA * normal(random);
-        let gains = [0; 3].map(|_| (exposure + CHANNEL_GAIN_SIGMA * normal(random)).exp());
+        let exposure = GAIN_SIGMA * random.normal();
+        let gains = [0; 3].map(|_| (exposure + CHANNEL_GAIN_SIGMA * random.normal()).exp());
         let is_pale = random.unit() < PALE_SHARE;
         Self {
             gains,
@@ -84,11 +84,6 @@ pub(super) fn augment(points: &mut [Point], width: usize, random: &mut Random) {
         });
         point.color = response.apply(colors[row * width + column], random);
     }
-}
-
-/// Value that is nearly normal: a sum of twelve uniform ones (Irwin and Hall).
-fn normal(random: &mut Random) -> f64 {
-    (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
 }
 
 #[cfg(test)]

@@ -31,13 +31,12 @@ struct Seen {
     up: UnitVector3<f64>,
 }
 
-/// Approximately normal random number of variance 1.
-fn normal(random: &mut Random) -> f32 {
-    (0..12).map(|_| random.unit_f32()).sum::<f32>() - 6.0
-}
-
 fn normal_vector(random: &mut Random) -> Vector3<f32> {
-    Vector3::new(normal(random), normal(random), normal(random))
+    Vector3::new(
+        random.normal_f32(),
+        random.normal_f32(),
+        random.normal_f32(),
+    )
 }
 
 /// Described views, grouped by object.
