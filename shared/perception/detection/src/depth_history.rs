@@ -24,6 +24,8 @@ pub(crate) struct DepthHistory {
     old: DepthImage,
     /// Younger image, which replaces the old one.
     young: DepthImage,
+    /// Age of the younger image, frames.
+    young_age: u16,
 }
 
 /// Subsampled depth image with its camera pose.
@@ -33,8 +35,6 @@ struct DepthImage {
     depth_m: Vec<f32>,
     rays: RayGrid,
     world_from_camera: RigidTransform,
-    /// Age, frames.
-    age: u16,
 }
 
 /// Motion of a place since the image of the history.
@@ -53,9 +53,10 @@ impl DepthHistory {
     pub(crate) fn assign(&mut self, other: &Self) {
         for (own, other) in [(&mut self.old, &other.old), (&mut self.young, &other.young)] {
             own.depth_m.clone_from(&other.depth_m);
-            (own.rays, own.age) = (other.rays, other.age);
+            own.rays = other.rays;
             own.world_from_camera = other.world_from_camera;
         }
+        self.young_age = other.young_age;
     }
 
     /// Forget all images.
@@ -68,6 +69,7 @@ impl DepthHistory {
                 ..DepthImage::default()
             };
         }
+        self.young_age = 0;
     }
 
     /// Follow the history of the previous frame, and add this frame when it is due.
@@ -78,10 +80,9 @@ impl DepthHistory {
         world_from_camera: &RigidTransform,
     ) {
         self.assign(previous);
-        self.old.age = self.old.age.saturating_add(1);
-        self.young.age = self.young.age.saturating_add(1);
+        self.young_age = self.young_age.saturating_add(1);
         let has_size = self.young.depth_m.len() == samples.len();
-        if has_size && self.young.age < AGE_MIN {
+        if has_size && self.young_age < AGE_MIN {
             return;
         }
         if has_size {
@@ -94,7 +95,7 @@ impl DepthHistory {
             .extend((0..samples.len()).map(|sample| samples.depth(sample)));
         image.rays = *samples.rays();
         image.world_from_camera = *world_from_camera;
-        image.age = 0;
+        self.young_age = 0;
     }
 
     /// View of the history from a frame; `None` without an image.

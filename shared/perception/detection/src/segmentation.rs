@@ -28,7 +28,7 @@ use pixel_labels::CellLabels;
 use point_cloud::OrganizedCloud;
 use region_claims::RegionClaims;
 use undivided_clusters::UndividedClusters;
-use watershed::Watershed;
+use watershed::{CELLS_MIN, Watershed};
 
 pub(crate) use bends::Bends;
 pub(crate) use cell_image::{Cell, CellImage, NO_CELL};
@@ -175,7 +175,8 @@ impl Segmentation {
         self.adjacency.merge_regions(joins_clusters, |a, b| {
             union(parents, a, b);
         });
-        let regions = &self.watershed.regions;
+        let n_pixels_min = CELLS_MIN * (self.image.stride_px * self.image.stride_px) as u32;
+        let regions = (&self.watershed.regions[..], n_pixels_min);
         self.undivided.unite_pieces(n_clusters, regions, parents);
     }
 

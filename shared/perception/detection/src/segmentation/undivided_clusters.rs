@@ -1,7 +1,7 @@
 //! Undivided clusters: those whose regions are all one object, but for pieces that are too small
 //! for a region of their own.
 
-use super::watershed::{CELLS_MIN, WatershedRegion};
+use super::watershed::WatershedRegion;
 use crate::clusters::{NO_CLUSTER, find_root, union};
 
 /// Object of each cluster that is not divided. Reused from frame to frame.
@@ -23,12 +23,13 @@ enum Objects {
 
 impl UndividedClusters {
     /// Find the undivided ones of `n_clusters` clusters, and unite their pieces that were merged
-    /// with no other cluster with the rest of them, such as those of an oblique strip that is narrower than
-    /// a cell. `parents` is the union-find forest of the regions.
+    /// with no other cluster with the rest of them, such as those of an oblique strip that is
+    /// narrower than a cell. `parents` is the union-find forest of the regions; a piece has fewer than
+    /// `n_pixels_min` pixels.
     pub(super) fn unite_pieces(
         &mut self,
         n_clusters: usize,
-        regions: &[WatershedRegion],
+        (regions, n_pixels_min): (&[WatershedRegion], u32),
         parents: &mut [u32],
     ) {
         self.objects.clear();
@@ -41,7 +42,7 @@ impl UndividedClusters {
             if region.cluster != self.cluster_of_root[root as usize] {
                 self.cluster_of_root[root as usize] = NO_CLUSTER;
             }
-            if region.n_cells >= CELLS_MIN {
+            if region.n_pixels >= n_pixels_min {
                 let objects = &mut self.objects[region.cluster as usize];
                 *objects = match *objects {
                     Objects::None => Objects::One(root),
@@ -51,7 +52,7 @@ impl UndividedClusters {
             }
         }
         for (number, region) in (0..).zip(regions) {
-            if region.n_cells < CELLS_MIN
+            if region.n_pixels < n_pixels_min
                 && self.cluster_of_root[find_root(parents, number) as usize] == region.cluster
                 && let Some(object) = self.object(region.cluster)
             {
@@ -76,12 +77,12 @@ mod tests {
 
     #[test]
     fn pieces_join_the_only_object_of_their_cluster() {
-        let region = |cluster: u32, n_cells: u32| WatershedRegion { cluster, n_cells };
+        let region = |cluster: u32, n_pixels: u32| WatershedRegion { cluster, n_pixels };
         // Cluster 0: two large regions that were merged, and a piece; cluster 1: two large regions
         // and a piece; cluster 2: pieces only; cluster 3: a large region, and two pieces that were
         // merged; cluster 4: a large region, and a piece that was merged with one of cluster 2.
         let regions = [
-            region(0, CELLS_MIN),
+            region(0, 20),
             region(0, 3),
             region(0, 50),
             region(1, 40),
@@ -100,7 +101,7 @@ mod tests {
         union(&mut parents, 9, 10);
         union(&mut parents, 7, 12);
         let mut clusters = UndividedClusters::default();
-        clusters.unite_pieces(5, &regions, &mut parents);
+        clusters.unite_pieces(5, (&regions, 20), &mut parents);
         let roots: Vec<u32> = (0..13).map(|r| find_root(&mut parents, r)).collect();
         assert_eq!(roots, [0, 0, 0, 3, 4, 5, 6, 7, 8, 8, 8, 11, 7]);
         let objects = [0, 1, 2, 3].map(|cluster| clusters.object(cluster));

@@ -16,8 +16,7 @@ pub(super) const CELLS_MIN: u32 = 20;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct WatershedRegion {
     pub(crate) cluster: u32,
-    /// Area, full cells.
-    pub(crate) n_cells: u32,
+    pub(crate) n_pixels: u32,
 }
 
 /// Regions of a cell image. Reused from frame to frame.
@@ -122,16 +121,12 @@ impl Watershed {
                 self.region_of.push(self.regions.len() as u32);
                 self.regions.push(WatershedRegion {
                     cluster: cell.cluster,
-                    n_cells: 0,
+                    n_pixels: 0,
                 });
             } else {
                 self.region_of.push(self.region_of[root]);
             }
-            self.regions[self.region_of[number] as usize].n_cells += cell.n_pixels;
-        }
-        let cell_px = (image.stride_px * image.stride_px) as u32;
-        for region in &mut self.regions {
-            region.n_cells /= cell_px;
+            self.regions[self.region_of[number] as usize].n_pixels += cell.n_pixels;
         }
     }
 }
