@@ -13,8 +13,9 @@ use command_line::{Output, format_table};
 use detection::SegmentationExamples;
 use serde::Serialize;
 use service::Failure;
+use statistics::labelled_rows::LabelledRows;
 use std::process::ExitCode;
-use training_set::TrainingSet;
+use training_set::{Rows, TrainingSet};
 
 /// Runs a subcommand of `tabula-lab train`.
 ///
@@ -41,27 +42,70 @@ struct TrainingReport {
 
 /// Data sets to train on and to judge on.
 struct TrainingData {
+    n_features: usize,
     train: Vec<TrainingSet>,
     test: Vec<TrainingSet>,
+    /// Rows of all data sets to train on.
+    rows: Rows,
 }
 
 impl TrainingData {
-    /// Reads the data sets of a training; `pick` drops the examples that it does not need.
+    /// Reads the data sets of a training; `add_rows` adds the examples of a scene that it needs,
+    /// with `n_features` each.
     fn read(
         arguments: &TrainArguments,
         output: &Output,
-        pick: impl Fn(&mut SegmentationExamples),
+        n_features: usize,
+        add_rows: impl Fn(&SegmentationExamples, &mut Rows),
     ) -> Result<Self, Failure> {
         let read = |folders: &[std::path::PathBuf]| {
             let sets = folders
                 .iter()
-                .map(|folder| TrainingSet::read(folder, output, &pick));
+                .map(|folder| TrainingSet::read(folder, output, &add_rows));
             sets.collect::<Result<Vec<_>, _>>()
         };
+        let train = read(&arguments.datasets)?;
+        let mut rows = Rows::default();
+        for set in &train {
+            rows.features.extend_from_slice(&set.rows.features);
+            rows.labels.extend_from_slice(&set.rows.labels);
+        }
+        if rows.labels.is_empty() {
+            return Err(no_examples());
+        }
         Ok(Self {
-            train: read(&arguments.datasets)?,
+            n_features,
+            train,
             test: read(&arguments.test)?,
+            rows,
         })
+    }
+
+    /// Rows of all data sets to train on.
+    fn rows(&self) -> LabelledRows<'_> {
+        LabelledRows {
+            features: &self.rows.features,
+            n_features: self.n_features,
+            labels: &self.rows.labels,
+        }
+    }
+
+    /// Report on a model that gives rows `log_odds` after a number of steps, with the number of
+    /// uses of each feature.
+    fn report(
+        &self,
+        n_steps: usize,
+        n_uses: Vec<(&'static str, usize)>,
+        log_odds: impl Fn(&[f32]) -> f64,
+    ) -> TrainingReport {
+        let report = |set: &TrainingSet| SetReport::of(set, self.n_features, &log_odds);
+        TrainingReport {
+            n_steps,
+            train: self.train.iter().map(report).collect(),
+            test: self.test.iter().map(report).collect(),
+            n_uses,
+            file: String::new(),
+        }
     }
 
     /// Names of the data sets to train on.

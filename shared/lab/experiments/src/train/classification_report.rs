@@ -21,9 +21,14 @@ pub(super) struct SetReport {
 }
 
 impl SetReport {
-    /// Report on the examples of a data set, each with its log odds and its class.
-    pub(super) fn of(set: &TrainingSet, examples: impl Iterator<Item = (f64, bool)>) -> Self {
-        let mut rated: Vec<(f64, bool)> = examples.collect();
+    /// Report on the examples of a data set, whose rows of `n_features` a model gives `log_odds`.
+    pub(super) fn of(
+        set: &TrainingSet,
+        n_features: usize,
+        log_odds: impl Fn(&[f32]) -> f64,
+    ) -> Self {
+        let rows = set.rows.features.chunks_exact(n_features).map(log_odds);
+        let mut rated: Vec<(f64, bool)> = rows.zip(set.rows.labels.iter().copied()).collect();
         rated.sort_by(|a, b| a.0.total_cmp(&b.0));
         let n = rated.len().max(1) as f64;
         let loss = |&(odds, is_positive): &(f64, bool)| {

@@ -3,13 +3,12 @@
 
 mod generated_source;
 
-use super::{SetReport, TrainingData, TrainingReport, TrainingSet, finish, no_examples};
+use super::{TrainingData, finish};
 use crate::arguments::TrainArguments;
 use command_line::{Output, progress_bar};
-use detection::{FEATURE_NAMES, N_FEATURES, RegionPair};
+use detection::{FEATURE_NAMES, N_FEATURES};
 use service::Failure;
 use statistics::gradient_boosting::{BoostedTrees, BoostingConfig};
-use statistics::labelled_rows::LabelledRows;
 use std::process::ExitCode;
 
 /// Settings of the boosting. Chosen; the held-out figures of the report judge them.
@@ -25,30 +24,16 @@ const BOOSTING: BoostingConfig = BoostingConfig {
 
 /// Trains the trees on data sets, judges them on others, and writes the source file.
 pub(super) fn run(arguments: &TrainArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let data = TrainingData::read(arguments, output, |examples| examples.edges.clear())?;
-    let pairs = || data.train.iter().flat_map(|set| &set.examples.pairs);
-    if pairs().next().is_none() {
-        return Err(no_examples());
-    }
-    let features: Vec<f32> = pairs().flat_map(|pair| pair.features).collect();
-    let labels: Vec<bool> = pairs().map(|pair| pair.is_one_object).collect();
-    let examples = LabelledRows {
-        features: &features,
-        n_features: N_FEATURES,
-        labels: &labels,
-    };
+    let data = TrainingData::read(arguments, output, N_FEATURES, |examples, rows| {
+        for pair in &examples.pairs {
+            rows.push(&pair.features, pair.is_one_object);
+        }
+    })?;
     let bar = progress_bar(BOOSTING.n_trees as u64, "trees", output);
-    let model = BoostedTrees::train(&examples, &BOOSTING, |_| bar.inc(1));
+    let model = BoostedTrees::train(&data.rows(), &BOOSTING, |_| bar.inc(1));
     bar.finish_and_clear();
-    let rated = |pair: &RegionPair| (model.log_odds(&pair.features), pair.is_one_object);
-    let report = |set: &TrainingSet| SetReport::of(set, set.examples.pairs.iter().map(rated));
-    let report = TrainingReport {
-        n_steps: model.trees.len(),
-        train: data.train.iter().map(report).collect(),
-        test: data.test.iter().map(report).collect(),
-        n_uses: n_splits(&model),
-        file: String::new(),
-    };
+    let log_odds = |features: &[f32]| model.log_odds(features);
+    let report = data.report(model.trees.len(), n_splits(&model), log_odds);
     let source = generated_source::source(&model, &data.names());
     finish(arguments, &source, report, output)
 }

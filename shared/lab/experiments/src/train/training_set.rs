@@ -10,34 +10,50 @@ use random::Random;
 use service::Failure;
 use std::path::Path;
 
+/// Rows of features with their classes.
+#[derive(Default)]
+pub(super) struct Rows {
+    /// Features, row by row.
+    pub(super) features: Vec<f32>,
+    pub(super) labels: Vec<bool>,
+}
+
+impl Rows {
+    pub(super) fn push(&mut self, features: &[f32], label: bool) {
+        self.features.extend_from_slice(features);
+        self.labels.push(label);
+    }
+}
+
 /// Training examples of one data set.
 pub(super) struct TrainingSet {
     pub(super) dataset: String,
     pub(super) n_scenes: usize,
-    pub(super) examples: SegmentationExamples,
+    pub(super) rows: Rows,
 }
 
 impl TrainingSet {
-    /// Reads the examples of all organised scenes of a data set; after each scene `pick` drops
-    /// those that are not needed.
+    /// Reads the examples of all organised scenes of a data set; `add_rows` adds those of a scene
+    /// that are needed.
     pub(super) fn read(
         folder: &Path,
         output: &Output,
-        pick: impl Fn(&mut SegmentationExamples),
+        add_rows: impl Fn(&SegmentationExamples, &mut Rows),
     ) -> Result<Self, Failure> {
         let scenes = LabelledScenes::open(folder).map_err(Failure::usage)?;
         let mut set = Self {
             dataset: folder.display().to_string(),
             n_scenes: 0,
-            examples: SegmentationExamples::default(),
+            rows: Rows::default(),
         };
         let mut workspace = Workspace::default();
         let bar = progress_bar(scenes.entries().len() as u64, "scenes", output);
         for entry in scenes.entries() {
             let scene = scenes.read(entry).map_err(Failure::general)?;
             if scene.height > 1 {
-                set.add_scene(scene, &mut workspace)?;
-                pick(&mut set.examples);
+                let examples = set.examples(scene, &mut workspace)?;
+                add_rows(&examples, &mut set.rows);
+                set.n_scenes += 1;
             }
             bar.inc(1);
         }
@@ -45,11 +61,12 @@ impl TrainingSet {
         Ok(set)
     }
 
-    fn add_scene(
-        &mut self,
+    /// Examples of the next scene.
+    fn examples(
+        &self,
         mut scene: LabelledScene,
         workspace: &mut Workspace,
-    ) -> Result<(), Failure> {
+    ) -> Result<SegmentationExamples, Failure> {
         let seed = self.n_scenes as u64;
         augment(&mut scene.points, scene.width, &mut Random::from_seed(seed));
         let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height);
@@ -62,9 +79,9 @@ impl TrainingSet {
         let object = |&label: &u16| (label >= FIRST_OBJECT_LABEL).then_some(label);
         let objects: Vec<Option<u16>> = scene.labels.iter().map(object).collect();
         let config = Config::default();
-        detection::add_examples(&frame, &config, workspace, &objects, &mut self.examples);
-        self.n_scenes += 1;
-        Ok(())
+        let mut examples = SegmentationExamples::default();
+        detection::add_examples(&frame, &config, workspace, &objects, &mut examples);
+        Ok(examples)
     }
 
     /// Name of the data set: the last part of its folder.

@@ -125,6 +125,17 @@ impl CellImage {
         }
     }
 
+    /// Image of all pixels of a cloud, in the clusters that they form.
+    #[cfg(test)]
+    pub(crate) fn of_cloud(cloud: &OrganizedCloud<'_>) -> Self {
+        let pixels: Vec<u32> = (0..cloud.points().len() as u32).collect();
+        let mut clusters = Clusters::default();
+        clusters.label_components(cloud, &crate::parallelism::Sequential, &pixels, 1);
+        let mut image = Self::default();
+        image.refill(cloud, &clusters);
+        image
+    }
+
     /// Place of the cell of a pixel of the cloud.
     #[inline]
     pub(crate) fn place_of(&self, column: usize, row: usize) -> usize {

@@ -2,8 +2,6 @@
 
 use super::*;
 use crate::affine_form::AffineForm;
-use crate::clusters::Clusters;
-use crate::parallelism::Sequential;
 use crate::region_merging::FEATURE_NAMES;
 use crate::segmentation::NO_EDGE;
 use geometry::RigidTransform;
@@ -29,11 +27,7 @@ fn graph(number_of: [u32; 3]) -> RegionAdjacency {
     };
     let points: Vec<Point> = (0..WIDTH * HEIGHT).map(point).collect();
     let cloud = OrganizedCloud::new(&points, WIDTH, HEIGHT).unwrap();
-    let pixels: Vec<u32> = (0..points.len() as u32).collect();
-    let mut clusters = Clusters::default();
-    clusters.label_components(&cloud, &Sequential, &pixels, 1);
-    let mut image = CellImage::default();
-    image.refill(&cloud, &clusters);
+    let image = CellImage::of_cloud(&cloud);
     assert_eq!(image.stride_px, 1);
     let table = TableReference {
         axes: AffineForm::coordinates_of(&RigidTransform::identity()),

@@ -1,8 +1,6 @@
 //! Bends of rendered folds.
 
 use super::*;
-use crate::clusters::Clusters;
-use crate::parallelism::Sequential;
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
 
@@ -25,11 +23,7 @@ fn bends_along_rows(z: impl Fn(f32, f32) -> f32) -> Vec<(usize, f32)> {
     };
     let points: Vec<Point> = (0..WIDTH * HEIGHT).map(point).collect();
     let cloud = OrganizedCloud::new(&points, WIDTH, HEIGHT).unwrap();
-    let pixels: Vec<u32> = (0..points.len() as u32).collect();
-    let mut clusters = Clusters::default();
-    clusters.label_components(&cloud, &Sequential, &pixels, 1);
-    let mut image = CellImage::default();
-    image.refill(&cloud, &clusters);
+    let image = CellImage::of_cloud(&cloud);
     let mut bends = Bends::default();
     let pitch = PITCH * image.stride_px as f32;
     bends.refill(&image, pitch, &DepthNoise::default());
