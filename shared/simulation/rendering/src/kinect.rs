@@ -1,4 +1,5 @@
-//! Kinect v1 sensor model: depth and colour errors of a structured-light camera.
+//! Kinect v1 sensor model: depth and colour errors of a structured-light camera, and of an active
+//! stereo camera.
 //!
 //! [`SensorModel`] lists the error terms; each of them has its own file in this folder.
 //! [`KinectSensor`] applies them in the order of the real chain: projection of the pattern,
@@ -10,6 +11,7 @@ mod depth_discontinuity;
 mod disparity_quantisation;
 mod edge_fattening;
 mod lateral_noise;
+mod matching_window;
 mod missing_depth;
 mod noise_tables;
 mod parameter_check;
@@ -22,6 +24,7 @@ pub use color_response::ColorResponse;
 pub use disparity_quantisation::DisparityQuantisation;
 pub use edge_fattening::EdgeFattening;
 pub use lateral_noise::LateralNoise;
+pub use matching_window::MatchingWindow;
 pub use missing_depth::{BorderSpeckle, DepthRange, WeakSignal};
 pub use projector_shadow::ProjectorShadow;
 pub use sensor::{FrameSeed, KinectSensor};

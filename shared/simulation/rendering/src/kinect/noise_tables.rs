@@ -24,6 +24,7 @@ pub(super) enum NoisePurpose {
     Signal = 6,
     SignalFlicker = 7,
     Color = 8,
+    Matching = 9,
 }
 
 /// Noise key of one image: hash of seed and frame.

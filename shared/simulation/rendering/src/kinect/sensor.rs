@@ -46,6 +46,8 @@ pub struct KinectSensor {
     exact: Vec<f32>,
     /// Disparity of the matched surface, pixels; 0 for no match.
     matched: Vec<f32>,
+    /// Buffer of the matching window; empty without one.
+    scratch: Vec<f32>,
     row: RowBuffers,
     depth_mm: Vec<u16>,
     color: Vec<[u8; 3]>,
@@ -84,6 +86,7 @@ impl KinectSensor {
             lateral_sigmas_px: lateral_sigmas_px(model.lateral_noise.as_ref()),
             exact: vec![0.0; n_pixels],
             matched: vec![0.0; n_pixels],
+            scratch: vec![0.0; model.matching_window.map_or(0, |_| n_pixels)],
             row: RowBuffers {
                 depth_m: row(),
                 angle_term: row(),
@@ -159,7 +162,8 @@ impl KinectSensor {
         self.camera.fx_px as f32 * self.model.baseline_m
     }
 
-    /// Finds the matched disparity of each pixel: projector shadow and border errors.
+    /// Finds the matched disparity of each pixel: projector shadow, border errors and matching
+    /// window.
     fn match_pattern(&mut self, image: &Image, key: NoiseKey) {
         let focal_baseline = self.focal_baseline();
         for (exact, &depth_m) in self.exact.iter_mut().zip(image.depth_m()) {
@@ -185,6 +189,10 @@ impl KinectSensor {
             || self.model.border_speckle.is_some()
         {
             borders.apply(&self.exact, image.reflection(), &mut self.matched, width);
+        }
+        if let Some(window) = &self.model.matching_window {
+            let noise = (&key, &self.tables);
+            window.apply(&mut self.matched, &mut self.scratch, width, noise);
         }
     }
 

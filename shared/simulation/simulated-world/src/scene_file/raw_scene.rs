@@ -451,11 +451,12 @@ fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
 fn sensor(raw: &RawSensor) -> Result<SensorModel, Error> {
     let mut model = match raw.preset.as_deref() {
         None | Some("kinect-v1") => SensorModel::KINECT_V1,
+        Some("stereo") => SensorModel::STEREO,
         Some("perfect") => SensorModel::PERFECT,
         Some(other) => {
             return Err(wrong(
                 "[sensor] preset",
-                format!("`{other}` is no preset; there are kinect-v1 and perfect"),
+                format!("`{other}` is no preset; there are kinect-v1, stereo and perfect"),
             ));
         }
     };
@@ -469,11 +470,12 @@ fn sensor(raw: &RawSensor) -> Result<SensorModel, Error> {
 }
 
 /// Names of the sensor error terms.
-const TERMS: [&str; 10] = [
+const TERMS: [&str; 11] = [
     "quantisation",
     "axial-noise",
     "lateral-noise",
     "edge-fattening",
+    "matching-window",
     "projector-shadow",
     "weak-signal",
     "border-speckle",
@@ -489,6 +491,7 @@ fn switch_off(model: &mut SensorModel, term: &str) -> Option<()> {
         "axial-noise" => model.axial_noise = None,
         "lateral-noise" => model.lateral_noise = None,
         "edge-fattening" => model.edge_fattening = None,
+        "matching-window" => model.matching_window = None,
         "projector-shadow" => model.projector_shadow = None,
         "weak-signal" => model.weak_signal = None,
         "border-speckle" => model.border_speckle = None,
