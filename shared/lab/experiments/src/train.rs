@@ -56,7 +56,7 @@ impl TrainingData {
         arguments: &TrainArguments,
         output: &Output,
         n_features: usize,
-        add_rows: impl Fn(&SegmentationExamples, &mut Rows),
+        add_rows: impl Fn(&SegmentationExamples, &mut Rows) + Sync,
     ) -> Result<Self, Failure> {
         let read = |folders: &[std::path::PathBuf]| {
             let sets = folders

@@ -6,6 +6,8 @@
 
 use crate::labelled_rows::LabelledRows;
 use random::Random;
+use rayon::iter::ParallelIterator;
+use rayon::slice::ParallelSlice;
 
 /// Settings of the training.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +49,9 @@ pub struct BoostedTrees {
 
 /// Greatest number of bins of a feature.
 const N_BINS: usize = 128;
+
+/// Number of parts in which rows are summed.
+const N_PARTS: usize = 8;
 
 /// Sums of first and second derivatives of the loss.
 #[derive(Debug, Clone, Copy, Default)]
@@ -216,7 +221,31 @@ fn grow_tree(
 }
 
 /// Derivatives by node, feature and bin.
+///
+/// The rows are summed in a fixed number of parts, on all cores, so that the result does not depend
+/// on the number of cores.
 fn histograms(
+    binned: &BinnedFeatures,
+    derivatives: &[Derivatives],
+    rows: &[u32],
+    node_of: &[u16],
+    n_nodes: usize,
+) -> Vec<Derivatives> {
+    let parts: Vec<Vec<Derivatives>> = rows
+        .par_chunks(rows.len().div_ceil(N_PARTS).max(1))
+        .map(|rows| histograms_of_part(binned, derivatives, rows, node_of, n_nodes))
+        .collect();
+    let mut sum = vec![Derivatives::default(); n_nodes * binned.n_features * N_BINS];
+    for part in parts {
+        for (sum, own) in sum.iter_mut().zip(part) {
+            sum.add(own);
+        }
+    }
+    sum
+}
+
+/// Derivatives by node, feature and bin of some rows.
+fn histograms_of_part(
     binned: &BinnedFeatures,
     derivatives: &[Derivatives],
     rows: &[u32],

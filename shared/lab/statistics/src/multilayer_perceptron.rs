@@ -21,6 +21,9 @@ pub struct PerceptronConfig {
     pub seed: u64,
 }
 
+/// Number of products that are summed side by side (SIMD).
+const N_LANES: usize = 8;
+
 /// Linear unit: a bias and a weight for each input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearUnit {
@@ -58,9 +61,18 @@ impl LinearUnit {
         }
     }
 
+    /// Bias plus dot product, summed in lanes for vector instructions.
     fn value(&self, inputs: &[f32]) -> f32 {
-        let products = self.weights.iter().zip(inputs).map(|(w, x)| w * x);
-        self.bias + products.sum::<f32>()
+        let mut lanes = [0.0; N_LANES];
+        let (weights, rest) = self.weights.as_chunks::<N_LANES>();
+        let (blocks, _) = inputs[..self.weights.len()].as_chunks::<N_LANES>();
+        for (weights, inputs) in weights.iter().zip(blocks) {
+            for (lane, (weight, x)) in lanes.iter_mut().zip(weights.iter().zip(inputs)) {
+                *lane += weight * x;
+            }
+        }
+        let last = rest.iter().zip(&inputs[self.weights.len() - rest.len()..]);
+        self.bias + lanes.iter().sum::<f32>() + last.map(|(w, x)| w * x).sum::<f32>()
     }
 
     /// Add `scale` times the gradient of the unit's value.

@@ -1,6 +1,7 @@
 //! Training examples of the segmentation, of one data set of labelled scenes.
 
 use super::color_augmentation::augment;
+use crate::parallel;
 use command_line::{Output, progress_bar};
 use detection::{Config, DetectionInput, ScenePriors, SegmentationExamples, Workspace};
 use evaluation::labelled_scenes::{LabelledScene, LabelledScenes};
@@ -38,50 +39,35 @@ impl TrainingSet {
     pub(super) fn read(
         folder: &Path,
         output: &Output,
-        add_rows: impl Fn(&SegmentationExamples, &mut Rows),
+        add_rows: impl Fn(&SegmentationExamples, &mut Rows) + Sync,
     ) -> Result<Self, Failure> {
         let scenes = LabelledScenes::open(folder).map_err(Failure::usage)?;
+        let entries = scenes.entries();
+        let bar = progress_bar(entries.len() as u64, "scenes", output);
+        let of_scenes = parallel::map(entries.len(), &bar, Workspace::default, |workspace, i| {
+            let scene = scenes.read(&entries[i]).map_err(Failure::general)?;
+            let is_organised = scene.height > 1;
+            let rows = is_organised.then(|| {
+                let mut rows = Rows::default();
+                add_rows(&examples(scene, i as u64, workspace)?, &mut rows);
+                Ok::<_, Failure>(rows)
+            });
+            rows.transpose()
+        });
+        bar.finish_and_clear();
         let mut set = Self {
             dataset: folder.display().to_string(),
             n_scenes: 0,
             rows: Rows::default(),
         };
-        let mut workspace = Workspace::default();
-        let bar = progress_bar(scenes.entries().len() as u64, "scenes", output);
-        for entry in scenes.entries() {
-            let scene = scenes.read(entry).map_err(Failure::general)?;
-            if scene.height > 1 {
-                let examples = set.examples(scene, &mut workspace)?;
-                add_rows(&examples, &mut set.rows);
+        for rows in of_scenes {
+            if let Some(rows) = rows? {
+                set.rows.features.extend(rows.features);
+                set.rows.labels.extend(rows.labels);
                 set.n_scenes += 1;
             }
-            bar.inc(1);
         }
-        bar.finish_and_clear();
         Ok(set)
-    }
-
-    /// Examples of the next scene.
-    fn examples(
-        &self,
-        mut scene: LabelledScene,
-        workspace: &mut Workspace,
-    ) -> Result<SegmentationExamples, Failure> {
-        let seed = self.n_scenes as u64;
-        augment(&mut scene.points, scene.width, &mut Random::from_seed(seed));
-        let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height);
-        let frame = DetectionInput {
-            cloud: cloud.map_err(Failure::general)?,
-            up_in_camera: scene.up_in_camera,
-            seed,
-            priors: ScenePriors::default(),
-        };
-        let object = |&label: &u16| (label >= FIRST_OBJECT_LABEL).then_some(label);
-        let objects: Vec<Option<u16>> = scene.labels.iter().map(object).collect();
-        let config = Config::default();
-        let mut examples = SegmentationExamples::default();
-        detection::add_examples(&frame, &config, workspace, &objects, &mut examples);
-        Ok(examples)
     }
 
     /// Name of the data set: the last part of its folder.
@@ -92,4 +78,26 @@ impl TrainingSet {
             .next()
             .unwrap_or(&self.dataset)
     }
+}
+
+/// Examples of one scene; the seed draws the change of its colours.
+fn examples(
+    mut scene: LabelledScene,
+    seed: u64,
+    workspace: &mut Workspace,
+) -> Result<SegmentationExamples, Failure> {
+    augment(&mut scene.points, scene.width, &mut Random::from_seed(seed));
+    let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height);
+    let frame = DetectionInput {
+        cloud: cloud.map_err(Failure::general)?,
+        up_in_camera: scene.up_in_camera,
+        seed,
+        priors: ScenePriors::default(),
+    };
+    let object = |&label: &u16| (label >= FIRST_OBJECT_LABEL).then_some(label);
+    let objects: Vec<Option<u16>> = scene.labels.iter().map(object).collect();
+    let config = Config::default();
+    let mut examples = SegmentationExamples::default();
+    detection::add_examples(&frame, &config, workspace, &objects, &mut examples);
+    Ok(examples)
 }
