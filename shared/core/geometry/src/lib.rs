@@ -1,4 +1,5 @@
-//! Rigid transforms, pinhole camera, plane, convex polygon, oriented box and capsule.
+//! Rigid transforms, pinhole camera, plane, convex polygon, bounding rectangle, oriented box
+//! and capsule.
 //!
 //! Units are metres and radians; estimates are `f64`. A transform is named
 //! `target_from_source`, so that products read like a chain.
@@ -19,12 +20,14 @@
 //! assert!((floor.height_m(&(world_from_camera * point_in_camera)) - 2.7).abs() < 1e-12);
 //! ```
 
+mod bounding_rectangle;
 mod capsule;
 mod convex_polygon;
 mod oriented_box;
 mod pinhole_camera;
 mod plane;
 
+pub use bounding_rectangle::BoundingRectangle;
 pub use capsule::Capsule;
 pub use convex_polygon::ConvexPolygon;
 pub use oriented_box::OrientedBox;

@@ -80,7 +80,7 @@ impl WholeShape {
             for point in &self.points {
                 self.outline.add(point);
             }
-            let smallest = self.outline.smallest_box()?;
+            let smallest = self.outline.upright_box()?;
             let growth = self.outline.growth_when_turned(DIRECTIONAL_TURN_RAD)?;
             let sides = smallest.half_sides_m;
             let symmetry = if growth < DIRECTIONAL_GROWTH_MIN {
@@ -148,7 +148,7 @@ impl SeenSurface {
                 self.outline.add(&point.cast());
             }
             self.n_outlined = self.points.len();
-            self.smallest = self.outline.smallest_box();
+            self.smallest = self.outline.upright_box();
         }
         Some(self.smallest?.transformed(world_from_object))
     }

@@ -1,8 +1,7 @@
-//! Minimum-area upright bounding box of a point set.
+//! Upright bounding box of a point set.
 
-use geometry::{ConvexPolygon, OrientedBox, RigidTransform};
-use nalgebra::{Point2, Point3, Rotation2, Translation3, UnitQuaternion, UnitVector3, Vector3};
-use std::f64::consts::FRAC_PI_2;
+use geometry::{BoundingRectangle, ConvexPolygon, OrientedBox, RigidTransform};
+use nalgebra::{Point2, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 /// Convex outline of points seen from above, and their vertical extent.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,14 +12,6 @@ pub(crate) struct UprightOutline {
     /// Points added since the hull was built.
     added: Vec<Point2<f64>>,
     height_m: [f64; 2],
-}
-
-/// Rectangle with its longer side along `yaw_rad`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Rectangle {
-    centre: Point2<f64>,
-    half_sides_m: [f64; 2],
-    yaw_rad: f64,
 }
 
 impl UprightOutline {
@@ -52,11 +43,12 @@ impl UprightOutline {
         }
     }
 
-    /// Upright bounding box of least footprint, in the frame of the points: z up, x along the
-    /// longer side of the footprint. `None` for fewer than three points or collinear points.
-    pub(crate) fn smallest_box(&mut self) -> Option<OrientedBox> {
+    /// Upright bounding box in the frame of the points: z up, x along the longer side of the
+    /// footprint, which is the [`BoundingRectangle`] of the outline. `None` for fewer than three
+    /// points or collinear points.
+    pub(crate) fn upright_box(&mut self) -> Option<OrientedBox> {
         self.join_added();
-        let rectangle = self.smallest_rectangle()?;
+        let rectangle = BoundingRectangle::of_outline(self.hull.corners())?;
         let [low_m, high_m] = self.height_m;
         let centre = Translation3::new(
             rectangle.centre.x,
@@ -64,7 +56,6 @@ impl UprightOutline {
             f64::midpoint(low_m, high_m),
         );
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rectangle.yaw_rad);
-        let [long_m, short_m] = rectangle.half_sides_m;
         let upright_from_box = RigidTransform::from_parts(centre, yaw);
         let object_from_upright = RigidTransform::from_parts(
             Translation3::identity(),
@@ -72,18 +63,20 @@ impl UprightOutline {
         );
         Some(OrientedBox {
             frame_from_box: object_from_upright * upright_from_box,
-            half_sides_m: Vector3::new(long_m, short_m, 0.5 * (high_m - low_m)),
+            half_sides_m: rectangle.half_sides_m.push(0.5 * (high_m - low_m)),
         })
     }
 
-    /// Relative growth of the footprint's bounding rectangle when rotated by `turn_rad` from the
-    /// smallest, in the direction of less growth; 1 for no growth. `None` as for
-    /// [`smallest_box`](Self::smallest_box).
+    /// Relative growth of the footprint's bounding rectangle when rotated by `turn_rad`, in the
+    /// direction of less growth; 1 for no growth. `None` as for
+    /// [`upright_box`](Self::upright_box).
     pub(crate) fn growth_when_turned(&mut self, turn_rad: f64) -> Option<f64> {
         self.join_added();
-        let smallest = self.smallest_rectangle()?;
+        let corners = self.hull.corners();
+        let rectangle = BoundingRectangle::of_outline(corners)?;
         let grown = [turn_rad, -turn_rad].map(|turn_rad| {
-            self.rectangle_at(smallest.yaw_rad + turn_rad).area_m2() / smallest.area_m2()
+            let turned = BoundingRectangle::at_yaw(corners, rectangle.yaw_rad + turn_rad);
+            turned.area_m2() / rectangle.area_m2()
         });
         Some(grown[0].min(grown[1]))
     }
@@ -97,51 +90,13 @@ impl UprightOutline {
             }
         }
     }
-
-    /// Minimum-area rectangle: one of its sides lies on an edge of the hull (Freeman and Shapira
-    /// 1975).
-    fn smallest_rectangle(&self) -> Option<Rectangle> {
-        let corners = self.hull.corners();
-        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
-        let rectangles = edges.map(|(a, b)| self.rectangle_at((b.y - a.y).atan2(b.x - a.x)));
-        rectangles.min_by(|a, b| a.area_m2().total_cmp(&b.area_m2()))
-    }
-
-    fn rectangle_at(&self, yaw_rad: f64) -> Rectangle {
-        let turned_from_upright = Rotation2::new(-yaw_rad);
-        let (mut low, mut high) = (
-            Point2::new(f64::MAX, f64::MAX),
-            Point2::new(f64::MIN, f64::MIN),
-        );
-        for corner in self.hull.corners() {
-            let turned = turned_from_upright * corner;
-            (low, high) = (low.inf(&turned), high.sup(&turned));
-        }
-        let half = 0.5 * (high - low);
-        let centre = turned_from_upright.inverse() * nalgebra::center(&low, &high);
-        let (half_sides_m, yaw_rad) = if half.x >= half.y {
-            ([half.x, half.y], yaw_rad)
-        } else {
-            ([half.y, half.x], yaw_rad + FRAC_PI_2)
-        };
-        Rectangle {
-            centre,
-            half_sides_m,
-            yaw_rad,
-        }
-    }
-}
-
-impl Rectangle {
-    fn area_m2(&self) -> f64 {
-        4.0 * self.half_sides_m[0] * self.half_sides_m[1]
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::FRAC_PI_2;
 
     fn corners(sides_m: [f64; 3]) -> impl Iterator<Item = Point3<f64>> {
         (0..8).map(move |i| {
@@ -164,7 +119,7 @@ mod tests {
             for corner in corners([long, share * long, 0.1]) {
                 outline.add(&(pose * corner));
             }
-            let found = outline.smallest_box().unwrap();
+            let found = outline.upright_box().unwrap();
             prop_assert!((found.sides_m() - Vector3::new(long, share * long, 0.1)).norm() < 1e-9);
             prop_assert!((found.centre() - pose.translation.vector).coords.norm() < 1e-9);
             let turn = found.frame_from_box.rotation.inverse() * pose.rotation;
@@ -179,7 +134,7 @@ mod tests {
         let mut outline = UprightOutline::new(&up);
         corners([0.1, 0.2, 0.3]).for_each(|corner| outline.add(&corner));
         let in_world = outline
-            .smallest_box()
+            .upright_box()
             .unwrap()
             .transformed(&RigidTransform::from_parts(
                 Translation3::identity(),
@@ -208,12 +163,12 @@ mod tests {
     #[test]
     fn points_on_a_line_have_no_box() {
         let mut outline = UprightOutline::new(&Vector3::z_axis());
-        assert!(outline.smallest_box().is_none());
+        assert!(outline.upright_box().is_none());
         for i in 0..5 {
             outline.add(&Point3::new(f64::from(i), 0.0, 0.0));
         }
-        assert!(outline.smallest_box().is_none());
+        assert!(outline.upright_box().is_none());
         outline.add(&Point3::new(0.0, 1.0, 0.5));
-        assert!((outline.smallest_box().unwrap().sides_m().z - 0.5).abs() < 1e-12);
+        assert!((outline.upright_box().unwrap().sides_m().z - 0.5).abs() < 1e-12);
     }
 }

@@ -1,14 +1,12 @@
-//! Minimum-area bounding rectangle of a footprint on the table.
+//! Approximate convex hull of a footprint on the table.
 
-use nalgebra::Vector2;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use geometry::BoundingRectangle;
+use nalgebra::Point2;
+use std::f64::consts::TAU;
 
 /// Number of directions of the approximate convex hull. Four preserve the corners of a
 /// rectangle; with 24 a circle loses 1 % of its radius.
 const N_DIRECTIONS: usize = 24;
-
-/// Number of yaw steps of the rectangle search: one degree each.
-const N_YAWS: usize = 90;
 
 /// Insertion stride: points are added in strided order, so that most points are interior
 /// when they are tested.
@@ -22,40 +20,6 @@ pub(crate) struct Footprint {
     directions: [[f32; N_DIRECTIONS]; 2],
     farthest: [f32; N_DIRECTIONS],
     corners: [[f32; 2]; N_DIRECTIONS],
-}
-
-/// Rectangle in the plane of the table.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Rectangle {
-    pub(crate) centre: Vector2<f64>,
-    /// Half of the longer and of the shorter side, metres.
-    pub(crate) half_sides_m: Vector2<f64>,
-    /// Direction of the longer side, radians in [-pi/2, pi/2).
-    pub(crate) yaw_rad: f64,
-}
-
-impl Rectangle {
-    /// Separating-axis test: `true` when two rectangles are within a distance of each other
-    /// along the sides of both. Slightly early near corners.
-    pub(crate) fn overlaps(&self, other: &Self, distance_m: f64) -> bool {
-        let between = other.centre - self.centre;
-        self.sides().into_iter().chain(other.sides()).all(|side| {
-            between.dot(&side).abs() <= self.reach_m(&side) + other.reach_m(&side) + distance_m
-        })
-    }
-
-    /// Directions of the longer and the shorter side.
-    fn sides(&self) -> [Vector2<f64>; 2] {
-        let (sin, cos) = self.yaw_rad.sin_cos();
-        [Vector2::new(cos, sin), Vector2::new(-sin, cos)]
-    }
-
-    /// Half extent of the rectangle along a direction, metres.
-    fn reach_m(&self, direction: &Vector2<f64>) -> f64 {
-        let [long, short] = self.sides();
-        self.half_sides_m.x * long.dot(direction).abs()
-            + self.half_sides_m.y * short.dot(direction).abs()
-    }
 }
 
 impl Footprint {
@@ -100,50 +64,20 @@ impl Footprint {
         }
     }
 
-    /// Rectangle of least area over all yaw steps; `None` without points.
-    pub(crate) fn min_area_rectangle(&self) -> Option<Rectangle> {
+    /// Bounding rectangle in the plane of the table; `None` without points.
+    pub(crate) fn bounding_rectangle(&self) -> Option<BoundingRectangle> {
         if self.farthest[0] == f32::NEG_INFINITY {
             return None;
         }
-        let rectangle = |step: usize| self.rectangle_at(FRAC_PI_2 * step as f64 / N_YAWS as f64);
-        let area = |rectangle: &Rectangle| rectangle.half_sides_m.product();
-        (0..N_YAWS)
-            .map(rectangle)
-            .min_by(|a, b| area(a).total_cmp(&area(b)))
-    }
-
-    fn rectangle_at(&self, yaw_rad: f64) -> Rectangle {
-        let (sin, cos) = yaw_rad.sin_cos();
-        let (mut low, mut high) = (Vector2::repeat(f64::MAX), Vector2::repeat(f64::MIN));
-        for corner in &self.corners {
-            let (u, v) = (f64::from(corner[0]), f64::from(corner[1]));
-            let turned = Vector2::new(cos * u + sin * v, cos * v - sin * u);
-            (low, high) = (low.inf(&turned), high.sup(&turned));
-        }
-        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let centre = Vector2::new(
-            cos * middle.x - sin * middle.y,
-            sin * middle.x + cos * middle.y,
-        );
-        if half.x >= half.y {
-            Rectangle {
-                centre,
-                half_sides_m: half,
-                yaw_rad,
-            }
-        } else {
-            Rectangle {
-                centre,
-                half_sides_m: half.yx(),
-                yaw_rad: yaw_rad - FRAC_PI_2,
-            }
-        }
+        let corners = self.corners.map(|[u, v]| Point2::new(u.into(), v.into()));
+        BoundingRectangle::of_outline(&corners)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Vector2;
     use proptest::prelude::*;
 
     proptest! {
@@ -159,30 +93,16 @@ mod tests {
                     footprint.add((cos * a - sin * b + shift) as f32, (sin * a + cos * b) as f32);
                 }
             }
-            let found = footprint.min_area_rectangle().unwrap();
+            let found = footprint.bounding_rectangle().unwrap();
             let turn = (found.yaw_rad - yaw).sin().abs();
             prop_assert!(turn < 0.02, "yaw {} for {}", found.yaw_rad, yaw);
-            prop_assert!((found.centre - Vector2::new(shift, 0.0)).norm() < 5e-3);
+            prop_assert!((found.centre - Point2::new(shift, 0.0)).norm() < 5e-3);
             prop_assert!((found.half_sides_m - Vector2::new(long, share * long)).norm() < 0.02 * long + 1e-3);
         }
     }
 
     #[test]
-    fn rectangles_touch_across_their_sides() {
-        let at = |x: f64, yaw_rad: f64| Rectangle {
-            centre: Vector2::new(x, 0.0),
-            half_sides_m: Vector2::new(0.2, 0.1),
-            yaw_rad,
-        };
-        let origin = at(0.0, 0.0);
-        assert!(origin.overlaps(&at(0.39, 0.0), 0.0) && !origin.overlaps(&at(0.41, 0.0), 0.0));
-        assert!(origin.overlaps(&at(0.41, 0.0), 0.02));
-        assert!(!origin.overlaps(&at(0.31, FRAC_PI_2), 0.0));
-        assert!(origin.overlaps(&at(0.29, FRAC_PI_2), 0.0));
-    }
-
-    #[test]
     fn empty_footprint_has_no_rectangle() {
-        assert_eq!(Footprint::new().min_area_rectangle(), None);
+        assert_eq!(Footprint::new().bounding_rectangle(), None);
     }
 }

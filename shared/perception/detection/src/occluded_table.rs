@@ -110,7 +110,7 @@ impl LowerPlane<'_> {
         }
         let is_at_most = |n_of: usize, share: f64| n_of as f64 <= share * f64::from(n);
         let is_object_sized = || {
-            let rectangle = top.min_area_rectangle();
+            let rectangle = top.bounding_rectangle();
             rectangle.is_some_and(|top| 2.0 * top.half_sides_m.x <= self.config.side_max_m)
         };
         n_above >= n_min

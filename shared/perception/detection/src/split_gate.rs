@@ -30,9 +30,8 @@ pub(crate) fn may_be_several_objects(
         footprint.add(u.at(p.x, p.y, p.z), v.at(p.x, p.y, p.z));
         highest_m = highest_m.max(height.at(p.x, p.y, p.z));
     }
-    footprint.min_area_rectangle().is_some_and(|rectangle| {
-        let half_sides_m = rectangle.half_sides_m;
-        f64::from(highest_m).max(2.0 * half_sides_m.x) > LONGEST_SIDE_M
-            || 4.0 * half_sides_m.product() > FOOTPRINT_M2
+    footprint.bounding_rectangle().is_some_and(|rectangle| {
+        f64::from(highest_m).max(2.0 * rectangle.half_sides_m.x) > LONGEST_SIDE_M
+            || rectangle.area_m2() > FOOTPRINT_M2
     })
 }

@@ -1,24 +1,24 @@
 //! Upright bounding box in the frame of the table.
 
 use crate::affine_form::AffineForm;
-use crate::footprint::{Footprint, Rectangle};
-use geometry::{OrientedBox, RigidTransform};
+use crate::footprint::Footprint;
+use geometry::{BoundingRectangle, OrientedBox, RigidTransform};
 use nalgebra::{Point2, Translation3, UnitQuaternion, Vector3};
 use point_cloud::Point;
 
 /// Greatest number of points of which a footprint is taken.
 const N_FOOTPRINT_MAX: usize = 4096;
 
-/// Upright bounding box in the table's frame: minimum-area footprint and height range.
+/// Upright bounding box in the table's frame: bounding rectangle of the footprint and height range.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct UprightBox {
-    footprint: Rectangle,
+    footprint: BoundingRectangle,
     /// Least and greatest height over the table, metres.
     height_m: [f64; 2],
 }
 
 impl UprightBox {
-    /// Minimum-area upright box around points; `None` without points.
+    /// Upright bounding box of points; `None` without points.
     pub(crate) fn around(
         pixels: &[u32],
         points: &[Point],
@@ -33,7 +33,7 @@ impl UprightBox {
             [u, v].map(|axis| axis.at(point.x, point.y, point.z))
         });
         Some(Self {
-            footprint: footprint.min_area_rectangle()?,
+            footprint: footprint.bounding_rectangle()?,
             height_m,
         })
     }
@@ -52,17 +52,12 @@ impl UprightBox {
 
     /// Area of the box's footprint, square metres.
     pub(crate) fn footprint_m2(&self) -> f64 {
-        4.0 * self.footprint.half_sides_m.product()
+        self.footprint.area_m2()
     }
 
     /// Disc around the footprint: centre in the table's frame, and radius, metres.
     pub(crate) fn disc(&self) -> (Point2<f64>, f64) {
-        let Rectangle {
-            centre,
-            half_sides_m,
-            ..
-        } = self.footprint;
-        (Point2::from(centre), half_sides_m.norm())
+        (self.footprint.centre, self.footprint.half_sides_m.norm())
     }
 
     /// Contact test: `true` when two boxes are within a horizontal and a vertical distance
@@ -81,11 +76,7 @@ impl UprightBox {
         } = self;
         let centre = Translation3::new(footprint.centre.x, footprint.centre.y, 0.5 * (low + high));
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), footprint.yaw_rad);
-        let half_sides_m = Vector3::new(
-            footprint.half_sides_m.x,
-            footprint.half_sides_m.y,
-            0.5 * (high - low),
-        );
+        let half_sides_m = footprint.half_sides_m.push(0.5 * (high - low));
         let table_from_box = RigidTransform::from_parts(centre, yaw);
         OrientedBox {
             frame_from_box: table_from_camera.inverse() * table_from_box,
