@@ -26,7 +26,7 @@ pub struct RawConfig {
     /// Greatest height of an object's points over the table, metres; above the least, to 3.
     pub height_max_m: f64,
     /// `true` to make one object of its parts that are not connected in the depth image, such as
-    /// the inside and the outside of a bowl.
+    /// the inside and the outside of a bowl; `false` to make each an object.
     pub joins_parts: bool,
     /// Least number of points of an object at 1 m, 1 to 100 000; divided by z² at depth z.
     pub points_min_at_1m: f64,
@@ -75,7 +75,7 @@ impl Default for RawConfig {
             table_tilt_max_rad: 12_f64.to_radians(),
             height_min_m: 0.008,
             height_max_m: 0.60,
-            joins_parts: false,
+            joins_parts: true,
             points_min_at_1m: 100.0,
             side_min_m: 0.02,
             side_max_m: 0.80,
