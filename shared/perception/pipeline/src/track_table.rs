@@ -62,6 +62,10 @@ const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 /// candidate, above which they fill the same space.
 const SAME_SPACE_FRACTION_MIN: f64 = 0.5;
 
+/// Fraction of an unseen track's predicted box inside the box of a visible one above which its
+/// object would be inside the other: the tolerance of the boxes alone gives up to 0.15. Chosen.
+const COLLISION_FRACTION: f64 = 0.3;
+
 /// Track-to-candidate match of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sighting {
@@ -99,6 +103,8 @@ pub struct TrackTable {
     observed: Vec<ObservedCandidate>,
     association: AssociationBuffers,
     track_of_row: Vec<usize>,
+    /// Tracks with their candidates.
+    assigned: Vec<(usize, usize)>,
     occlusions: Vec<Option<OcclusionState>>,
     recovery: TrackRecovery,
     shared_shift: SharedShift,
@@ -119,6 +125,7 @@ impl TrackTable {
             observed: Vec::new(),
             association: AssociationBuffers::default(),
             track_of_row: Vec::new(),
+            assigned: Vec::new(),
             occlusions: Vec::new(),
             recovery: TrackRecovery::default(),
             shared_shift: SharedShift::default(),
@@ -315,13 +322,56 @@ impl TrackTable {
         }
     }
 
+    /// Predicts all tracks to a frame. Objects do not pass through each other: an unseen one that
+    /// would coast into a visible one stays where it was seen.
     fn predict_tracks(&mut self, frame: &FramePose) {
-        for track in &mut self.tracks {
+        for i in 0..self.tracks.len() {
+            let track = &self.tracks[i];
             // Always predict from the measured state: predictions of predictions would
             // coast without end.
             let known = track.state_to_predict(frame.capture_ns);
-            track.filter = known.predicted(frame.capture_ns, self.config.motion());
+            let predict =
+                |state: &MotionFilter| state.predicted(frame.capture_ns, self.config.motion());
+            let mut filter = predict(&known);
+            if track.visibility() != Visibility::Visible && self.collides(i, &filter) {
+                filter = predict(&known.stopped());
+            }
+            self.tracks[i].filter = filter;
         }
+    }
+
+    /// True if a track would be inside a visible one at a predicted place.
+    fn collides(&self, of: usize, predicted: &MotionFilter) -> bool {
+        let place = predicted.box_in_world();
+        self.visible_others(of).any(|other| {
+            let obstacle = other.updated_filter.box_in_world();
+            fraction_inside(&place, &obstacle) > COLLISION_FRACTION
+        })
+    }
+
+    /// Confirmed, visible tracks other than one.
+    fn visible_others(&self, than: usize) -> impl Iterator<Item = &Track> {
+        let others = self.tracks.iter().enumerate();
+        others.filter_map(move |(i, track)| {
+            let is_seen =
+                track.phase() == TrackPhase::Confirmed && track.visibility() == Visibility::Visible;
+            (i != than && is_seen).then_some(track)
+        })
+    }
+
+    /// True if a candidate is a part of another object than that of a track: it is in the box of
+    /// one that is seen and looks like it, more than at the place of the track.
+    fn is_part_of_another(&self, track: usize, measured: &CandidateMeasurement) -> bool {
+        let seen = measured.measurement.box_in_world();
+        let at_own_place = fraction_inside(seen, &self.tracks[track].box_in_world());
+        let similarity_min = self.config.association().color_similarity_min;
+        self.visible_others(track).any(|whole| {
+            let colors = &whole.appearance.colors;
+            let inside = fraction_inside(seen, &whole.box_in_world());
+            inside >= SAME_SPACE_FRACTION_MIN
+                && inside > at_own_place
+                && colors.similarity(&measured.appearance.colors) >= similarity_min
+        })
     }
 
     /// Assigns candidates to tracks; assigned candidates leave `measured`. Recently seen
@@ -384,14 +434,14 @@ impl TrackTable {
             config,
             &mut self.association,
         );
-        for (row, pair) in self.track_of_row.iter().zip(pairs) {
-            let candidate =
-                pair.map(|candidate_of_column| self.candidate_of_column[candidate_of_column]);
-            let taken = candidate.and_then(|i| Some((i, self.measured[i].take()?)));
-            if let Some((candidate, measured)) = taken {
-                update_track(&mut self.tracks[*row], candidate, &measured, frame, update);
-                self.occlusions[*row] = None;
-            }
+        self.assigned.clear();
+        let assigned = self.track_of_row.iter().zip(pairs);
+        self.assigned.extend(assigned.filter_map(|(&track, pair)| {
+            pair.map(|column| (track, self.candidate_of_column[column]))
+        }));
+        for i in 0..self.assigned.len() {
+            let (track, candidate) = self.assigned[i];
+            self.continue_track(track, candidate, frame, update);
         }
     }
 
@@ -452,11 +502,27 @@ impl TrackTable {
             config,
         );
         for (track, candidate) in self.recovery.pairs() {
-            if let Some(measured) = self.measured[candidate].take() {
-                update_track(&mut self.tracks[track], candidate, &measured, frame, update);
-                self.occlusions[track] = None;
-            }
+            self.continue_track(track, candidate, frame, update);
         }
+    }
+
+    /// Continues a track with an unassigned candidate, but not with a part of another object.
+    fn continue_track(
+        &mut self,
+        track: usize,
+        candidate: usize,
+        frame: &FramePose,
+        update: &mut TrackUpdate,
+    ) {
+        let Some(measured) = self.measured[candidate] else {
+            return;
+        };
+        if self.is_part_of_another(track, &measured) {
+            return;
+        }
+        self.measured[candidate] = None;
+        update_track(&mut self.tracks[track], candidate, &measured, frame, update);
+        self.occlusions[track] = None;
     }
 
     /// Remembers the table of the tracks that were seen to stand on it.

@@ -477,6 +477,62 @@ fn an_unseen_track_without_a_hand_stays_where_it_was() {
     );
 }
 
+/// Two tracks, of which a hand has just pushed the first towards the second, to about 0.13 m from
+/// it.
+fn pushed_towards_a_neighbour() -> TableFixture {
+    let mut fixture = TableFixture::new();
+    let touched_at = |x: f64| {
+        let mut touched = candidate_at(x);
+        let finding = Finding {
+            value: Ternary::Unknown,
+            reason: Reason::NotEvaluated,
+        };
+        touched.findings.set(Constraint::Instructor, finding);
+        touched
+    };
+    fixture.confirm(&[0.0, 0.25]);
+    for frame in 1..=10 {
+        let moved = touched_at(0.012 * f64::from(frame));
+        fixture.frame_of(vec![moved, candidate_at(0.25)]);
+        observe(&mut fixture);
+    }
+    fixture
+}
+
+#[test]
+fn an_unseen_track_does_not_coast_into_a_visible_one() {
+    let mut fixture = pushed_towards_a_neighbour();
+    let mut farthest_m = f64::MIN;
+    for _ in 0..25 {
+        fixture.frame_of(vec![candidate_at(0.25)]);
+        observe(&mut fixture);
+        farthest_m = farthest_m.max(fixture.table.tracks()[0].box_in_world().centre().x);
+    }
+    assert!((0.13..0.18).contains(&farthest_m), "{farthest_m}");
+    assert_eq!(fixture.ids(), [1, 2]);
+}
+
+#[test]
+fn an_unseen_track_does_not_continue_with_a_part_of_its_neighbour() {
+    let mut fixture = pushed_towards_a_neighbour();
+    let part_at = |x: f64| {
+        let mut part = candidate_at(x);
+        part.oriented_box.half_sides_m.x = 0.03;
+        part
+    };
+    for _ in 0..5 {
+        fixture.frame_of(vec![part_at(0.22), candidate_at(0.25)]);
+        observe(&mut fixture);
+        let tracks = fixture.table.tracks();
+        assert_ne!(tracks[0].visibility(), Visibility::Visible);
+        assert_eq!(tracks[1].visibility(), Visibility::Visible);
+        assert_eq!(fixture.update.rejected_candidates, [0]);
+    }
+    fixture.frame_of(vec![part_at(0.15), candidate_at(0.25)]);
+    let first = &fixture.table.tracks()[0];
+    assert_eq!(first.visibility(), Visibility::Visible, "its own part");
+}
+
 /// Applies the posteriors of the objects that were seen in the last frame.
 fn observe(fixture: &mut TableFixture) {
     let config = *fixture.table.config.motion();
