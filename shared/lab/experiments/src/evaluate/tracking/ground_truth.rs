@@ -228,7 +228,7 @@ mod tests {
         for (slope, is_resolved) in [(0.5, true), (4.0, true), (8.0, false)] {
             let step_m = slope / camera.fx_px as f32;
             let depth_m: Vec<f32> = (0..120)
-                .map(|i| 1.0 + step_m * (i % 40) as f32 * f32::from(u8::from(i % 40 >= 20)))
+                .map(|i| 1.0 + step_m * (i % 40 - 20).max(0) as f32)
                 .collect();
             let view = LabelledDepthImage {
                 depth_m: &depth_m,
