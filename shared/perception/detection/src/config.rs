@@ -184,6 +184,14 @@ impl Config {
         &self.rule
     }
 
+    /// The same settings, with the parts of an object apart: for resampled images, in which gaps
+    /// are narrower than the camera's, so that neighbours would be joined across them.
+    pub(crate) fn without_joined_parts(&self) -> Self {
+        let mut config = self.clone();
+        config.raw.joins_parts = false;
+        config
+    }
+
     /// Detection settings as written.
     pub fn get(&self) -> &RawConfig {
         &self.raw

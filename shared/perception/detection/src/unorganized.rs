@@ -55,8 +55,15 @@ pub(crate) fn detect_unorganized(
     detection: &mut Detection,
 ) {
     let evidence = buffers.view.reproject(frame.cloud.points());
-    if evidence.is_some() {
-        detect_in_single_view(frame, config, buffers, organized, detection);
+    match evidence {
+        Some(ViewEvidence::Lattice) => {
+            detect_in_single_view(frame, config, buffers, organized, detection);
+        }
+        Some(ViewEvidence::UniformDensity) => {
+            let config = config.without_joined_parts();
+            detect_in_single_view(frame, &config, buffers, organized, detection);
+        }
+        None => {}
     }
     // Uniform density alone does not prove a view: a table in the world frame, seen from
     // below, is uniformly dense too.

@@ -111,6 +111,8 @@ impl VirtualView {
         let settings = RawConfig {
             range_min_m: 0.1,
             range_max_m: 10.0,
+            // The gaps of a resampled image are none of the camera's.
+            joins_parts: false,
             ..config.clone()
         };
         let (true, Ok(config)) = (radius_m <= RADIUS_MAX_M, Config::new(settings)) else {
