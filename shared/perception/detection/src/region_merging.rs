@@ -7,6 +7,10 @@ mod decision_tree;
 mod least_eigenvector;
 mod pair_features;
 mod region;
+#[allow(
+    clippy::approx_constant,
+    reason = "trained numbers, near a constant by chance"
+)]
 mod trained_trees;
 
 pub(crate) use adjacency::RegionAdjacency;

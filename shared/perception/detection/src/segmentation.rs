@@ -12,6 +12,10 @@ mod edge_image;
 mod edge_network;
 mod pixel_labels;
 mod region_claims;
+#[allow(
+    clippy::approx_constant,
+    reason = "trained numbers, near a constant by chance"
+)]
 mod trained_network;
 mod training;
 mod undivided_clusters;

@@ -29,7 +29,7 @@ pub struct MatchingWindow {
 
 impl MatchingWindow {
     /// Active stereo camera of 5 cm baseline. Noise and its correlation are those of the table in
-    /// depth images of a RealSense: 0.04 to 0.07 pixels, halved at 4 to 8 pixels; Intel states less
+    /// depth images of a `RealSense`: 0.04 to 0.07 pixels, halved at 4 to 8 pixels; Intel states less
     /// than 0.1 pixels. The capture is an estimate from pictures.
     pub const STEREO: Self = Self {
         radius_px: 4,

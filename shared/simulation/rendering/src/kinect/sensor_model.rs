@@ -55,7 +55,7 @@ impl SensorModel {
         color: ColorResponse::KINECT_V1,
     };
 
-    /// Active stereo camera of 5 cm baseline, as the Intel RealSense D400 series: disparity in
+    /// Active stereo camera of 5 cm baseline, as the Intel `RealSense` D400 series: disparity in
     /// steps of 1/32 pixel (Keselman et al. 2017), matched over a window, on any surface that is
     /// lit. Fattening and range are estimates from pictures.
     pub const STEREO: Self = Self {
