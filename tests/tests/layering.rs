@@ -15,7 +15,7 @@ const OWNERS: [(&str, &[&str]); 15] = [
     ("pathfinding", &["tracking"]),
     ("indicatif", &["command-line", "experiments"]),
     ("plotters", &["plot", "evaluation"]),
-    ("rayon", &["experiments"]),
+    ("rayon", &["experiments", "statistics"]),
     (
         "ciborium",
         &["channel", "durable-leveldb", "perceptual-memory"],
