@@ -59,6 +59,11 @@ impl Track {
         self.lifecycle.visibility()
     }
 
+    /// True for the track of an object that is certain and was seen in the last frame.
+    pub(crate) fn is_confirmed_and_visible(&self) -> bool {
+        self.phase() == TrackPhase::Confirmed && self.visibility() == Visibility::Visible
+    }
+
     /// Predicted box at the capture stamp of the last frame, world frame.
     pub fn box_in_world(&self) -> OrientedBox {
         self.filter.box_in_world()

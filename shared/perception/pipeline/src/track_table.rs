@@ -353,9 +353,7 @@ impl TrackTable {
     fn visible_others(&self, than: usize) -> impl Iterator<Item = &Track> {
         let others = self.tracks.iter().enumerate();
         others.filter_map(move |(i, track)| {
-            let is_seen =
-                track.phase() == TrackPhase::Confirmed && track.visibility() == Visibility::Visible;
-            (i != than && is_seen).then_some(track)
+            (i != than && track.is_confirmed_and_visible()).then_some(track)
         })
     }
 
@@ -408,8 +406,7 @@ impl TrackTable {
         self.predicted.clear();
         self.track_of_row.clear();
         for (i, track) in self.tracks.iter().enumerate() {
-            let was_recent =
-                track.visibility() == Visibility::Visible && track.phase() == TrackPhase::Confirmed;
+            let was_recent = track.is_confirmed_and_visible();
             if self.occlusions[i].is_some() && was_recent == is_recent {
                 self.track_of_row.push(i);
                 self.predicted.push(predicted(track, shift_m));
@@ -692,8 +689,7 @@ fn is_inside_visible(tracks: &[Track], measured: &CandidateMeasurement) -> bool 
     let seen = measured.measurement.box_in_world();
     tracks
         .iter()
-        .filter(|track| track.phase() == TrackPhase::Confirmed)
-        .filter(|track| track.visibility() == Visibility::Visible)
+        .filter(|track| track.is_confirmed_and_visible())
         .any(|track| {
             let known = track.box_in_world();
             fraction_inside(seen, &known) >= SAME_SPACE_FRACTION_MIN
