@@ -80,9 +80,9 @@ impl WholeShape {
             for point in &self.points {
                 self.outline.add(point);
             }
-            let smallest = self.outline.upright_box()?;
+            let upright_box = self.outline.upright_box()?;
             let growth = self.outline.growth_when_turned(DIRECTIONAL_TURN_RAD)?;
-            let sides = smallest.half_sides_m;
+            let sides = upright_box.half_sides_m;
             let symmetry = if growth < DIRECTIONAL_GROWTH_MIN {
                 Symmetry::Round
             } else if sides.x < EQUAL_SIDES_RATIO_MAX * sides.y {
@@ -90,10 +90,10 @@ impl WholeShape {
             } else {
                 Symmetry::Half
             };
-            self.known = Some((smallest, symmetry));
+            self.known = Some((upright_box, symmetry));
         }
-        let (smallest, symmetry) = self.known?;
-        Some((smallest.transformed(world_from_object), symmetry))
+        let (upright_box, symmetry) = self.known?;
+        Some((upright_box.transformed(world_from_object), symmetry))
     }
 }
 
@@ -105,7 +105,7 @@ pub struct SeenSurface {
     outline: UprightOutline,
     /// Number of points already in the outline.
     n_outlined: usize,
-    smallest: Option<OrientedBox>,
+    upright_box: Option<OrientedBox>,
 }
 
 impl Default for SeenSurface {
@@ -115,7 +115,7 @@ impl Default for SeenSurface {
             points: Vec::new(),
             outline: UprightOutline::new(&Vector3::z_axis()),
             n_outlined: 0,
-            smallest: None,
+            upright_box: None,
         }
     }
 }
@@ -131,7 +131,7 @@ impl SeenSurface {
         }
     }
 
-    /// Smallest upright bounding box of the seen surface, world frame; `None` while the points
+    /// Upright bounding box of the seen surface, world frame; `None` while the points
     /// are collinear.
     pub fn upright_box(
         &mut self,
@@ -148,9 +148,9 @@ impl SeenSurface {
                 self.outline.add(&point.cast());
             }
             self.n_outlined = self.points.len();
-            self.smallest = self.outline.upright_box();
+            self.upright_box = self.outline.upright_box();
         }
-        Some(self.smallest?.transformed(world_from_object))
+        Some(self.upright_box?.transformed(world_from_object))
     }
 }
 
