@@ -66,7 +66,7 @@ impl FrameReceiver {
         let Some(frame) = newest else { return Ok(None) };
         let received_ns = service::monotonic_ns();
         self.begin_session(frame.header());
-        match frame.header().checked(frame.items().len()) {
+        match frame.header().checked(frame.items().len(), received_ns) {
             Ok(checked) => {
                 self.counter.accept(frame.header().sequence);
                 Ok(Some(ReceivedFrame {

@@ -110,6 +110,7 @@ impl Actor for ObjectActor {
             mut descriptor,
             points: mut own_points,
             asked_ns,
+            track_id,
             ..
         } = message;
         let indices = match detected.detection.candidates.get(candidate) {
@@ -122,6 +123,7 @@ impl Actor for ObjectActor {
             indices,
             measured: &measured,
         };
+        self.discard_future(&received, track_id);
         let snapshot = self.context.categories.get();
         let stages = ObservationOutput {
             descriptor: &mut descriptor,
@@ -158,6 +160,19 @@ impl Actor for ObjectActor {
 
     fn checkpoint(&self) -> ObjectState {
         self.state.clone()
+    }
+}
+
+impl ObjectActor {
+    /// Discards a checkpoint of a time after the frame.
+    fn discard_future(&mut self, received: &ReceivedFrame, track_id: u64) {
+        let capture_ns = received.frame_pose().capture_ns;
+        if self.state.discard_future(capture_ns) {
+            tracing::warn!(
+                "track {track_id}: its motion was of a time after the frame of {capture_ns} ns; \
+                 it starts anew"
+            );
+        }
     }
 }
 

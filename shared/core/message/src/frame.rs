@@ -59,6 +59,10 @@ pub struct SegmentLocation {
     pub offset_bytes: u64,
 }
 
+/// Longest time by which a capture stamp may be ahead of the reception, nanoseconds. Both are of
+/// the monotonic clock, so it is room for a source that predicts the exposure. Chosen.
+const STAMP_AHEAD_MAX_NS: u64 = 1_000_000_000;
+
 /// Header of a camera frame. Its first cache line holds the fields that a receiver reads of
 /// every frame.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
@@ -158,6 +162,12 @@ pub enum InvalidFrame {
         /// Width and height according to the frame header, pixels.
         size_px: [u32; 2],
     },
+    /// Capture time in the future.
+    #[error("the frame's capture time is {ahead_s:.0} s in the future")]
+    CaptureStamp {
+        /// Time from the reception of the frame to its capture time, seconds.
+        ahead_s: f64,
+    },
     /// Camera pose `world_from_camera` that is no rigid transform.
     #[error("the frame's camera pose is not a rigid transform")]
     WorldPose,
@@ -202,14 +212,16 @@ impl FrameHeader {
         self.size_px = [camera.width, camera.height];
     }
 
-    /// Validates the header against its own fields and the number of points.
+    /// Validates the header against its own fields, the number of points and the time at which
+    /// it was received (monotonic clock, nanoseconds).
     ///
     /// # Errors
     /// Says which number is impossible.
-    pub fn checked(&self, n_points: usize) -> Result<CheckedFrame, InvalidFrame> {
+    pub fn checked(&self, n_points: usize, received_ns: u64) -> Result<CheckedFrame, InvalidFrame> {
         if self.schema_version != SCHEMA_VERSION {
             return Err(InvalidFrame::SchemaVersion(self.schema_version));
         }
+        self.check_capture_stamp(received_ns)?;
         let ([fx_px, fy_px, cx_px, cy_px], [width, height]) = (self.intrinsics_px, self.size_px);
         let camera = PinholeCamera {
             fx_px,
@@ -232,6 +244,22 @@ impl FrameHeader {
             world_from_camera: self.checked_world_pose()?,
             up_in_camera: self.checked_up()?,
         })
+    }
+
+    /// The clock of a recording in lockstep is its own; its stamps only have to be numbers that
+    /// can be calculated with.
+    fn check_capture_stamp(&self, received_ns: u64) -> Result<(), InvalidFrame> {
+        let latest_ns = if self.has(frame_flag::LOCKSTEP) {
+            i64::MAX.cast_unsigned()
+        } else {
+            received_ns.saturating_add(STAMP_AHEAD_MAX_NS)
+        };
+        if self.capture_stamp_ns > latest_ns {
+            return Err(InvalidFrame::CaptureStamp {
+                ahead_s: (self.capture_stamp_ns - received_ns.min(latest_ns)) as f64 * 1e-9,
+            });
+        }
+        Ok(())
     }
 
     fn checked_world_pose(&self) -> Result<Option<RigidTransform>, InvalidFrame> {
@@ -264,6 +292,8 @@ fn checked_direction(direction: [f64; 3]) -> Option<Unit<Vector3<f64>>> {
 mod tests {
     use super::*;
 
+    const RECEIVED_NS: u64 = 1_000_000_000_000;
+
     fn good() -> FrameHeader {
         let mut header = FrameHeader {
             up_in_camera: [0.0, -1.0, 0.0],
@@ -276,7 +306,7 @@ mod tests {
 
     #[test]
     fn a_good_header_passes() {
-        let frame = good().checked(640 * 480).unwrap();
+        let frame = good().checked(640 * 480, 0).unwrap();
         assert_eq!(frame.camera, PinholeCamera::KINECT_V1);
         assert_eq!(frame.world_from_camera, Some(RigidTransform::identity()));
     }
@@ -286,7 +316,7 @@ mod tests {
         let check = |change: &dyn Fn(&mut FrameHeader), n_points: usize, word: &str| {
             let mut header = good();
             change(&mut header);
-            let sentence = header.checked(n_points).unwrap_err().to_string();
+            let sentence = header.checked(n_points, RECEIVED_NS).unwrap_err().to_string();
             assert!(sentence.contains(word), "{sentence}");
         };
         let full = 640 * 480;
@@ -296,6 +326,22 @@ mod tests {
         check(&|_| (), full - 1, "points");
         check(&|h| h.world_from_camera.rows[0][0] = 5.0, full, "rigid");
         check(&|h| h.up_in_camera = [0.0; 3], full, "gravity");
+        let too_late_ns = RECEIVED_NS + STAMP_AHEAD_MAX_NS + 1;
+        check(&|h| h.capture_stamp_ns = too_late_ns, full, "future");
+        let without_end = |h: &mut FrameHeader| {
+            h.flags |= frame_flag::LOCKSTEP;
+            h.capture_stamp_ns = u64::MAX;
+        };
+        check(&without_end, full, "future");
+    }
+
+    #[test]
+    fn stamps_of_a_recording_in_lockstep_are_its_own() {
+        let mut header = good();
+        header.capture_stamp_ns = 1_700_000_000_000_000_000;
+        assert!(header.checked(640 * 480, RECEIVED_NS).is_err());
+        header.flags |= frame_flag::LOCKSTEP;
+        assert!(header.checked(640 * 480, RECEIVED_NS).is_ok());
     }
 
     #[test]

@@ -18,10 +18,11 @@
 //!
 //! let mut header = FrameHeader::default();
 //! header.set_camera(&PinholeCamera::KINECT_V1);
-//! // A receiver validates the header against the number of points before use.
-//! let frame = header.checked(640 * 480)?;
+//! // A receiver validates the header against the number of points and its clock before use.
+//! let received_ns = 1_000_000;
+//! let frame = header.checked(640 * 480, received_ns)?;
 //! assert_eq!(frame.camera, PinholeCamera::KINECT_V1);
-//! assert!(header.checked(17).is_err());
+//! assert!(header.checked(17, received_ns).is_err());
 //! # Ok::<(), message::InvalidFrame>(())
 //! ```
 

@@ -111,6 +111,14 @@ impl<'a> From<&'a mut Vec<f32>> for ObservationOutput<'a> {
 }
 
 impl ObjectState {
+    /// Discards a motion filter of a later time than that of the coming measurement, which could
+    /// never be updated again. True if there was one.
+    pub fn discard_future(&mut self, capture_ns: u64) -> bool {
+        self.filter
+            .take_if(|filter| filter.stamp_ns() > capture_ns)
+            .is_some()
+    }
+
     /// Processes one view: updates the motion filter, describes the points, recognises
     /// the category over all axis hypotheses and selects key views. The descriptor of
     /// the first hypothesis, which is the one to be stored, is written to `output`.
@@ -212,4 +220,36 @@ fn describe<'a>(
     appearance
         .describe(points, Some(&up))
         .map_err(Error::Description)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sensor_noise::DepthNoise;
+    use tracking::{HandContact, Measurement, MotionConfig, ViewingConditions};
+
+    #[test]
+    fn only_a_filter_of_a_later_time_is_discarded() {
+        let conditions = ViewingConditions {
+            depth_m: 1.0,
+            depth_noise: DepthNoise::KINECT_V1,
+            ray_in_world: Vector3::y_axis(),
+            variances_m2: Vector3::repeat(1e-3),
+            stands_on_table: true,
+            is_truncated: false,
+            hand_contact: HandContact::None,
+        };
+        let shape = OrientedBox {
+            frame_from_box: RigidTransform::identity(),
+            half_sides_m: Vector3::repeat(0.05),
+        };
+        let measurement = Measurement::new(1_000, shape, conditions).unwrap();
+        let mut state = ObjectState::default();
+        assert!(!state.discard_future(0), "there is none");
+        state.filter = Some(MotionFilter::start(&measurement, &MotionConfig::default()));
+        assert!(!state.discard_future(1_000));
+        assert!(state.filter.is_some());
+        assert!(state.discard_future(999));
+        assert_eq!(state.filter, None);
+    }
 }

@@ -12,7 +12,10 @@ use std::ptr::NonNull;
 /// any number of threads; the last one returns the memory to the publisher.
 #[derive(Debug)]
 pub struct SharedMessage<T: Topic> {
-    sample: Sample<Service, [T::Item], T::Header>,
+    /// Keeps the message from being overwritten.
+    _sample: Sample<Service, [T::Item], T::Header>,
+    /// Copied once out of shared memory: what is checked is what is used.
+    header: T::Header,
     /// Result of `sample.payload()`, which takes the subscriber's lock at each call.
     items: NonNull<[T::Item]>,
     location: SegmentLocation,
@@ -23,10 +26,9 @@ pub struct SharedMessage<T: Topic> {
 unsafe impl<T: Topic> Send for SharedMessage<T> {}
 
 // SAFETY: `Sample` is not Sync only because it does not promise that its methods may
-// run at the same time. Through a shared reference we call nothing but `user_header`,
-// which reads a pointer fixed at construction, and read `items`: both are plain data
-// that no writer touches while the sample is held. Returning the sample changes state
-// and needs ownership.
+// run at the same time. Through a shared reference none of them is called: `header` is
+// an own copy, and `items` is plain data that no writer touches while the sample is
+// held. Returning the sample changes state and needs ownership.
 unsafe impl<T: Topic> Sync for SharedMessage<T> {}
 
 impl<T: Topic> SharedMessage<T> {
@@ -34,19 +36,21 @@ impl<T: Topic> SharedMessage<T> {
         sample: Sample<Service, [T::Item], T::Header>,
         segments: &mut SegmentMap,
     ) -> Self {
+        let header = *sample.user_header();
         let items = NonNull::from(sample.payload());
         let location = segments.locate(items.addr().get());
         Self {
-            sample,
+            _sample: sample,
+            header,
             items,
             location,
         }
     }
 
-    /// Header of the message.
+    /// Header of the message, a copy of that in shared memory.
     #[inline]
     pub fn header(&self) -> &T::Header {
-        self.sample.user_header()
+        &self.header
     }
 
     /// Items of the message, in shared memory.
