@@ -17,10 +17,13 @@ mod command_line;
 mod fakenect;
 /// Processes that are killed, stopped, or cannot start.
 mod faults;
-/// Crates name only crates of lower layers; foreign libraries have owners.
+/// Hostile clients of the control socket.
+mod hostile_clients;
+/// Language rules of headlines and type names.
 mod language;
 /// Latency measurement, budgets, sweep and soak.
 mod latency;
+/// Crates name only crates of lower layers; foreign libraries have owners.
 mod layering;
 /// Bitwise determinism of lockstep runs.
 mod lockstep;

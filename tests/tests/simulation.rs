@@ -238,7 +238,10 @@ fn check_mask(
     mask: &RecordedMessage<TrueMasks>,
     truth: &RecordedMessage<TrueObjects>,
 ) {
-    let frame = cloud.header().checked(cloud.items().len()).unwrap();
+    let frame = cloud
+        .header()
+        .checked(cloud.items().len(), u64::MAX)
+        .unwrap();
     let world_from_camera = frame.world_from_camera.unwrap();
     let points = message::points(cloud.items());
     assert_eq!(points.len(), mask.items.len());

@@ -1,8 +1,10 @@
 //! Control servers: shared memory for processes, a Unix socket for people.
 
+use crate::process_table::ProcessTable;
 use crate::request_router::RequestRouter;
+use crate::urgent_commands::UrgentCommands;
 use channel::Domain;
-use channel::control::{AnswerFuture, Handler, Server, SocketServer};
+use channel::control::{AnswerFuture, Handler, Server, SocketServer, UrgentHandler};
 use message::ProcessKind;
 use std::sync::Arc;
 
@@ -12,12 +14,24 @@ pub(crate) fn servers(
     domain: &Domain,
     router: RequestRouter,
 ) -> Result<(Server, SocketServer), channel::Error> {
+    let processes = Arc::clone(&router.processes);
     let router = Arc::new(router);
-    let handler: Handler = Arc::new(move |command| -> AnswerFuture {
+    let handler: Handler = Arc::new(move |command, _peer| -> AnswerFuture {
         let router = router.clone();
         Box::pin(async move { router.answer(command).await })
     });
-    let processes = Server::new(domain, ProcessKind::Memory, handler.clone())?;
-    let people = SocketServer::bind(&domain.control_socket(), handler)?;
-    Ok((processes, people))
+    let urgent = urgent_handler(domain.clone(), processes);
+    let server = Server::new(domain, ProcessKind::Memory, handler.clone())?;
+    let people = SocketServer::bind(&domain.control_socket(), handler, urgent)?;
+    Ok((server, people))
+}
+
+fn urgent_handler(domain: Domain, processes: Arc<ProcessTable>) -> UrgentHandler {
+    Box::new(move || {
+        let commands = Arc::new(UrgentCommands::new(&domain, processes)?);
+        Ok(Arc::new(move |command, _peer| -> AnswerFuture {
+            let commands = commands.clone();
+            Box::pin(async move { commands.answer(command).await })
+        }))
+    })
 }

@@ -10,6 +10,7 @@ mod process_table;
 mod request_router;
 mod run;
 mod scene_follower;
+mod urgent_commands;
 mod working_memory;
 mod working_memory_requests;
 mod world_model_updater;

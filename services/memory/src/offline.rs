@@ -53,7 +53,7 @@ pub(crate) fn run(common: &CommonArguments) -> Result<(), Failure> {
         .build()
         .map_err(failed)?;
     let offline = Arc::new(tokio::sync::Mutex::new(OfflineMemory::new(common)));
-    let handler: Handler = Arc::new(move |command| -> AnswerFuture {
+    let handler: Handler = Arc::new(move |command, _peer| -> AnswerFuture {
         let offline = offline.clone();
         Box::pin(async move {
             let answer = offline.lock().await.answer(command).await;

@@ -13,7 +13,7 @@ const CATCH_UP: Duration = Duration::from_secs(3);
 
 /// Request handler that answers from the latest scene.
 pub(crate) fn handler(scene: Arc<LatestScene>, barrier: SyncBarrier) -> Handler {
-    Arc::new(move |command| -> AnswerFuture {
+    Arc::new(move |command, _| -> AnswerFuture {
         let (scene, barrier) = (scene.clone(), barrier.clone());
         Box::pin(async move {
             let Command::ReadAfter {

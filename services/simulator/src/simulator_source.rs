@@ -74,7 +74,7 @@ impl SimulatorSource {
     /// `end_ns`.
     fn serve(&mut self, end_ns: u64) -> Result<bool, SourceError> {
         let mut is_world_changed = false;
-        while let Ok(request) = self.requests.waiting.try_recv() {
+        while let Some(request) = self.requests.next() {
             // The arm states before the answer are published before it.
             self.publish_arm(end_ns, request.arrived_ns.min(monotonic_ns()))?;
             is_world_changed |= self.answer(request, end_ns);

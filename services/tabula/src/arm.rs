@@ -2,7 +2,7 @@
 
 use crate::arguments::{ArmMove, ArmVerb};
 use command_line::Output;
-use control_client::{call, connect};
+use control_client::call_once;
 use message::control::{ArmCommand, ArmReport, Command, Reply};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use service::{CommonArguments, Failure, exit_code};
@@ -48,8 +48,7 @@ pub(crate) fn run(
 }
 
 fn ask(common: &CommonArguments, command: ArmCommand) -> Result<ArmReport, Failure> {
-    let mut client = connect(common)?;
-    match call(&mut client, Command::Arm(command))? {
+    match call_once(common, &Command::Arm(command))? {
         Reply::Arm(report) => Ok(report),
         other => Err(Failure::general(format!(
             "the daemon answered the arm's command with {other:?}"

@@ -225,6 +225,16 @@ impl Command {
         }
     }
 
+    /// True for what is answered before everything else: stop and health.
+    pub fn is_urgent(&self) -> bool {
+        matches!(self, Self::Arm(ArmCommand::Stop) | Self::Health)
+    }
+
+    /// True if the answer may wait for an event.
+    pub fn is_waiting(&self) -> bool {
+        matches!(self, Self::World(WorldCommand::Events { wait_ms, .. }) if *wait_ms > 0)
+    }
+
     /// True if only the daemon's own processes may send the command.
     pub fn is_internal(&self) -> bool {
         matches!(

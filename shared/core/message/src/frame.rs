@@ -316,7 +316,10 @@ mod tests {
         let check = |change: &dyn Fn(&mut FrameHeader), n_points: usize, word: &str| {
             let mut header = good();
             change(&mut header);
-            let sentence = header.checked(n_points, RECEIVED_NS).unwrap_err().to_string();
+            let sentence = header
+                .checked(n_points, RECEIVED_NS)
+                .unwrap_err()
+                .to_string();
             assert!(sentence.contains(word), "{sentence}");
         };
         let full = 640 * 480;

@@ -7,6 +7,10 @@
 mod call_error;
 mod client;
 mod codec;
+mod connection;
+mod connection_table;
+mod message_stream;
+mod peer;
 mod request_response;
 mod server;
 mod socket_client;
@@ -14,17 +18,19 @@ mod socket_server;
 
 pub use call_error::CallError;
 pub use client::Client;
+pub use connection::serve_stream;
+pub use peer::Peer;
 pub use server::Server;
 pub use socket_client::SocketClient;
-pub use socket_server::{SocketServer, serve_stream};
+pub use socket_server::{SocketServer, UrgentHandler};
 
 use message::control::{Command, Reply};
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
 
-/// Request handler; runs as a tokio task for each request.
-pub type Handler = Arc<dyn Fn(Command) -> AnswerFuture + Send + Sync>;
+/// Request handler, with the user who asks; runs as a tokio task for each request.
+pub type Handler = Arc<dyn Fn(Command, Peer) -> AnswerFuture + Send + Sync>;
 
 /// Future that resolves to the reply of a request handler.
 pub type AnswerFuture = Pin<Box<dyn Future<Output = Reply> + Send>>;

@@ -255,7 +255,7 @@ async fn role_is_exclusive() {
 }
 
 fn echo() -> channel::control::Handler {
-    Arc::new(|command| -> AnswerFuture {
+    Arc::new(|command, _| -> AnswerFuture {
         Box::pin(async move {
             match command {
                 Command::Ask { track_id } => Reply::TrackIds { first: track_id },
@@ -312,7 +312,7 @@ async fn request_to_a_silent_server_times_out() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
     let silent: channel::control::Handler =
-        Arc::new(|_| -> AnswerFuture { Box::pin(std::future::pending()) });
+        Arc::new(|_, _| -> AnswerFuture { Box::pin(std::future::pending()) });
     let server = Server::new(&domain, ProcessKind::Memory, silent).unwrap();
     let running = tokio::spawn(server.run());
     let client = Client::new(&domain, ProcessKind::Memory).unwrap();
@@ -325,11 +325,34 @@ async fn request_to_a_silent_server_times_out() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn request_after_many_that_were_given_up_is_answered() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
+    let slow: channel::control::Handler = Arc::new(|_, _| -> AnswerFuture {
+        Box::pin(async {
+            tokio::time::sleep(Duration::from_millis(100)).await;
+            Reply::Stored
+        })
+    });
+    let server = Server::new(&domain, ProcessKind::Memory, slow).unwrap();
+    let running = tokio::spawn(server.run());
+    let client = Client::new(&domain, ProcessKind::Memory).unwrap();
+    for _ in 0..10 {
+        let given_up = client.call(Command::Categories, Duration::from_millis(5));
+        assert!(matches!(given_up.await, Err(CallError::TimedOut { .. })));
+    }
+    let answer = watched(client.call(Command::Categories, Duration::from_secs(10))).await;
+    assert!(matches!(answer, Ok(Reply::Stored)), "{answer:?}");
+    running.abort();
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn control_socket_answers_clients_and_refuses_invalid_bytes() {
     use std::io::{Read, Write};
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
-    let server = SocketServer::bind(&domain.control_socket(), echo()).unwrap();
+    let server =
+        SocketServer::bind(&domain.control_socket(), echo(), Box::new(|| Ok(echo()))).unwrap();
     let running = tokio::spawn(server.run());
     let (name, folder) = (test_domain.name.clone(), test_domain.folder.clone());
     let path = domain.control_socket();

@@ -18,6 +18,20 @@ pub fn connect(common: &CommonArguments) -> Result<SocketClient, Failure> {
     connected.map_err(|error| call_failure(&error))
 }
 
+/// Sends a command on a connection of its own and returns the reply; an urgent one is repeated
+/// when its connection was closed in favour of newer ones.
+///
+/// # Errors
+/// As [`connect`] and [`call`].
+pub fn call_once(common: &CommonArguments, command: &Command) -> Result<Reply, Failure> {
+    let folders = RunFolder::candidates();
+    let reply = SocketClient::call_once(&common.domain, &folders, ANSWER_TIMEOUT, command);
+    match reply.map_err(|error| call_failure(&error))? {
+        Reply::Refused(refusal) => Err(refusal_failure(refusal)),
+        reply => Ok(reply),
+    }
+}
+
 /// Sends a command and returns the reply; a refusal becomes a failure.
 ///
 /// # Errors

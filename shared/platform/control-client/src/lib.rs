@@ -22,7 +22,7 @@ mod import;
 mod memory_client;
 
 pub use authorship::{author_or_user, mutation_id};
-pub use connection::{call, connect, refusal_failure, unexpected_reply};
+pub use connection::{call, call_once, connect, refusal_failure, unexpected_reply};
 pub use history::read_history;
 pub use import::{ImportError, ImportRequest, import};
 pub use memory_client::{MemoryClient, connect_if_running, local_memory_folder};

@@ -32,7 +32,25 @@ struct Port {
     requests: WakeNotifier,
     replies: WakeListener,
     service: IoxService,
+    /// Requests whose caller no longer waits, and that the server may still work on.
+    unanswered: Vec<IoxPending>,
     _domain: Domain,
+}
+
+impl Port {
+    /// Waits until the server may get another request.
+    async fn room(&mut self) {
+        loop {
+            self.unanswered.retain(|pending| {
+                // Connected is checked first: a reply may arrive between the two checks.
+                pending.is_connected() && matches!(pending.receive(), Ok(None))
+            });
+            if self.unanswered.len() < MAX_OPEN_REQUESTS {
+                return;
+            }
+            let _ = tokio::time::timeout(LOOK_AGAIN, self.replies.woken()).await;
+        }
+    }
 }
 
 impl Client {
@@ -57,6 +75,7 @@ impl Client {
             requests: WakeNotifier::new(domain, parameters.name)?,
             replies: WakeListener::new(domain, parameters.replies)?,
             service,
+            unanswered: Vec::with_capacity(MAX_OPEN_REQUESTS),
             _domain: domain.clone(),
         };
         Ok(Self {
@@ -65,7 +84,8 @@ impl Client {
         })
     }
 
-    /// Sends a request and waits for the reply at most for the time limit.
+    /// Sends a request and waits for the reply at most for the time limit. May be dropped at any
+    /// time; the server still gets no more requests at once than it takes.
     ///
     /// # Errors
     /// When the process does not run, or does not answer in time.
@@ -76,9 +96,11 @@ impl Client {
             ))
         })?;
         let answered = async {
-            let port = self.port.lock().await;
+            let mut port = self.port.lock().await;
+            port.room().await;
             let pending = self.send(&port, &bytes)?;
-            self.reply(&port, pending).await
+            port.unanswered.push(pending);
+            self.last_reply(&mut port).await
         };
         match tokio::time::timeout(deadline, answered).await {
             Ok(reply) => reply,
@@ -111,20 +133,29 @@ impl Client {
         Ok(pending)
     }
 
-    async fn reply(&self, port: &Port, pending: IoxPending) -> Result<Reply, CallError> {
+    /// Waits for the reply to the last request.
+    async fn last_reply(&self, port: &mut Port) -> Result<Reply, CallError> {
         loop {
-            // Connected is checked first: a reply may arrive between the two checks.
-            let is_connected = pending.is_connected();
-            match pending.receive() {
-                Ok(Some(response)) => return Ok(codec::decode_reply(response.payload())),
-                Ok(None) if is_connected => {}
-                _ => {
-                    return Err(CallError::NotThere {
-                        process: self.process.name(),
-                    });
-                }
+            if let Some(reply) = self.take_last_reply(port) {
+                return reply;
             }
             let _ = tokio::time::timeout(LOOK_AGAIN, port.replies.woken()).await;
         }
+    }
+
+    /// Reply to the last request, or the error that there will be none; `None` before either.
+    fn take_last_reply(&self, port: &mut Port) -> Option<Result<Reply, CallError>> {
+        let pending = port.unanswered.last()?;
+        // Connected is checked first: a reply may arrive between the two checks.
+        let is_connected = pending.is_connected();
+        let reply = match pending.receive() {
+            Ok(Some(response)) => Ok(codec::decode_reply(response.payload())),
+            Ok(None) if is_connected => return None,
+            _ => Err(CallError::NotThere {
+                process: self.process.name(),
+            }),
+        };
+        port.unanswered.pop();
+        Some(reply)
     }
 }

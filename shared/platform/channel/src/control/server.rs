@@ -1,7 +1,7 @@
 //! Request server over shared memory, for processes of the daemon.
 
 use super::request_response::{IoxService, open};
-use super::{Handler, codec};
+use super::{Handler, Peer, codec};
 use crate::domain::{Domain, Service};
 use crate::request_services::request_service;
 use crate::wake_event::{WakeListener, WakeNotifier};
@@ -66,7 +66,8 @@ impl Server {
 async fn answer(request: IoxRequest, handler: Handler, replies: Arc<WakeNotifier>) {
     let command = codec::decode_request(request.payload());
     let reply = match command {
-        Ok(command) => handler(command).await,
+        // Only this user's processes may open the shared memory.
+        Ok(command) => handler(command, Peer::own()).await,
         Err(refusal) => Reply::Refused(refusal),
     };
     if let Err(error) = respond(&request, &reply) {

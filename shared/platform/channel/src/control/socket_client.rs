@@ -5,7 +5,10 @@ use crate::{DomainName, RunFolder};
 use message::control::{Command, MAX_MESSAGE_BYTES, Reply, Request};
 use std::io::{self, Read, Write};
 use std::os::unix::net::UnixStream;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// Shortest time limit of a call.
+const SHORTEST_DEADLINE: Duration = Duration::from_millis(1);
 
 /// Connection to a daemon, blocking: for tools.
 #[derive(Debug)]
@@ -57,6 +60,29 @@ impl SocketClient {
         stream.set_read_timeout(Some(deadline)).map_err(failed)?;
         stream.set_write_timeout(Some(deadline)).map_err(failed)?;
         Ok(Self { stream, deadline })
+    }
+
+    /// Calls a daemon on a connection of its own. An urgent command is repeated, on a new
+    /// connection, when the daemon had to close the first one in favour of newer ones.
+    ///
+    /// # Errors
+    /// As [`connect`](Self::connect) and [`call`](Self::call).
+    pub fn call_once(
+        domain: &DomainName,
+        folders: &[RunFolder],
+        deadline: Duration,
+        command: &Command,
+    ) -> Result<Reply, CallError> {
+        let begin = Instant::now();
+        loop {
+            let left = deadline.saturating_sub(begin.elapsed());
+            let reply = Self::connect(domain, folders, left.max(SHORTEST_DEADLINE))
+                .and_then(|mut client| client.call(command.clone()));
+            match reply {
+                Err(CallError::NotThere { .. }) if command.is_urgent() && !left.is_zero() => {}
+                reply => return reply,
+            }
+        }
     }
 
     /// Sends a request and waits for the reply.

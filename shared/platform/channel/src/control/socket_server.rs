@@ -1,31 +1,52 @@
-//! Server of the control socket (Unix domain socket).
+//! Server of the control socket (Unix domain socket), on a thread of its own.
 
-use super::{Handler, codec};
+use super::connection::{Handlers, serve};
+use super::connection_table::{ConnectionTable, Limits};
+use super::{Handler, Peer};
 use crate::Error;
 use crate::trusted_folder::TrustedFolder;
-use message::control::{MAX_MESSAGE_BYTES, Refusal, RefusalKind, Reply};
+use rustix::process::{Resource, getrlimit};
 use std::io;
 use std::os::unix::fs::PermissionsExt;
+use std::os::unix::net::UnixListener as BlockingListener;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::{UnixListener, UnixStream};
-use tokio::sync::Semaphore;
+use tokio::sync::oneshot;
 
-/// Largest number of connections; more wait in the kernel's queue.
-const MAX_CONNECTIONS: usize = 32;
-/// Idle time after which a connection is closed.
-const IDLE: Duration = Duration::from_secs(60);
-/// Time limit for the transfer of one message.
-const TRANSFER: Duration = Duration::from_secs(5);
+/// Limits of the control socket. All chosen.
+const LIMITS: Limits = Limits {
+    connections: 1024,
+    connections_of_user: 128,
+    requests_of_user: 8,
+    waits_of_user: 16,
+    patience: Duration::from_secs(4),
+};
+/// Idle time after which a connection is closed. Chosen.
+const IDLE: Duration = Duration::from_secs(10);
+/// Connections that are accepted before those that are open get their turn. Chosen.
+const ACCEPTED_AT_ONCE: u32 = 8;
+/// Pause after a connection could not be accepted. Chosen.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 
-/// Control-socket server. A message is a length (4 bytes, little-endian) and that
-/// many bytes of CBOR, in both directions, any number of times.
+/// Makes the handler of the urgent commands, within the runtime that it is used in.
+pub type UrgentHandler = Box<dyn FnOnce() -> Result<Handler, Error> + Send>;
+
+/// Control-socket server. A message is a length (4 bytes, little-endian) and that many bytes of
+/// CBOR, in both directions, any number of times.
+///
+/// Stop beats everything: urgent commands ([`Command::is_urgent`]) take no place and are
+/// answered on the thread of the socket, however many clients connect, ask and wait. All other
+/// requests take a place of their user, so that a user slows down nobody else.
+///
+/// [`Command::is_urgent`]: message::control::Command::is_urgent
 pub struct SocketServer {
-    listener: UnixListener,
+    listener: BlockingListener,
     path: PathBuf,
-    handler: Handler,
+    ordinary: Handler,
+    /// Taken when serving begins.
+    urgent: Option<UrgentHandler>,
 }
 
 impl SocketServer {
@@ -34,50 +55,73 @@ impl SocketServer {
     ///
     /// # Errors
     /// When the path cannot be bound, or its folder is under another user's control.
-    pub fn bind(path: &Path, handler: Handler) -> Result<Self, Error> {
-        let failed = |source| Error::RunFolder {
-            attempt: "open the control socket",
-            path: path.to_owned(),
-            source,
-        };
+    pub fn bind(path: &Path, ordinary: Handler, urgent: UrgentHandler) -> Result<Self, Error> {
+        let failed = |source| failure(path, source);
         let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
             return Err(failed(io::ErrorKind::InvalidInput.into()));
         };
         let folder = TrustedFolder::open(folder)?;
         let _ = std::fs::remove_file(path);
-        let listener = UnixListener::bind(path).map_err(failed)?;
+        let listener = BlockingListener::bind(path).map_err(failed)?;
+        listener.set_nonblocking(true).map_err(failed)?;
         std::fs::set_permissions(path, PermissionsExt::from_mode(0o660)).map_err(failed)?;
         folder.share_entry_with_group(&name.to_string_lossy());
         Ok(Self {
             listener,
             path: path.to_owned(),
-            handler,
+            ordinary,
+            urgent: Some(urgent),
         })
     }
 
-    /// Serves connections until the future is dropped.
+    /// Serves connections until the future is dropped. Ordinary requests are carried out on the
+    /// runtime of the caller.
     pub async fn run(self) {
-        let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
-        loop {
-            let Ok(place) = places.clone().acquire_owned().await else {
-                return;
-            };
-            match self.listener.accept().await {
-                Ok((stream, _)) => {
-                    let handler = self.handler.clone();
-                    tokio::spawn(async move {
-                        if let Err(error) = serve_stream(stream, &handler, IDLE).await {
-                            tracing::debug!("a control connection ended: {error}");
-                        }
-                        drop(place);
-                    });
-                }
-                Err(error) => {
-                    tracing::warn!("the control socket could not accept a connection: {error}");
-                    tokio::time::sleep(Duration::from_millis(100)).await;
-                }
+        let runtime = tokio::runtime::Handle::current();
+        // Dropped with this future, which ends the thread.
+        let (_keeps_running, stopped) = oneshot::channel::<()>();
+        let (ended, end) = oneshot::channel::<()>();
+        let serve = move || {
+            if let Err(error) = self.serve_until(stopped, runtime) {
+                tracing::error!("{error}");
             }
+            drop(ended);
+        };
+        let thread = std::thread::Builder::new().name("control-socket".into());
+        if let Err(error) = thread.spawn(serve) {
+            tracing::error!("the thread of the control socket could not be started: {error}");
+            return;
         }
+        let _ = end.await;
+    }
+
+    fn serve_until(
+        mut self,
+        stopped: oneshot::Receiver<()>,
+        runtime: tokio::runtime::Handle,
+    ) -> Result<(), Error> {
+        let failed = |source| failure(&self.path, source);
+        let own_runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()
+            .map_err(failed)?;
+        own_runtime.block_on(async {
+            let listener = self.listener.try_clone().and_then(UnixListener::from_std);
+            let listener = listener.map_err(failed)?;
+            let Some(urgent) = self.urgent.take() else {
+                return Ok(());
+            };
+            let handlers = Handlers {
+                urgent: urgent()?,
+                ordinary: self.ordinary.clone(),
+                runtime,
+            };
+            tokio::select! {
+                () = accept(&listener, &handlers) => {}
+                _ = stopped => {}
+            }
+            Ok(())
+        })
     }
 }
 
@@ -87,53 +131,66 @@ impl Drop for SocketServer {
     }
 }
 
-/// Answers the requests of one connection until the other side closes it or says
-/// nothing for `idle_limit`.
-///
-/// # Errors
-/// When the stream fails, or a message does not arrive or leave in time.
-pub async fn serve_stream(
-    mut stream: UnixStream,
-    handler: &Handler,
-    idle_limit: Duration,
-) -> io::Result<()> {
+/// Accepts connections for ever; each is served by a task.
+async fn accept(listener: &UnixListener, handlers: &Handlers) {
+    let table = ConnectionTable::new(limits());
+    let mut n_accepted: u32 = 0;
     loop {
-        let mut length = [0; 4];
-        match tokio::time::timeout(idle_limit, stream.read_exact(&mut length)).await {
-            Ok(Ok(_)) => {}
-            Ok(Err(error)) if error.kind() == io::ErrorKind::UnexpectedEof => return Ok(()),
-            Ok(Err(error)) => return Err(error),
-            Err(_) => return Ok(()),
+        match listener.accept().await {
+            Ok((stream, _)) => begin(stream, &table, handlers),
+            Err(error) => {
+                tracing::warn!("the control socket could not accept a connection: {error}");
+                tokio::time::sleep(ACCEPT_PAUSE).await;
+            }
         }
-        let length = u32::from_le_bytes(length) as usize;
-        if length > MAX_MESSAGE_BYTES {
-            let sentence = format!("a request may have at most {MAX_MESSAGE_BYTES} bytes");
-            let refusal = Reply::Refused(Refusal::new(RefusalKind::Invalid, sentence));
-            // The rest of the stream cannot be trusted.
-            return write(&mut stream, &refusal).await;
+        n_accepted = n_accepted.wrapping_add(1);
+        if n_accepted.is_multiple_of(ACCEPTED_AT_ONCE) {
+            tokio::task::yield_now().await;
         }
-        let mut bytes = vec![0; length];
-        tokio::time::timeout(TRANSFER, stream.read_exact(&mut bytes)).await??;
-        let reply = answer(&bytes, handler).await;
-        write(&mut stream, &reply).await?;
     }
 }
 
-async fn answer(bytes: &[u8], handler: &Handler) -> Reply {
-    match codec::decode_request(bytes) {
-        Ok(command) if command.is_internal() => Reply::Refused(Refusal::new(
-            RefusalKind::Invalid,
-            "only the daemon's own processes may send this command",
-        )),
-        Ok(command) => handler(command).await,
-        Err(refusal) => Reply::Refused(refusal),
+/// Begins to serve a connection.
+fn begin(stream: UnixStream, table: &Arc<ConnectionTable>, handlers: &Handlers) {
+    let peer = match stream.peer_cred() {
+        Ok(credentials) => Peer {
+            uid: credentials.uid(),
+        },
+        Err(error) => {
+            tracing::warn!("a control connection has no user and is closed: {error}");
+            return;
+        }
+    };
+    let (connection, evicted) = table.enter(peer);
+    let handlers = handlers.clone();
+    tokio::spawn(async move {
+        let served = tokio::select! {
+            served = serve(stream, &connection, &handlers, IDLE) => served,
+            _ = evicted => Err(io::Error::other("newer connections of its user took its place")),
+        };
+        if let Err(error) = served {
+            tracing::debug!("a control connection of user {} ended: {error}", peer.uid);
+        }
+    });
+}
+
+/// Limits that leave half of the process's file descriptors free.
+fn limits() -> Limits {
+    let descriptors = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
+    let half = usize::try_from(descriptors / 2)
+        .unwrap_or(usize::MAX)
+        .max(1);
+    Limits {
+        connections: LIMITS.connections.min(half),
+        connections_of_user: LIMITS.connections_of_user.min(half),
+        ..LIMITS
     }
 }
 
-async fn write(stream: &mut UnixStream, reply: &Reply) -> io::Result<()> {
-    let bytes = codec::encode_reply(reply);
-    let mut message = (bytes.len() as u32).to_le_bytes().to_vec();
-    message.extend(bytes);
-    tokio::time::timeout(TRANSFER, stream.write_all(&message)).await??;
-    Ok(())
+fn failure(path: &Path, source: io::Error) -> Error {
+    Error::RunFolder {
+        attempt: "open the control socket",
+        path: path.to_owned(),
+        source,
+    }
 }

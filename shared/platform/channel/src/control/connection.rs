@@ -1,0 +1,170 @@
+//! Connection of the control socket: reads requests, has them carried out, writes the replies.
+
+use super::connection_table::Connection;
+use super::message_stream::{
+    RequestLength, hung_up, read_bytes, read_length, refuse_length, write_reply,
+};
+use super::{Handler, Peer, codec};
+use message::control::{Command, Refusal, RefusalKind, Reply};
+use std::io;
+use std::time::Duration;
+use tokio::net::UnixStream;
+use tokio::runtime;
+use tokio::task::JoinHandle;
+
+/// Largest request that is read before it has a place, bytes. All urgent ones are smaller.
+const SMALL_BYTES: usize = 1024;
+
+/// Handlers of the requests of a control socket.
+#[derive(Clone)]
+pub(super) struct Handlers {
+    /// Handler of urgent commands, on the thread of the socket.
+    pub(super) urgent: Handler,
+    /// Handler of all other commands, on the runtime of the process.
+    pub(super) ordinary: Handler,
+    /// Runtime of the process.
+    pub(super) runtime: runtime::Handle,
+}
+
+/// Serves the requests of one connection until its peer closes it or is silent for `idle_limit`.
+///
+/// # Errors
+/// When the stream fails, or a message does not arrive or leave in time.
+pub(super) async fn serve(
+    mut stream: UnixStream,
+    connection: &Connection,
+    handlers: &Handlers,
+    idle_limit: Duration,
+) -> io::Result<()> {
+    loop {
+        let length = match read_length(&mut stream, idle_limit).await? {
+            RequestLength::Bytes(length) => length,
+            RequestLength::TooLong => return refuse_length(&mut stream).await,
+            RequestLength::End => return Ok(()),
+        };
+        connection.heard();
+        let is_open = if length <= SMALL_BYTES {
+            serve_small(&mut stream, length, connection, handlers).await?
+        } else {
+            serve_large(&mut stream, length, connection, handlers).await?
+        };
+        if !is_open {
+            return Ok(());
+        }
+    }
+}
+
+/// Serves a request that is read at once. False when the peer is gone.
+async fn serve_small(
+    stream: &mut UnixStream,
+    length: usize,
+    connection: &Connection,
+    handlers: &Handlers,
+) -> io::Result<bool> {
+    let bytes = read_bytes(stream, length).await?;
+    let command = match accepted(&bytes) {
+        Ok(command) => command,
+        Err(refusal) => {
+            return write_reply(stream, &Reply::Refused(refusal))
+                .await
+                .map(|()| true);
+        }
+    };
+    if command.is_urgent() {
+        let reply = (handlers.urgent)(command, connection.peer()).await;
+        return write_reply(stream, &reply).await.map(|()| true);
+    }
+    let place = if command.is_waiting() {
+        connection.waiting_place()
+    } else {
+        connection.request_place().await
+    };
+    // Held until the reply is written: a slow reader takes a place, too.
+    let _place = match place {
+        Ok(place) => place,
+        Err(refusal) => {
+            return write_reply(stream, &Reply::Refused(refusal))
+                .await
+                .map(|()| true);
+        }
+    };
+    let reply = (handlers.ordinary)(command, connection.peer());
+    carry_out(stream, handlers.runtime.spawn(reply)).await
+}
+
+/// Serves a request that is read only when it has a place. False when the peer is gone.
+async fn serve_large(
+    stream: &mut UnixStream,
+    length: usize,
+    connection: &Connection,
+    handlers: &Handlers,
+) -> io::Result<bool> {
+    let _place = match connection.request_place().await {
+        Ok(place) => place,
+        Err(refusal) => {
+            // Its bytes were not read, and what follows them cannot be found.
+            write_reply(stream, &Reply::Refused(refusal)).await?;
+            return Ok(false);
+        }
+    };
+    let bytes = read_bytes(stream, length).await?;
+    let (handler, peer) = (handlers.ordinary.clone(), connection.peer());
+    let reply = async move { answer(&bytes, &handler, peer).await };
+    carry_out(stream, handlers.runtime.spawn(reply)).await
+}
+
+/// Waits for the reply and writes it; gives up when the peer is gone, which is false then.
+async fn carry_out(stream: &mut UnixStream, mut task: JoinHandle<Reply>) -> io::Result<bool> {
+    let reply = tokio::select! {
+        reply = &mut task => reply,
+        () = hung_up(stream) => {
+            task.abort();
+            return Ok(false);
+        }
+    };
+    let reply = reply.unwrap_or_else(|lost| {
+        tracing::error!("a control request failed: {lost}");
+        let sentence = "the request failed; see the log of tabula-memory";
+        Reply::Refused(Refusal::new(RefusalKind::Internal, sentence))
+    });
+    write_reply(stream, &reply).await.map(|()| true)
+}
+
+/// Serves the only client of a private socket until it closes the connection or is silent for
+/// `idle_limit`.
+///
+/// # Errors
+/// When the stream fails, or a message does not arrive or leave in time.
+pub async fn serve_stream(
+    mut stream: UnixStream,
+    handler: &Handler,
+    idle_limit: Duration,
+) -> io::Result<()> {
+    loop {
+        let length = match read_length(&mut stream, idle_limit).await? {
+            RequestLength::Bytes(length) => length,
+            RequestLength::TooLong => return refuse_length(&mut stream).await,
+            RequestLength::End => return Ok(()),
+        };
+        let bytes = read_bytes(&mut stream, length).await?;
+        let reply = answer(&bytes, handler, Peer::own()).await;
+        write_reply(&mut stream, &reply).await?;
+    }
+}
+
+async fn answer(bytes: &[u8], handler: &Handler, peer: Peer) -> Reply {
+    match accepted(bytes) {
+        Ok(command) => handler(command, peer).await,
+        Err(refusal) => Reply::Refused(refusal),
+    }
+}
+
+/// Command of a request that clients may send.
+fn accepted(bytes: &[u8]) -> Result<Command, Refusal> {
+    let command = codec::decode_request(bytes)?;
+    if command.is_internal() {
+        let sentence = "only the daemon's own processes may send this command";
+        return Err(Refusal::new(RefusalKind::Invalid, sentence));
+    }
+    Ok(command)
+}

@@ -1,0 +1,87 @@
+//! Messages over a stream socket: a length (4 bytes, little-endian) and that many bytes of CBOR.
+
+use super::codec;
+use message::control::{MAX_MESSAGE_BYTES, Refusal, RefusalKind, Reply};
+use rustix::io::Errno;
+use rustix::net::{SendFlags, send};
+use std::io;
+use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt, Interest};
+use tokio::net::UnixStream;
+
+/// Time limit for the transfer of one message.
+const TRANSFER: Duration = Duration::from_secs(5);
+/// Period of the look for a hang-up after something has arrived. Chosen.
+const HANG_UP_PERIOD: Duration = Duration::from_millis(100);
+
+/// Length of a request that has begun to arrive.
+pub(super) enum RequestLength {
+    /// Number of bytes, within the limit.
+    Bytes(usize),
+    /// More than a request may have.
+    TooLong,
+    /// The peer has closed the connection, or said nothing for too long.
+    End,
+}
+
+/// Waits for the length of the next request.
+pub(super) async fn read_length(
+    stream: &mut UnixStream,
+    idle_limit: Duration,
+) -> io::Result<RequestLength> {
+    let mut length = [0; 4];
+    match tokio::time::timeout(idle_limit, stream.read_exact(&mut length)).await {
+        Ok(Ok(_)) => {}
+        Ok(Err(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            return Ok(RequestLength::End);
+        }
+        Ok(Err(error)) => return Err(error),
+        Err(_) => return Ok(RequestLength::End),
+    }
+    let length = u32::from_le_bytes(length) as usize;
+    Ok(if length > MAX_MESSAGE_BYTES {
+        RequestLength::TooLong
+    } else {
+        RequestLength::Bytes(length)
+    })
+}
+
+/// Reads the bytes of a request.
+pub(super) async fn read_bytes(stream: &mut UnixStream, length: usize) -> io::Result<Vec<u8>> {
+    let mut bytes = vec![0; length];
+    tokio::time::timeout(TRANSFER, stream.read_exact(&mut bytes)).await??;
+    Ok(bytes)
+}
+
+/// Writes a reply.
+pub(super) async fn write_reply(stream: &mut UnixStream, reply: &Reply) -> io::Result<()> {
+    let bytes = codec::encode_reply(reply);
+    let mut message = (bytes.len() as u32).to_le_bytes().to_vec();
+    message.extend(bytes);
+    tokio::time::timeout(TRANSFER, stream.write_all(&message)).await??;
+    Ok(())
+}
+
+/// Refuses a request that is too long; the rest of the stream cannot be trusted then.
+pub(super) async fn refuse_length(stream: &mut UnixStream) -> io::Result<()> {
+    let sentence = format!("a request may have at most {MAX_MESSAGE_BYTES} bytes");
+    let refusal = Refusal::new(RefusalKind::Invalid, sentence);
+    write_reply(stream, &Reply::Refused(refusal)).await
+}
+
+/// Waits until the peer has closed the connection. A peer that only ended its own writing still
+/// waits for a reply.
+pub(super) async fn hung_up(stream: &UnixStream) {
+    loop {
+        if stream.ready(Interest::READABLE).await.is_err() || is_hung_up(stream) {
+            return;
+        }
+        // Readable for another reason: the next request, or the end of the peer's writing.
+        tokio::time::sleep(HANG_UP_PERIOD).await;
+    }
+}
+
+fn is_hung_up(stream: &UnixStream) -> bool {
+    let sent = send(stream, &[], SendFlags::NOSIGNAL | SendFlags::DONTWAIT);
+    matches!(sent, Err(Errno::PIPE | Errno::CONNRESET))
+}

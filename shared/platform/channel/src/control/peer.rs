@@ -1,0 +1,17 @@
+//! Peer credentials: the user behind a connection, as the kernel names it.
+
+/// User who sent a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Peer {
+    /// User id (`SO_PEERCRED`).
+    pub uid: u32,
+}
+
+impl Peer {
+    /// This process's own user, who runs the daemon.
+    pub fn own() -> Self {
+        Self {
+            uid: rustix::process::geteuid().as_raw(),
+        }
+    }
+}
