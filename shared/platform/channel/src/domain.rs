@@ -49,7 +49,7 @@ struct Membership {
     name: DomainName,
     folder: PathBuf,
     run_folder: RunFolder,
-    /// Node of iceoryx2; `None` only during drop.
+    /// Node of iceoryx2; `None` only while joining and during drop.
     node: Option<Node<Service>>,
     /// Lock file of the exclusive role.
     _role: Option<LockFile>,
@@ -66,17 +66,18 @@ impl Domain {
     pub fn join(name: &DomainName, run_folder: &RunFolder, role: Role<'_>) -> Result<Self, Error> {
         log_bridge::install();
         let (folder, role, presence) = enter_folder(name, run_folder, role)?;
-        check_shared_memory(name, 0)?;
-        let node = Some(make_node(name, &folder)?);
-        let folder = folder.path().to_owned();
-        Ok(Self(Arc::new(Membership {
+        // A membership from here on, so that a failed start removes what it has made.
+        let mut membership = Membership {
             name: name.clone(),
-            folder,
+            folder: folder.path().to_owned(),
             run_folder: run_folder.clone(),
-            node,
+            node: None,
             _role: role,
             presence,
-        })))
+        };
+        check_shared_memory(name, 0)?;
+        membership.node = Some(make_node(name, &folder)?);
+        Ok(Self(Arc::new(membership)))
     }
 
     /// Name of the joined domain.
@@ -103,7 +104,7 @@ impl Domain {
         }
     }
 
-    #[expect(clippy::expect_used, reason = "the node is removed only by drop")]
+    #[expect(clippy::expect_used, reason = "a joined domain has a node until drop")]
     pub(crate) fn node(&self) -> &Node<Service> {
         self.0.node.as_ref().expect("the node exists until drop")
     }
@@ -198,7 +199,11 @@ fn enter(name: &DomainName, folder: &Arc<TrustedFolder>) -> Result<LockFile, Err
         refuse_foreign_files(name)?;
         return LockFile::shared(folder, DOMAIN_LOCK);
     };
-    refuse_foreign_files(name)?;
+    if let Err(error) = refuse_foreign_files(name) {
+        // Alone in the folder: a start that fails leaves none behind.
+        let _ = std::fs::remove_dir_all(folder.path());
+        return Err(error);
+    }
     let n_files = remove_leftovers(name, folder.path());
     if n_files > 0 {
         tracing::info!("removed {n_files} shared memory files of an earlier run that had crashed");

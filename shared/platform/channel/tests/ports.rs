@@ -414,3 +414,27 @@ fn domain_whose_role_lock_is_a_symbolic_link_is_refused() {
     assert!(matches!(joined, Err(Error::Untrusted { .. })), "{joined:?}");
     assert_eq!(std::fs::read_to_string(&victim).unwrap(), "precious");
 }
+
+#[test]
+fn domain_that_cannot_be_joined_leaves_no_folder_behind() {
+    let folder_after = |spoil: &dyn Fn(&TestDomain)| {
+        let test_domain = TestDomain::new();
+        let folder = test_domain.folder.domain_folder(&test_domain.name);
+        std::fs::create_dir(&folder).unwrap();
+        spoil(&test_domain);
+        let joined = Domain::join(&test_domain.name, &test_domain.folder, Role::Guest);
+        assert!(joined.is_err(), "{joined:?}");
+        folder.exists()
+    };
+    let without_node = |test_domain: &TestDomain| {
+        let folder = test_domain.folder.domain_folder(&test_domain.name);
+        std::fs::write(folder.join("iox2"), "not a folder").unwrap();
+    };
+    assert!(!folder_after(&without_node), "no node can be made");
+    let with_foreign_file = |test_domain: &TestDomain| {
+        let uid = rustix::process::getuid().as_raw();
+        let name = format!("/dev/shm/tabula_{uid}_{}_x", test_domain.name);
+        std::os::unix::fs::symlink(test_domain.folder.path(), name).unwrap();
+    };
+    assert!(!folder_after(&with_foreign_file), "a name is taken");
+}
