@@ -9,7 +9,7 @@
 use crate::Error;
 use rustix::fs::{
     AtFlags, CWD, FileType, Gid, Mode, OFlags, Stat, chownat, fchmod, fchown, fstat, mkdirat,
-    openat, statat,
+    openat, renameat, statat, unlinkat,
 };
 use rustix::io::Errno;
 use std::fs::{DirBuilder, File};
@@ -117,6 +117,20 @@ impl TrustedFolder {
             return Err(untrusted(path, &stat));
         }
         Ok(File::from(descriptor))
+    }
+
+    /// Renames an entry of the folder, in place of an entry with the other name.
+    ///
+    /// # Errors
+    /// [`Error::RunFolder`] when the system refuses.
+    pub(crate) fn rename(&self, from: &str, to: &str) -> Result<(), Error> {
+        renameat(&self.descriptor, from, &self.descriptor, to)
+            .map_err(|error| failed("replace", &self.path.join(to), error))
+    }
+
+    /// Removes a file of the folder if it is there.
+    pub(crate) fn remove_file(&self, name: &str) {
+        let _ = unlinkat(&self.descriptor, name, AtFlags::empty());
     }
 
     /// `true` when `name` in this folder is the open file: same device and inode.
