@@ -4,8 +4,8 @@ use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
 
-/// Sections of the file: one for each process.
-const SECTIONS: [&str; 4] = ["camera", "simulator", "perception", "memory"];
+/// Sections of the file: one for each process, and `run` for their parent.
+const SECTIONS: [&str; 5] = ["run", "camera", "simulator", "perception", "memory"];
 
 /// Largest accepted configuration file, bytes.
 const MAX_BYTES: u64 = 1 << 20;

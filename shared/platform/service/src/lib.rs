@@ -45,6 +45,7 @@ pub use cpu_affinity::CpuAffinity;
 pub use failure::{Failure, exit_code};
 pub use health_counters::HealthCounters;
 pub use home::Home;
+pub use log::start_log;
 pub use run::{run, stop_with_parent};
 pub use shutdown::Shutdown;
 pub use stopwatch::Stopwatch;

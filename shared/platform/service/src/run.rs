@@ -4,7 +4,7 @@ use crate::health_reporter::HealthReporter;
 use crate::shutdown::on_signals;
 use crate::{
     CommonArguments, ConfigFile, Context, Failure, HealthCounters, Home, ProcessArguments,
-    Shutdown, log,
+    Shutdown, start_log,
 };
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
@@ -34,7 +34,7 @@ pub fn run<C, F>(
 where
     F: Future<Output = Result<(), Failure>> + Send + 'static,
 {
-    log::start();
+    start_log();
     let common = &arguments.common;
     if arguments
         .follow_parent
