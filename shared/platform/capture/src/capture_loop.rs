@@ -41,6 +41,7 @@ pub struct CaptureLoop {
     lockstep: Option<Lockstep>,
     session: u64,
     sequence: u64,
+    is_ready: bool,
     is_device_lost: bool,
     /// Log sentences already written about unusable frames.
     reported: BTreeSet<String>,
@@ -87,6 +88,7 @@ impl CaptureLoop {
             lockstep,
             session: random_session(),
             sequence: 0,
+            is_ready: false,
             is_device_lost: false,
             reported: BTreeSet::new(),
             context,
@@ -102,7 +104,6 @@ impl CaptureLoop {
         if self.lockstep.is_some() {
             self.wait_for_subscriber();
         }
-        self.context.health.set_state(ProcessState::Ready, "");
         while !self.context.shutdown.is_requested() {
             self.context.health.record_progress();
             match self.capture_frame() {
@@ -141,6 +142,7 @@ impl CaptureLoop {
         self.wait_for_lead_time()?;
         let making_wait = watch.lap(Stage::GenerationWait, 0);
         let (mut loan, mut info) = self.loan_filled(size)?;
+        self.become_ready();
         let making = watch.lap(Stage::Generation, 0);
         self.lead_time.record(making.duration_ns());
         if self.lockstep.is_some() {
@@ -301,6 +303,14 @@ impl CaptureLoop {
         let until_ns = monotonic_ns() + LOOK_AGAIN.as_nanos() as u64;
         while monotonic_ns() < until_ns && !self.context.shutdown.is_requested() {
             std::thread::sleep(NAP);
+        }
+    }
+
+    /// Reports readiness with the first frame: a source without any usable frame never was
+    /// ready, so that its failure is one of the start.
+    fn become_ready(&mut self) {
+        if !std::mem::replace(&mut self.is_ready, true) {
+            self.context.health.set_state(ProcessState::Ready, "");
         }
     }
 
