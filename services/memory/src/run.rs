@@ -16,10 +16,13 @@ use perceptual_memory::{OpenReport, StoreConfig, StoreHandle, StoreThread};
 use service::{Context, Failure, HealthCounters, TaskGroup, wall_clock_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Period of the liveness probe of the store.
 const PROBE: Duration = Duration::from_millis(500);
+/// Time after which a store that is still being opened again counts as hung. Chosen: opening
+/// takes 5 us for each entry of the history, a rebuild a multiple of that.
+const LONGEST_OPENING: Duration = Duration::from_secs(600);
 
 /// Runs the service until shutdown.
 ///
@@ -119,10 +122,32 @@ async fn probe(store: StoreHandle, health: Arc<HealthCounters>, processes: Arc<P
             |memory| Ok(memory.sequence()),
             move |answer| drop(sender.send(answer)),
         );
-        if answered.await.is_ok() {
+        if while_opening(&store, &health, answered).await.is_ok() {
             health.record_progress();
         }
         processes.refresh();
         tokio::time::sleep(PROBE).await;
+    }
+}
+
+/// Waits for an answer of the store. Opening a large store again is progress, though it answers
+/// nothing meanwhile, for a limited time.
+async fn while_opening<T>(
+    store: &StoreHandle,
+    health: &HealthCounters,
+    answer: impl Future<Output = T>,
+) -> T {
+    tokio::pin!(answer);
+    let begun = Instant::now();
+    loop {
+        tokio::select! {
+            biased;
+            answer = &mut answer => return answer,
+            () = tokio::time::sleep(PROBE) => {
+                if store.is_opening() && begun.elapsed() < LONGEST_OPENING {
+                    health.record_progress();
+                }
+            }
+        }
     }
 }

@@ -8,6 +8,7 @@ use crate::frame_receiver::{FrameReceiver, ReceivedFrame};
 use crate::frame_trace::FrameTrace;
 use crate::latest_scene::LatestScene;
 use crate::live_executor::{FrameError, LiveExecutor, LiveState};
+use crate::liveness_probe::{LivenessProbe, PROBE_PERIOD};
 use crate::memory_replica::{CategorySnapshot, SharedCategories, SyncBarrier};
 use crate::newest_view::{self, LabelEstimate, NewestView, NewestViews};
 use crate::noise_log::NoiseLog;
@@ -28,10 +29,6 @@ use pipeline::{FramePipeline, ObjectWorkspace};
 use service::{HealthCounters, Stopwatch, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
-
-/// Period of the liveness probe of the loop and its workers while no frames arrive.
-const PROBE: Duration = Duration::from_millis(500);
 
 /// State of the frame loop that lasts from frame to frame.
 pub(crate) struct FrameLoop {
@@ -43,6 +40,7 @@ pub(crate) struct FrameLoop {
     table_log: TableLog,
     noise_log: NoiseLog,
     pool: WorkerPool,
+    liveness_probe: LivenessProbe,
     outbox: Outbox,
     sync_barrier: SyncBarrier,
     categories: SharedCategories,
@@ -98,6 +96,7 @@ impl FrameLoop {
             assumption_log: AssumptionLog::default(),
             table_log: TableLog::default(),
             noise_log: NoiseLog::default(),
+            liveness_probe: LivenessProbe::new(parts.pool.clone(), parts.health.clone()),
             pool: parts.pool,
             outbox: parts.outbox,
             sync_barrier: parts.sync_barrier,
@@ -114,7 +113,7 @@ impl FrameLoop {
     /// Processes frames as they arrive, until the future is dropped or shared memory
     /// fails.
     pub(crate) async fn run(&mut self) -> Result<(), Error> {
-        let mut probe = tokio::time::interval(PROBE);
+        let mut probe = tokio::time::interval(PROBE_PERIOD);
         loop {
             while let Some(received) = self.frame_receiver.newest()? {
                 self.frame(&received).await?;
@@ -137,9 +136,7 @@ impl FrameLoop {
 
     /// Liveness probe: runs an empty job on the worker pool and reports health.
     async fn probe(&mut self) -> Result<(), Error> {
-        if self.pool.run(|_| ()).await.is_ok() {
-            self.health.record_progress();
-        }
+        self.liveness_probe.probe().await;
         self.report_actors();
         self.publishers.scene.deliver_history()
     }
@@ -160,7 +157,9 @@ impl FrameLoop {
         }
         if received.is_lockstep() {
             // Determinism: a replay has the same categories at the same frame.
-            self.sync_barrier.wait().await;
+            self.liveness_probe
+                .while_waiting(self.sync_barrier.wait())
+                .await;
         }
         self.live.trace.begin(received);
         let mut executor = LiveExecutor::new(&mut self.live, received);
@@ -335,16 +334,20 @@ impl FrameLoop {
             .frames_dropped
             .store(self.frame_receiver.n_dropped(), Ordering::Relaxed);
         self.report_actors();
-        self.health.record_progress();
         if received.is_lockstep() {
-            for stored in receipts {
-                let _ = stored.await;
-            }
+            let stored = async {
+                for stored in receipts {
+                    let _ = stored.await;
+                }
+            };
+            self.liveness_probe.while_waiting(stored).await;
         }
         self.report_finished(received)
     }
 
+    /// Ends the work on a frame, used or unusable: that is progress.
     fn report_finished(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
+        self.health.record_progress();
         let header = received.frame.header();
         let done = FrameDone {
             session: header.session,

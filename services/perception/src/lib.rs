@@ -18,6 +18,7 @@ mod frame_trace;
 mod helper_threads;
 mod latest_scene;
 mod live_executor;
+mod liveness_probe;
 mod log_once;
 mod memory_replica;
 mod newest_view;

@@ -5,6 +5,7 @@ use crate::config::Config;
 use crate::control;
 use crate::frame_loop::{FrameLoop, FrameLoopParts};
 use crate::latest_scene::LatestScene;
+use crate::liveness_probe::LivenessProbe;
 use crate::memory_replica::{MemoryReplica, SharedCategories};
 use crate::object_actor::{ObjectActor, ObjectContext};
 use crate::object_actors::ObjectActors;
@@ -71,8 +72,9 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     tasks.spawn("the replica of the memory", replica.run());
     tasks.spawn("the sender of key views", outbox_sender.run());
     tasks.spawn("the lease of track-ids", ids.clone().keep(memory.clone()));
+    let liveness_probe = LivenessProbe::new(pool.clone(), health.clone());
     let work = async {
-        ids.fetch_first(&memory).await;
+        liveness_probe.while_waiting(ids.fetch_first(&memory)).await;
         health.set_state(ProcessState::Ready, "");
         frames.run().await.map_err(Failure::from)
     };

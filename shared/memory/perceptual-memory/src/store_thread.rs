@@ -12,6 +12,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -113,9 +114,16 @@ pub struct StoreHandle {
     queue: SyncSender<StoreRequest>,
     capacity: usize,
     position: Arc<Mutex<Position>>,
+    is_opening: Arc<AtomicBool>,
 }
 
 impl StoreHandle {
+    /// `true` while the thread opens the store again after a failure, or rebuilds it; that of a
+    /// large store takes minutes.
+    pub fn is_opening(&self) -> bool {
+        self.is_opening.load(Ordering::Relaxed)
+    }
+
     /// Position of the durable history; does not wait.
     pub fn position(&self) -> Position {
         *self.position.lock()
@@ -238,6 +246,7 @@ impl StoreThread {
     pub fn start(config: StoreConfig) -> Result<(Self, StoreHandle, OpenReport), Error> {
         let (memory, report) = config.open(false)?;
         let position = Arc::new(Mutex::new(memory.position()));
+        let is_opening = Arc::new(AtomicBool::new(false));
         let capacity = config.queue_capacity.max(1);
         let (queue, requests) = sync_channel(capacity);
         let folder = config.folder.clone();
@@ -248,6 +257,7 @@ impl StoreThread {
             n_uncompacted_bytes: 0,
             compaction_step: 0,
             position: Arc::clone(&position),
+            is_opening: Arc::clone(&is_opening),
         };
         let thread = std::thread::Builder::new()
             .name("store".to_owned())
@@ -257,6 +267,7 @@ impl StoreThread {
             queue: queue.clone(),
             capacity,
             position,
+            is_opening,
         };
         Ok((
             Self {
@@ -307,6 +318,8 @@ struct StoreLoop {
     compaction_step: usize,
     /// Position of the durable history, shared with all handles.
     position: Arc<Mutex<Position>>,
+    /// `true` while the store is opened again, shared with all handles.
+    is_opening: Arc<AtomicBool>,
 }
 
 impl StoreLoop {
@@ -444,10 +457,12 @@ impl StoreLoop {
     fn open_again(&mut self, must_rebuild: bool) -> Result<OpenReport, Error> {
         // Closed first, to release the lock of the folder.
         self.memory = None;
+        self.is_opening.store(true, Ordering::Relaxed);
         let report = self.config.open(must_rebuild).map(|(memory, report)| {
             self.memory = Some(memory);
             report
         });
+        self.is_opening.store(false, Ordering::Relaxed);
         self.publish_position();
         (self.config.on_reopened)(&report);
         report
