@@ -341,6 +341,8 @@ fn second_daemon_in_the_domain_is_refused_and_the_first_is_undisturbed() {
         assert_eq!(printed["exit_code"], json!(ALREADY_RUNNING), "{printed}");
     }
     assert_eq!(pids(&daemon), before);
+    let expected = daemon.ask(&["status"])["expected"].clone();
+    assert_eq!(expected.as_array().map(Vec::len), Some(3), "{expected}");
     let later = wait_for_all(&daemon, 0);
     assert_eq!(ids(&later), ids(&objects), "the tracks go on");
     assert_eq!(

@@ -140,6 +140,15 @@ const PROCESS: &[(&str, JsonType)] = &[
     ("abandoned", Count),
     ("note", Text),
 ];
+const EXPECTED_PROCESS: &[(&str, JsonType)] = &[
+    ("process", Text),
+    ("pid", CountOrNull),
+    ("state", Text),
+    ("since_ns", Count),
+    ("n_ends", Count),
+    ("cause", Text),
+    ("trouble", Text),
+];
 const STARTED: &[(&str, JsonType)] = &[
     ("domain", Text),
     ("home", Text),
@@ -215,8 +224,9 @@ fn commands_answer_with_exactly_the_documented_keys() {
     check_shape(&daemon.ask(&["forget", "bowl", "--author", "Ada"]), LEARNED);
 
     let status = daemon.ask(&["status"]);
-    check_shape(&status, &[("processes", List)]);
+    check_shape(&status, &[("processes", List), ("expected", List)]);
     check_list(&status["processes"], PROCESS);
+    check_list(&status["expected"], EXPECTED_PROCESS);
     assert_eq!(
         status["processes"].as_array().unwrap().len(),
         WITH_CAMERA.len()
@@ -526,18 +536,26 @@ fn as_root_other_accounts_need_the_group() {
             "{sentence}"
         );
     }
+    let arguments = &["status", "--json"];
+    let member = as_account(&sandbox, folder.path(), STRANGE_GROUP, arguments)
+        .output()
+        .unwrap();
+    let status: Value = serde_json::from_slice(&member.stdout).unwrap();
+    let expected = status["expected"].as_array().unwrap();
+    assert_eq!(expected.len(), WITH_CAMERA.len(), "{status:#}");
     kill_process(Pid::from_child(&run), Signal::INT).unwrap();
     assert!(run.wait().unwrap().success());
 }
 
 /// Names of the checks of `tabula doctor`.
-const CHECKS: [&str; 12] = [
+const CHECKS: [&str; 13] = [
     "shared memory",
     "largest services",
     "open files",
     "domain",
     "stale nodes",
     "control socket",
+    "processes",
     "depth noise",
     "data folder",
     "ports",

@@ -82,7 +82,9 @@ pub(crate) struct Sandbox {
     pub(crate) domain: DomainName,
     runtime_dir: Arc<TempDir>,
     home: TempDir,
-    programs: &'static Path,
+    programs: PathBuf,
+    /// Folder of programs of this sandbox only, removed with it.
+    own_programs_guard: Option<TempDir>,
 }
 
 impl Sandbox {
@@ -94,14 +96,46 @@ impl Sandbox {
                 .unwrap(),
             runtime_dir: Arc::new(tempfile::tempdir_in("/dev/shm").unwrap()),
             home: tempfile::tempdir().unwrap(),
-            programs: &PROGRAMS,
+            programs: PROGRAMS.clone(),
+            own_programs_guard: None,
         }
+    }
+
+    /// Sandbox in which a shell script stands in for a program of the daemon. In the script `$0`
+    /// is its own path, and `$REAL` that of the program. It is asked to check its arguments with
+    /// `--check-config` before it is started.
+    pub(crate) fn with_script(process: ProcessKind, script: &str) -> Self {
+        let folder = tempfile::tempdir_in(&*PROGRAMS).unwrap();
+        let name = "tabula";
+        // `tabula` looks for the others in its own folder, where no symbolic link leads.
+        std::fs::hard_link(PROGRAMS.join(name), folder.path().join(name)).unwrap();
+        for other in ProcessKind::ALL
+            .into_iter()
+            .filter(|other| *other != process)
+        {
+            let name = other.program();
+            std::os::unix::fs::symlink(PROGRAMS.join(&name), folder.path().join(&name)).unwrap();
+        }
+        let path = folder.path().join(process.program());
+        let real = PROGRAMS.join(process.program());
+        let text = format!("#!/bin/sh\nREAL='{}'\n{script}\n", real.display());
+        std::fs::write(&path, text).unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let mut sandbox = Self::new();
+        folder.path().clone_into(&mut sandbox.programs);
+        sandbox.own_programs_guard = Some(folder);
+        sandbox
+    }
+
+    /// Writes the configuration file of the daemons in this sandbox.
+    pub(crate) fn configure(&self, toml: &str) {
+        std::fs::write(self.home().join("tabula.toml"), toml).unwrap();
     }
 
     /// Sandbox for daemons with fault injection.
     pub(crate) fn with_faulty_perception() -> Self {
         let mut sandbox = Self::new();
-        sandbox.programs = &FAULTY_PROGRAMS;
+        sandbox.programs = FAULTY_PROGRAMS.clone();
         sandbox
     }
 
@@ -111,7 +145,8 @@ impl Sandbox {
             domain: format!("{}-b", self.domain).parse().unwrap(),
             runtime_dir: self.runtime_dir.clone(),
             home: tempfile::tempdir().unwrap(),
-            programs: self.programs,
+            programs: self.programs.clone(),
+            own_programs_guard: None,
         }
     }
 

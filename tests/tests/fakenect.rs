@@ -213,7 +213,7 @@ fn fakenect_loop_restarts_the_process_and_continues() {
     let before = frames().unwrap();
     eventually("frames come after that", || frames() > Some(before + 10));
     assert_ne!(camera(&daemon, "state"), "idle");
-    let restarted = daemon.log().contains("was started again");
+    let restarted = daemon.log().contains("starting it again");
     assert!(
         !restarted,
         "the process restarts itself and is not restarted:\n{}",

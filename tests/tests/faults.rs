@@ -2,8 +2,7 @@
 //! changes survive, the daemon recovers, and nothing is left behind.
 
 use crate::daemon::{
-    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest, run_to_end, send_signal, suspend,
-    wait_for_end,
+    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest, send_signal, suspend, wait_for_end,
 };
 use crate::skeleton::{id, place_of, wait_for_all};
 use message::ProcessKind;
@@ -17,8 +16,8 @@ use std::time::Duration;
 
 /// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
-/// Pause between kills. The daemon gives up when one process ends more than 30 times in a
-/// minute; a kill a second among three stays below it.
+/// Pause between kills, in which a process can work. One that ends again within 10 s is
+/// restarted after a longer delay.
 const BETWEEN_KILLS: Duration = Duration::from_secs(1);
 
 /// Teaches the labels of two objects.
@@ -44,7 +43,7 @@ fn wait_for_names(daemon: &Daemon<'_>) {
 }
 
 /// Number of frames that a process has handled since its start.
-fn n_frames(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
+pub(crate) fn n_frames(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
     let health = daemon.health(process.name());
     health
         .and_then(|health| health["frames"].as_u64())
@@ -52,7 +51,7 @@ fn n_frames(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
 }
 
 /// Waits until a process has handled more frames.
-fn wait_for_frames(daemon: &Daemon<'_>, process: ProcessKind) {
+pub(crate) fn wait_for_frames(daemon: &Daemon<'_>, process: ProcessKind) {
     let before = n_frames(daemon, process);
     let what = format!("tabula-{} handles frames", process.name());
     eventually(&what, || n_frames(daemon, process) > before + 5);
@@ -356,8 +355,10 @@ fn long_kills_at_random_instants_lose_nothing_acknowledged() {
 }
 
 #[test]
-fn a_stopped_perception_blocks_neither_camera_nor_memory() {
+fn a_stopped_perception_blocks_neither_camera_nor_memory_and_is_replaced() {
     let sandbox = Sandbox::new();
+    // Time for what is asked meanwhile, on however busy a computer.
+    sandbox.configure("[run]\nwatchdog_s = 30.0");
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let mug = id(nearest(&daemon.objects(), place_of(0, "mug")));
@@ -370,20 +371,22 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory() {
     let (_, sentence) = daemon.refused(&["objects"]);
     assert!(sentence.contains("no answer within"), "{sentence}");
     wait_for_frames(&daemon, ProcessKind::Camera);
-    send_signal(perception, Signal::CONT).unwrap();
+    eventually("perception is replaced", || {
+        let pid = daemon.pid(ProcessKind::Perception);
+        pid.is_some_and(|pid| pid != perception)
+    });
     wait_for_frames(&daemon, ProcessKind::Perception);
     daemon.wait_for(
         "perception goes on with what was taught meanwhile",
         |objects| !objects.is_empty() && nearest(objects, place_of(0, "mug"))["label"] == "cup",
     );
-    let pid = daemon.pid(ProcessKind::Perception).unwrap();
-    assert_eq!(pid, perception, "it was not restarted");
     daemon.stop();
 }
 
 #[test]
 fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
     let sandbox = Sandbox::new();
+    sandbox.configure("[run]\nwatchdog_s = 3600.0\nstartup_watchdog_s = 3600.0");
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let memory = daemon.pid(ProcessKind::Memory).unwrap();
@@ -395,29 +398,6 @@ fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
     wait_for_frames(&daemon, ProcessKind::Memory);
     wait_for_names(&daemon);
     daemon.stop();
-}
-
-#[test]
-fn process_that_cannot_start_ends_the_daemon_with_a_reason() {
-    let sandbox = Sandbox::new();
-    // A file where the memory needs a folder stops even root.
-    std::fs::write(sandbox.home().join("perceptual-memory"), "not a folder").unwrap();
-    let output = run_to_end(sandbox.command("tabula").arg("run").args(TABLE), WATCHDOG);
-    let sentence = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{sentence}");
-    let last = sentence.lines().last().unwrap();
-    assert!(
-        last.contains("tabula-memory has ended more than 30 times"),
-        "{sentence}"
-    );
-    assert!(last.contains("tabula doctor"), "{sentence}");
-    assert!(
-        sentence.contains("perceptual-memory"),
-        "the cause is named: {sentence}"
-    );
-    assert!(sandbox.is_deserted());
-    assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
-    assert!(!sandbox.run_folder().domain_folder(&sandbox.domain).exists());
 }
 
 #[test]

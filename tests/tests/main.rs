@@ -45,6 +45,8 @@ mod simulation;
 mod skeleton;
 /// Two hundred tracks at once.
 mod stress;
+/// Supervision of processes: hangs, endless restarts, expected processes.
+mod supervision;
 /// Working memory: facts, events and tasks survive a kill.
 mod world_memory;
 /// Zero-copy transport: the cloud is written once.

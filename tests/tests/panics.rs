@@ -217,6 +217,9 @@ fn panics_above_the_restart_limit_restart_the_process() {
     assert_eq!(of_kind(&of_second, ActorEventKind::Restarting).len(), 0);
     assert_eq!(of_kind(&of_second, ActorEventKind::Started).len(), 5);
     assert_eq!(frames_in_log(&daemon).len(), MAX as usize);
+    eventually("its readiness is reported", || {
+        daemon.log().contains("tabula-perception runs again")
+    });
     check_log(&daemon.log(), MAX, escalated[0].frame().unwrap());
     let health: Value = daemon.health("perception").unwrap();
     assert_eq!(health["restarts"], 0, "{health:#}");
@@ -231,7 +234,7 @@ fn check_log(log: &str, max: u32, frame: u64) {
     for printed in [
         escalation.as_str(),
         "tabula-perception has ended (exit status: 1); starting it again",
-        "tabula-perception was started again",
+        "tabula-perception runs again",
     ] {
         assert_eq!(log.matches(printed).count(), 1, "{printed}\n{log}");
     }

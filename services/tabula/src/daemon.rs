@@ -1,24 +1,27 @@
 //! `tabula run`: supervisor that runs the daemon's processes as children.
 
 use crate::arguments::RunArguments;
-use crate::child::{self, Child};
 use crate::sensor::Sensor;
+use crate::supervision::{self, Child, Supervision, SupervisionConfig};
+use channel::control::SocketClient;
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
-use control_client::{call, connect};
 use message::ProcessKind;
 use message::control::{Command, Reply};
 use serde::Serialize;
-use service::{CommonArguments, Failure, stop_with_parent};
+use service::{CommonArguments, ConfigFile, Failure, start_log, stop_with_parent};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+
+/// Name of the exclusive role of `tabula run` in its domain.
+const ROLE: &str = "tabula-run";
 
 /// Polling period of the children. Chosen.
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// Period of the readiness check. Chosen.
 const READINESS_PERIOD: Duration = Duration::from_millis(200);
-/// Time that the children get to stop; the rest of the promised 5 s is for killing them.
-const STOP_TIMEOUT: Duration = Duration::from_secs(4);
+/// Time limit of an answer to the readiness check; the children are not polled meanwhile.
+const READINESS_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// JSON announcement of the started daemon processes.
 #[derive(Serialize)]
@@ -41,24 +44,11 @@ pub(crate) fn run(
     run: &RunArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let sensor = Sensor::choose(common, run.source())?;
-    let for_sensor = run.for_sensor(&sensor)?;
-    let arguments = |process| {
-        let mut all = child::common_arguments(common);
-        if process == sensor.process() {
-            all.extend_from_slice(&for_sensor);
-        }
-        all
-    };
-    let processes = sensor.processes();
-    for &process in &processes {
-        child::check(process, &arguments(process))?;
-    }
-    let (idle, idle_arguments) = sensor.idle();
-    let idle_arguments = idle_arguments.iter().map(|&word| word.to_owned());
-    let arguments_of_idle: Vec<String> =
-        arguments(idle).into_iter().chain(idle_arguments).collect();
-    child::check(idle, &arguments_of_idle)?;
+    start_log();
+    let home = common.home();
+    let file = ConfigFile::find(common.config.as_deref(), home.path())?;
+    let config = SupervisionConfig::new(&file)?;
+    let processes = checked_processes(common, run)?;
     if run.check_config {
         output.print_text("the configuration and the arguments are in order");
         return Ok(ExitCode::SUCCESS);
@@ -72,28 +62,49 @@ pub(crate) fn run(
     }
     // A member of the domain until all children have ended: the last member removes its files,
     // even those of killed processes.
-    let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;
-    let mut children = Vec::new();
-    let outcome = start_all(&mut children, &processes, arguments)
-        .and_then(|()| keep_running(&mut children, common, &domain, &stop, output));
-    output.print_text("stopping");
-    stop_all(&mut children);
+    let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Only(ROLE))?;
+    let mut supervision = Supervision::new(&domain, config)?;
+    let outcome = processes
+        .into_iter()
+        .try_for_each(|(process, arguments)| supervision.start(process, arguments))
+        .and_then(|()| keep_running(&mut supervision, common, &domain, &stop, output));
+    tracing::info!("stopping all processes");
+    supervision.stop();
     outcome.map(|()| ExitCode::SUCCESS)
 }
 
-fn start_all(
-    children: &mut Vec<Child>,
-    processes: &[ProcessKind],
-    arguments: impl Fn(ProcessKind) -> Vec<String>,
-) -> Result<(), Failure> {
-    for &process in processes {
-        children.push(Child::start(process, arguments(process))?);
+/// Processes of the daemon with their arguments, which they have checked themselves.
+fn checked_processes(
+    common: &CommonArguments,
+    run: &RunArguments,
+) -> Result<Vec<(ProcessKind, Vec<String>)>, Failure> {
+    let sensor = Sensor::choose(common, run.source())?;
+    let for_sensor = run.for_sensor(&sensor)?;
+    let arguments = |process| {
+        let mut all = supervision::common_arguments(common);
+        if process == sensor.process() {
+            all.extend_from_slice(&for_sensor);
+        }
+        all
+    };
+    let processes: Vec<_> = sensor
+        .processes()
+        .into_iter()
+        .map(|process| (process, arguments(process)))
+        .collect();
+    for (process, arguments) in &processes {
+        supervision::check(*process, arguments)?;
     }
-    Ok(())
+    let (idle, idle_arguments) = sensor.idle();
+    let idle_arguments = idle_arguments.iter().map(|&word| word.to_owned());
+    let arguments_of_idle: Vec<String> =
+        arguments(idle).into_iter().chain(idle_arguments).collect();
+    supervision::check(idle, &arguments_of_idle)?;
+    Ok(processes)
 }
 
 fn keep_running(
-    children: &mut [Child],
+    supervision: &mut Supervision,
     common: &CommonArguments,
     domain: &Domain,
     stop: &StopSignal,
@@ -102,14 +113,12 @@ fn keep_running(
     let mut is_announced = false;
     let mut next_readiness_check = Instant::now();
     while !stop.is_raised() {
-        for child in &mut *children {
-            child.supervise(|text| output.print_status(text))?;
-        }
+        supervision.poll()?;
         if !is_announced && next_readiness_check <= Instant::now() {
-            is_announced = is_ready(children, common);
+            is_announced = is_ready(supervision.children(), domain);
             next_readiness_check = Instant::now() + READINESS_PERIOD;
             if is_announced {
-                announce(children, common, domain, output);
+                announce(supervision.children(), common, domain, output);
             }
         }
         stop.sleep(POLL_PERIOD);
@@ -119,8 +128,10 @@ fn keep_running(
 
 /// True if every child reports that it works. Process ids are compared, since another daemon in the
 /// domain might answer.
-fn is_ready(children: &[Child], common: &CommonArguments) -> bool {
-    let health = connect(common).and_then(|mut client| call(&mut client, Command::Health));
+fn is_ready(children: &[Child], domain: &Domain) -> bool {
+    let folder = RunFolder::of_user();
+    let health = SocketClient::connect(domain.name(), &[folder], READINESS_TIMEOUT)
+        .and_then(|mut client| client.call(Command::Health));
     let Ok(Reply::Health(processes)) = health else {
         return false;
     };
@@ -181,16 +192,4 @@ fn announcement(document: &StartedDocument) -> String {
          Ctrl-C stops everything.",
         started = started.join(", ")
     )
-}
-
-/// Stops the sensor process first, then the consumers of its frames.
-fn stop_all(children: &mut [Child]) {
-    for child in children.iter().rev() {
-        child.ask_to_stop();
-    }
-    let deadline = Instant::now() + STOP_TIMEOUT;
-    while Instant::now() < deadline && !children.iter_mut().all(Child::has_ended) {
-        std::thread::sleep(POLL_PERIOD);
-    }
-    children.iter_mut().for_each(Child::kill);
 }

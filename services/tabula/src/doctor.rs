@@ -2,6 +2,7 @@
 
 mod checks;
 mod depth_noise;
+mod expected_processes;
 
 use command_line::Output;
 use serde::Serialize;

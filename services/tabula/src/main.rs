@@ -2,7 +2,6 @@
 
 mod arguments;
 mod arm;
-mod child;
 mod daemon;
 mod doctor;
 mod knowledge;
@@ -11,6 +10,8 @@ mod learn;
 mod memory;
 mod objects;
 mod sensor;
+mod status;
+mod supervision;
 mod time;
 mod world;
 
@@ -33,7 +34,7 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Doctor => Ok(doctor::run(&arguments.common, output)),
         Verb::Objects { watch } => objects::objects(&arguments.common, *watch, output),
         Verb::Ask { track_id } => objects::ask(&arguments.common, *track_id, output),
-        Verb::Status => objects::status(&arguments.common, output),
+        Verb::Status => status::run(&arguments.common, output),
         Verb::Teach(label) => learn::teach(&arguments.common, label, output),
         Verb::Correct(label) => learn::correct(&arguments.common, label, output),
         Verb::Forget(forget) => learn::forget(&arguments.common, forget, output),

@@ -1,10 +1,9 @@
-//! `tabula objects`, `ask`, `status`: tracked objects and state of the processes.
+//! `tabula objects` and `ask`: tracked objects.
 
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table, redraw_terminal};
 use control_client::{call, connect, unexpected_reply};
 use message::control::{Command, ObjectReport, ObjectsReport, RejectedCandidateReport, Reply};
-use serde::Serialize;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -205,58 +204,6 @@ fn answer_text(object: &ObjectReport) -> String {
         }
         (None, None) => format!("track {track_id} is unknown; nothing has been taught yet"),
     }
-}
-
-#[derive(Serialize)]
-struct StatusDocument {
-    processes: Vec<message::control::ProcessReport>,
-}
-
-/// Runs `tabula status`.
-pub(crate) fn status(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let processes = match call(&mut connect(common)?, Command::Health)? {
-        Reply::Health(processes) => processes,
-        other => return Err(unexpected_reply(&other)),
-    };
-    let document = StatusDocument { processes };
-    output.answer(&document, || status_text(&document));
-    Ok(ExitCode::SUCCESS)
-}
-
-fn status_text(document: &StatusDocument) -> String {
-    let heading = [
-        "process",
-        "pid",
-        "state",
-        "uptime s",
-        "frames",
-        "dropped",
-        "late",
-        "actors",
-        "restarts",
-        "resident MB",
-        "note",
-    ];
-    let rows: Vec<Vec<String>> = document
-        .processes
-        .iter()
-        .map(|process| {
-            vec![
-                process.process.clone(),
-                process.pid.to_string(),
-                process.state.clone(),
-                format!("{:.1}", process.uptime_s),
-                process.frames.to_string(),
-                process.frames_dropped.to_string(),
-                process.frames_late.to_string(),
-                process.actors.to_string(),
-                process.restarts.to_string(),
-                (process.resident_bytes / 1_000_000).to_string(),
-                process.note.clone(),
-            ]
-        })
-        .collect();
-    format_table(&heading, &rows)
 }
 
 #[cfg(test)]

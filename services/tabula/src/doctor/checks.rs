@@ -1,7 +1,7 @@
-//! Checks of `tabula doctor`: shared memory, descriptors, domain, socket, depth noise, disk,
-//! camera.
+//! Checks of `tabula doctor`: shared memory, descriptors, domain, processes, socket, depth
+//! noise, disk, camera.
 
-use super::{Finding, Severity, depth_noise};
+use super::{Finding, Severity, depth_noise, expected_processes};
 use channel::control::SocketClient;
 use channel::{DomainState, RunFolder, SharedMemory, domain_reservation};
 use freenect::{Library, LibraryKind, Presence};
@@ -17,7 +17,7 @@ const DESCRIPTORS_NEEDED: u64 = 256;
 /// Free bytes on the data disk below which a warning is given. Chosen.
 const FREE_BYTES_MIN: u64 = 100_000_000;
 /// Time limit of a connection to the daemon, and of each of its answers.
-const DEADLINE: Duration = Duration::from_secs(2);
+pub(super) const DEADLINE: Duration = Duration::from_secs(2);
 
 /// Findings of all checks, in the order in which a new user meets the problems.
 pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
@@ -30,6 +30,7 @@ pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
         domain(common, &run_folder, &state),
         crashed_run(&state),
         control_socket(common, &state),
+        expected_processes::finding(common),
         noise(common, &state),
         data_folder(common.home().path()),
         ports(),

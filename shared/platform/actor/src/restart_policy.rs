@@ -1,7 +1,7 @@
 //! Restart policy: restart intensity within a sliding window, and exponential
 //! back-off. Pure functions of passed-in instants.
 //!
-//! Used for actors inside a process and for the processes of a run alike.
+//! Used for the actors inside a process.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};

@@ -1,0 +1,69 @@
+//! Check of `tabula doctor` on the processes that should run in the domain.
+
+use super::checks::DEADLINE;
+use super::{Finding, Severity};
+use crate::status::expected_processes;
+use crate::supervision::{ProcessRecord, read_records};
+use channel::RunFolder;
+use channel::control::SocketClient;
+use message::control::{Command, ProcessReport, Reply};
+use service::{CommonArguments, Failure};
+
+const NAME: &str = "processes";
+
+/// Finding: a failure when a process that should run does not.
+pub(super) fn finding(common: &CommonArguments) -> Finding {
+    match read_records(&common.domain) {
+        None => {
+            let sentence = "no `tabula run` runs in the domain, so no process is expected";
+            Finding::new(NAME, Severity::Ok, sentence)
+        }
+        Some(records) => compare(&records, &reports(common)),
+    }
+}
+
+fn compare(records: &[ProcessRecord], reports: &Result<Vec<ProcessReport>, Failure>) -> Finding {
+    let troubles: Vec<String> = expected_processes(records, reports)
+        .into_iter()
+        .map(|process| process.trouble)
+        .filter(|trouble| !trouble.is_empty())
+        .collect();
+    if troubles.is_empty() {
+        let names: Vec<&str> = records.iter().map(|r| r.process.as_str()).collect();
+        let sentence = format!("all that should run do: {}", names.join(", "));
+        return Finding::new(NAME, Severity::Ok, sentence);
+    }
+    Finding::new(NAME, Severity::Failure, troubles.join("; "))
+}
+
+fn reports(common: &CommonArguments) -> Result<Vec<ProcessReport>, Failure> {
+    let answer = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE)
+        .and_then(|mut client| client.call(Command::Health));
+    match answer.map_err(Failure::general)? {
+        Reply::Health(reports) => Ok(reports),
+        other => Err(Failure::general(format!("it answers {other:?}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::supervision::RecordedState;
+
+    #[test]
+    fn missing_process_is_a_failure_with_its_name() {
+        let record = |state| ProcessRecord {
+            process: "memory".into(),
+            pid: None,
+            state,
+            since_ns: 0,
+            n_ends: 1,
+            cause: "exit status: 1".into(),
+        };
+        let found = compare(&[record(RecordedState::Failing)], &Ok(vec![]));
+        assert_eq!(found.severity, Severity::Failure);
+        assert!(found.sentence.contains("tabula-memory"), "{found:?}");
+        let found = compare(&[record(RecordedState::Starting)], &Ok(vec![]));
+        assert_eq!(found.severity, Severity::Ok, "{found:?}");
+    }
+}
