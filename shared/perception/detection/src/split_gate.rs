@@ -6,11 +6,11 @@ use point_cloud::Point;
 
 /// Longest side above which a cluster may be several objects, metres. Chosen; sensitivity:
 /// see `tabula-lab sweep`.
-const LONGEST_SIDE_M: f64 = 0.14;
+const LONGEST_SIDE_M: f64 = 0.17;
 
 /// Footprint area above which a cluster may be several objects, square metres. Chosen;
 /// sensitivity: see `tabula-lab sweep`.
-const FOOTPRINT_M2: f64 = 0.0105;
+const FOOTPRINT_M2: f64 = 0.013;
 
 /// Target number of points on which a cluster is measured.
 const N_SAMPLES: usize = 512;

@@ -101,31 +101,22 @@ fn nothing_scored(arguments: &DetectionArguments, skipped: &[SkippedScene]) -> F
 struct SceneEvaluator<'a> {
     arguments: &'a DetectionArguments,
     config: Config,
-    /// Configuration that keeps the disjoint parts of an object apart.
-    config_of_parts: Config,
+    /// Configuration that makes one object of its disjoint parts.
+    config_of_whole_objects: Config,
     workspace: Workspace,
     detection: Detection,
 }
 
-/// Kind of labels of a scene.
-#[derive(Clone, Copy)]
-enum Labels {
-    /// One label for each object.
-    WholeObjects,
-    /// A label for each disjoint visible part of an object.
-    Parts,
-}
-
 impl<'a> SceneEvaluator<'a> {
     fn new(arguments: &'a DetectionArguments) -> Result<Self, Failure> {
-        let parts = RawConfig {
-            joins_parts: false,
+        let whole_objects = RawConfig {
+            joins_parts: true,
             ..RawConfig::default()
         };
         Ok(Self {
             arguments,
             config: Config::default(),
-            config_of_parts: Config::new(parts).map_err(Failure::general)?,
+            config_of_whole_objects: Config::new(whole_objects).map_err(Failure::general)?,
             workspace: Workspace::default(),
             detection: Detection::default(),
         })
@@ -146,18 +137,13 @@ impl<'a> SceneEvaluator<'a> {
             priors: ScenePriors::default(),
         };
         let whole_objects = if scene.has_part_labels {
-            let found = self.find(&frame, Labels::WholeObjects)?;
+            let found = self.find(&frame, true)?;
             let scores = PsiScores::of(&found, &scene.whole_object_labels());
             Some(scores.ok_or_else(no_object)?)
         } else {
             None
         };
-        let labels = if scene.has_part_labels {
-            Labels::Parts
-        } else {
-            Labels::WholeObjects
-        };
-        let found = self.find(&frame, labels)?;
+        let found = self.find(&frame, false)?;
         let scores = PsiScores::of(&found, &scene.labels).ok_or_else(no_object)?;
         self.write_labels(&entry.name, &found, &scene)?;
         let picture = self.draw(&entry.name, &scene, &found)?;
@@ -177,15 +163,16 @@ impl<'a> SceneEvaluator<'a> {
         })
     }
 
-    /// Detects the objects of a scene, or their parts.
+    /// Detects the objects of a scene, with their disjoint parts joined or not.
     fn find(
         &mut self,
         frame: &DetectionInput<'_>,
-        labels: Labels,
+        joins_parts: bool,
     ) -> Result<HypothesisImages, SceneError> {
-        let config = match labels {
-            Labels::WholeObjects => &self.config,
-            Labels::Parts => &self.config_of_parts,
+        let config = if joins_parts {
+            &self.config_of_whole_objects
+        } else {
+            &self.config
         };
         let (workspace, detection) = (&mut self.workspace, &mut self.detection);
         detect(frame, config, workspace, detection, Execution::default()).map_err(scene_error)?;

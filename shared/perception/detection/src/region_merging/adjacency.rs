@@ -17,13 +17,6 @@ const LOG_ODDS_MIN: f32 = 0.0;
 /// are two because two tracks do. Chosen; sensitivity: see `tabula-lab sweep`.
 const TRACK_LOG_ODDS: f32 = 2.5;
 
-/// Width in two directions below which a region is a sliver, metres: no more than the blur of a
-/// concave edge, which the edge network may cut out between two objects. Chosen.
-const SLIVER_M: f32 = 0.010;
-
-/// Prior log odds that a sliver belongs to its neighbour across a concave edge. Chosen.
-const SLIVER_LOG_ODDS: f32 = 1.0;
-
 /// Place of no edge.
 const NO_EDGE_PLACE: u32 = u32::MAX;
 
@@ -240,26 +233,10 @@ impl RegionAdjacency {
         }
     }
 
-    /// Prior log odds of an edge: of slivers, and by the claims of tracks on its regions.
+    /// Prior log odds of an edge by the claims of tracks on its regions.
     fn prior_log_odds(&self, edge: usize) -> f32 {
-        let regions = self.regions_of(edge).map(|region| region as usize);
-        let is_sliver = |region: usize| {
-            let sides_m = self.regions[region].sides_m;
-            sides_m.iter().filter(|side_m| **side_m < SLIVER_M).count() >= 2
-        };
-        let boundary = &self.edges[edge].boundary;
-        let is_concave = 2 * boundary.n_concave > boundary.n_pairs;
-        let of_sliver = if is_concave && regions.into_iter().any(is_sliver) {
-            SLIVER_LOG_ODDS
-        } else {
-            0.0
-        };
-        of_sliver + self.claim_log_odds(regions)
-    }
-
-    /// Prior log odds of two regions by the claims of tracks on them.
-    fn claim_log_odds(&self, regions: [usize; 2]) -> f32 {
-        match regions.map(|region| self.claims[region]) {
+        let claims = self.regions_of(edge);
+        match claims.map(|region| self.claims[region as usize]) {
             [NO_TRACK, _] | [_, NO_TRACK] => 0.0,
             [a, b] if a == b => TRACK_LOG_ODDS,
             _ => -TRACK_LOG_ODDS,

@@ -5,7 +5,7 @@ use super::region::Region;
 use sensor_noise::DepthNoise;
 
 /// Number of features of a pair.
-pub const N_FEATURES: usize = 36;
+pub const N_FEATURES: usize = 35;
 
 /// Features of a pair of adjacent regions, in the order of [`FEATURE_NAMES`].
 pub type PairFeatures = [f32; N_FEATURES];
@@ -47,7 +47,6 @@ pub const FEATURE_NAMES: [&str; N_FEATURES] = [
     "mean log odds that the edges along the boundary are boundaries of objects",
     "share of the boundary across a gap without depth",
     "1 for regions of one cluster, 0 for those of two",
-    "log of the common footprint's hull over the sum of both",
 ];
 
 /// Greatest deviation from a plane, sigmas.
@@ -129,7 +128,6 @@ pub(super) fn pair_features(
         boundary.mean_log_odds(),
         share(boundary.n_gaps),
         f32::from(u8::from(is_one_cluster)),
-        (both.hull_m2 / (small.hull_m2 + large.hull_m2)).ln(),
     ]
 }
 

@@ -90,8 +90,6 @@ pub(super) struct Region {
     pub(super) height_m: [f32; 2],
     /// Sides of the footprint of least area and height of the upright box, metres.
     pub(super) sides_m: [f32; 3],
-    /// Area of the convex hull of the footprint, square metres.
-    pub(super) hull_m2: f32,
 }
 
 impl RegionSums {
@@ -115,7 +113,15 @@ impl RegionSums {
         self.moments.sum += other.moments.sum;
         self.moments.products += other.moments.products;
         self.moments.depth += other.moments.depth;
-        self.extent.merge(&other.extent);
+        let (own, other) = (&mut self.extent, &other.extent);
+        own.height_m = [
+            own.height_m[0].min(other.height_m[0]),
+            own.height_m[1].max(other.height_m[1]),
+        ];
+        for i in 0..2 * N_YAWS {
+            own.low[i] = own.low[i].min(other.low[i]);
+            own.high[i] = own.high[i].max(other.high[i]);
+        }
     }
 
     /// Description of the region; `camera` is the camera's position in the table's frame.
@@ -146,7 +152,6 @@ impl RegionSums {
             depth_m: (depth / n) as f32,
             height_m: self.extent.height_m,
             sides_m: self.extent.sides_m(),
-            hull_m2: self.extent.hull_m2(),
         }
     }
 }
@@ -174,17 +179,6 @@ impl Extent {
         }
     }
 
-    fn merge(&mut self, other: &Self) {
-        self.height_m = [
-            self.height_m[0].min(other.height_m[0]),
-            self.height_m[1].max(other.height_m[1]),
-        ];
-        for i in 0..2 * N_YAWS {
-            self.low[i] = self.low[i].min(other.low[i]);
-            self.high[i] = self.high[i].max(other.high[i]);
-        }
-    }
-
     /// Sides of the footprint of least area, and the height, metres.
     fn sides_m(&self) -> [f32; 3] {
         let side = |i: usize| (self.high[i] - self.low[i]).max(SIDE_MIN_M);
@@ -193,51 +187,5 @@ impl Extent {
         let [a, b] = smallest.unwrap_or([SIDE_MIN_M; 2]);
         let height_m = (self.height_m[1] - self.height_m[0]).max(SIDE_MIN_M);
         [a, b, height_m]
-    }
-
-    /// Area of the convex hull of the footprint by its support function, square metres: half of
-    /// the sum of the sides times their distances from the origin. The sides of the polygon around
-    /// the hull stand upright on the directions of the yaws.
-    fn hull_m2(&self) -> f32 {
-        const N_SIDES: usize = 4 * N_YAWS;
-        let support = |i: usize| match i % N_SIDES {
-            i if i < 2 * N_YAWS => self.high[i],
-            i => -self.low[i - 2 * N_YAWS],
-        };
-        let (sin, cos) = (std::f32::consts::TAU / N_SIDES as f32).sin_cos();
-        let twice_m2 = (0..N_SIDES).map(|i| {
-            let neighbours = support(i + N_SIDES - 1) + support(i + 1);
-            support(i) * (neighbours - 2.0 * cos * support(i)) / sin
-        });
-        (0.5 * twice_m2.sum::<f32>()).max(SIDE_MIN_M * SIDE_MIN_M)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hull_of_two_discs_is_larger_than_both_together() {
-        let axes = YawAxes::default();
-        let disc = |x: f32| {
-            let mut extent = RegionSums::default().extent;
-            for i in 0..360 {
-                let (sin, cos) = (i as f32).to_radians().sin_cos();
-                extent.add([x + 0.05 * cos, 1.0 + 0.05 * sin, 0.1], &axes);
-            }
-            extent
-        };
-        let (mut both, second) = (disc(0.0), disc(0.1));
-        let area_m2 = std::f32::consts::PI * 0.05 * 0.05;
-        // A circumscribed polygon of 24 sides is 0.6 % larger than its circle.
-        assert!((both.hull_m2() / area_m2 - 1.006).abs() < 1e-3);
-        both.merge(&second);
-        let expected_m2 = area_m2 + 0.1 * 0.1;
-        assert!(
-            (both.hull_m2() / expected_m2 - 1.0).abs() < 0.01,
-            "{}",
-            both.hull_m2()
-        );
     }
 }
