@@ -5,7 +5,7 @@ use channel::control::SocketClient;
 use message::control::{ArmCommand, Command, Reply, Request, WorldCommand};
 use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
@@ -98,12 +98,12 @@ struct HostileClients {
 }
 
 impl HostileClients {
-    fn start(n_clients: usize, socket: &PathBuf) -> Self {
+    fn start(n_clients: usize, socket: &Path) -> Self {
         let is_over = Arc::new(AtomicBool::new(false));
         let n_connections = Arc::new(AtomicU64::new(0));
         let client = |number: usize| {
             let (is_over, n_connections) = (is_over.clone(), n_connections.clone());
-            let socket = socket.clone();
+            let socket = socket.to_owned();
             let misbehave = KINDS[number % KINDS.len()];
             let body = move || {
                 while !is_over.load(Ordering::Relaxed) {
