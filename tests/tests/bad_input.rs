@@ -474,7 +474,7 @@ fn commands_without_a_daemon_tell_how_to_start_one() {
 }
 
 /// Request in the socket's framing: length, little-endian, then CBOR.
-fn framed(body: &[u8]) -> Vec<u8> {
+pub(crate) fn framed(body: &[u8]) -> Vec<u8> {
     let mut message = (body.len() as u32).to_le_bytes().to_vec();
     message.extend_from_slice(body);
     message

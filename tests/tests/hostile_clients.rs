@@ -1,6 +1,8 @@
 //! Hostile clients of the same group: stop and health are answered all the same.
 
+use crate::bad_input::framed;
 use crate::daemon::{Sandbox, WATCHDOG};
+use crate::simulation::{CARTON, scene_file};
 use channel::control::SocketClient;
 use message::control::{ArmCommand, Command, Reply, Request, WorldCommand};
 use std::io::{Read, Write};
@@ -10,15 +12,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-
-/// Scene with an arm and one object.
-const SCENE: &str = "
-seed = 3
-[arm]
-[[object]]
-category = 'milk-carton'
-position_m = [-0.15, -0.05]
-";
 
 /// Kinds of misbehaviour, one for each client in turn.
 const KINDS: [fn(&mut UnixStream) -> std::io::Result<()>; 8] = [
@@ -35,9 +28,7 @@ const KINDS: [fn(&mut UnixStream) -> std::io::Result<()>; 8] = [
 fn message(command: Command) -> Vec<u8> {
     let mut bytes = Vec::new();
     ciborium::into_writer(&Request::from(command), &mut bytes).unwrap();
-    let mut message = (bytes.len() as u32).to_le_bytes().to_vec();
-    message.extend(bytes);
-    message
+    framed(&bytes)
 }
 
 fn say_nothing(stream: &mut UnixStream) -> std::io::Result<()> {
@@ -141,9 +132,7 @@ impl HostileClients {
 /// Urgent commands among hostile clients; prints the times of the answers.
 fn check_urgent_commands(n_clients: usize, n_commands: usize) {
     let sandbox = Sandbox::new();
-    let scene = sandbox.home().join("arm.toml");
-    std::fs::write(&scene, SCENE).unwrap();
-    let source = format!("simulation:{}", scene.display());
+    let (_folder, source) = scene_file(CARTON);
     let daemon = sandbox.start(&["--source", &source]);
     let folders = [sandbox.run_folder()];
     let socket = sandbox.run_folder().control_socket(&sandbox.domain);

@@ -51,7 +51,7 @@ position_m = [0.33, 0.15]
 ";
 
 /// Scene of a carton within the arm's reach.
-const CARTON: &str = "
+pub(crate) const CARTON: &str = "
 seed = 3
 [arm]
 [[object]]
@@ -77,7 +77,7 @@ object = 2
 for_s = 1.5
 ";
 
-fn scene_file(text: &str) -> (TempDir, String) {
+pub(crate) fn scene_file(text: &str) -> (TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).unwrap();

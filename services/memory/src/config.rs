@@ -2,7 +2,7 @@
 
 use perceptual_memory::{RetentionLimits, WRITE_BUFFER_BYTES};
 use serde::Deserialize;
-use service::{ConfigFile, Failure};
+use service::{ConfigFile, Failure, check_rules};
 use std::time::Duration;
 use working_memory::WorldConfig;
 
@@ -89,7 +89,7 @@ impl Config {
 impl RawConfig {
     /// First violated rule, if any. NaN violates every range.
     fn check(&self) -> Result<(), &'static str> {
-        let rules = [
+        check_rules([
             (
                 (1..=1_000_000).contains(&self.queue_requests),
                 "[memory] queue_requests must lie between 1 and 1000000",
@@ -130,11 +130,7 @@ impl RawConfig {
                 (100..=1_000_000).contains(&self.world_kept_max),
                 "[memory] world_kept_max must lie between 100 and 1000000",
             ),
-        ];
-        match rules.into_iter().find(|(is_kept, _)| !is_kept) {
-            Some((_, rule)) => Err(rule),
-            None => Ok(()),
-        }
+        ])
     }
 }
 

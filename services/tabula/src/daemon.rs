@@ -129,9 +129,9 @@ fn keep_running(
 /// True if every child reports that it works. Process ids are compared, since another daemon in the
 /// domain might answer.
 fn is_ready(children: &[Child], domain: &Domain) -> bool {
-    let folder = RunFolder::of_user();
-    let health = SocketClient::connect(domain.name(), &[folder], READINESS_TIMEOUT)
-        .and_then(|mut client| client.call(Command::Health));
+    let folders = [RunFolder::of_user()];
+    let asked = Command::Health;
+    let health = SocketClient::call_once(domain.name(), &folders, READINESS_TIMEOUT, &asked);
     let Ok(Reply::Health(processes)) = health else {
         return false;
     };

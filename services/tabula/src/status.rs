@@ -2,7 +2,7 @@
 
 use crate::supervision::{ProcessRecord, RecordedState, read_records};
 use command_line::{Output, format_table};
-use control_client::{call, connect, unexpected_reply};
+use control_client::{call_once, unexpected_reply};
 use message::ProcessKind;
 use message::control::{Command, ProcessReport, Reply};
 use serde::Serialize;
@@ -50,7 +50,7 @@ pub(crate) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode,
 }
 
 fn reports(common: &CommonArguments) -> Result<Vec<ProcessReport>, Failure> {
-    match call(&mut connect(common)?, Command::Health)? {
+    match call_once(common, &Command::Health)? {
         Reply::Health(processes) => Ok(processes),
         other => Err(unexpected_reply(&other)),
     }

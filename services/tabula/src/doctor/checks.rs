@@ -2,7 +2,7 @@
 //! noise, disk, camera.
 
 use super::{Finding, Severity, depth_noise, expected_processes};
-use channel::control::SocketClient;
+use channel::control::{CallError, SocketClient};
 use channel::{DomainState, RunFolder, SharedMemory, domain_reservation};
 use freenect::{Library, LibraryKind, Presence};
 use message::ProcessKind;
@@ -17,20 +17,25 @@ const DESCRIPTORS_NEEDED: u64 = 256;
 /// Free bytes on the data disk below which a warning is given. Chosen.
 const FREE_BYTES_MIN: u64 = 100_000_000;
 /// Time limit of a connection to the daemon, and of each of its answers.
-pub(super) const DEADLINE: Duration = Duration::from_secs(2);
+const DEADLINE: Duration = Duration::from_secs(2);
+
+/// Answer of the daemon, or the error of asking it; the outer error is that of connecting.
+pub(super) type Asked = Result<Result<Reply, CallError>, CallError>;
 
 /// Findings of all checks, in the order in which a new user meets the problems.
 pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
     let run_folder = RunFolder::of_user();
     let state = DomainState::inspect(&common.domain, &run_folder);
+    let health = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE)
+        .map(|mut client| client.call(Command::Health));
     vec![
         shared_memory(common),
         reservations(),
         descriptors(),
         domain(common, &run_folder, &state),
         crashed_run(&state),
-        control_socket(common, &state),
-        expected_processes::finding(common),
+        control_socket(&health, &state),
+        expected_processes::finding(common, &health),
         noise(common, &state),
         data_folder(common.home().path()),
         ports(),
@@ -141,14 +146,12 @@ fn crashed_run(state: &DomainState) -> Finding {
     }
 }
 
-fn control_socket(common: &CommonArguments, state: &DomainState) -> Finding {
+fn control_socket(health: &Asked, state: &DomainState) -> Finding {
     let name = "control socket";
-    match SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE) {
-        Ok(mut client) => match client.call(Command::Health) {
-            Ok(Reply::Health(processes)) => all_processes(name, processes.len()),
-            Ok(other) => Finding::new(name, Severity::Failure, format!("it answers {other:?}")),
-            Err(error) => Finding::new(name, Severity::Failure, error.to_string()),
-        },
+    match health {
+        Ok(Ok(Reply::Health(processes))) => all_processes(name, processes.len()),
+        Ok(Ok(other)) => Finding::new(name, Severity::Failure, format!("it answers {other:?}")),
+        Ok(Err(error)) => Finding::new(name, Severity::Failure, error.to_string()),
         Err(error) if state.is_alive => Finding::new(name, Severity::Warning, error.to_string()),
         Err(_) => Finding::new(name, Severity::Ok, "no daemon runs, so there is none"),
     }

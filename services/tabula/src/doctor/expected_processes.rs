@@ -1,24 +1,22 @@
 //! Check of `tabula doctor` on the processes that should run in the domain.
 
-use super::checks::DEADLINE;
+use super::checks::Asked;
 use super::{Finding, Severity};
 use crate::status::expected_processes;
 use crate::supervision::{ProcessRecord, read_records};
-use channel::RunFolder;
-use channel::control::SocketClient;
-use message::control::{Command, ProcessReport, Reply};
+use message::control::{ProcessReport, Reply};
 use service::{CommonArguments, Failure};
 
 const NAME: &str = "processes";
 
 /// Finding: a failure when a process that should run does not.
-pub(super) fn finding(common: &CommonArguments) -> Finding {
+pub(super) fn finding(common: &CommonArguments, health: &Asked) -> Finding {
     match read_records(&common.domain) {
         None => {
             let sentence = "no `tabula run` runs in the domain, so no process is expected";
             Finding::new(NAME, Severity::Ok, sentence)
         }
-        Some(records) => compare(&records, &reports(common)),
+        Some(records) => compare(&records, &reports(health)),
     }
 }
 
@@ -36,12 +34,11 @@ fn compare(records: &[ProcessRecord], reports: &Result<Vec<ProcessReport>, Failu
     Finding::new(NAME, Severity::Failure, troubles.join("; "))
 }
 
-fn reports(common: &CommonArguments) -> Result<Vec<ProcessReport>, Failure> {
-    let answer = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE)
-        .and_then(|mut client| client.call(Command::Health));
-    match answer.map_err(Failure::general)? {
-        Reply::Health(reports) => Ok(reports),
-        other => Err(Failure::general(format!("it answers {other:?}"))),
+fn reports(health: &Asked) -> Result<Vec<ProcessReport>, Failure> {
+    match health {
+        Ok(Ok(Reply::Health(reports))) => Ok(reports.clone()),
+        Ok(Ok(other)) => Err(Failure::general(format!("it answers {other:?}"))),
+        Ok(Err(error)) | Err(error) => Err(Failure::general(error)),
     }
 }
 

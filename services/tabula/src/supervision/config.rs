@@ -1,7 +1,7 @@
 //! Configuration section `[run]`: watchdog and restarts of the daemon's processes.
 
 use serde::Deserialize;
-use service::{ConfigFile, Failure};
+use service::{ConfigFile, Failure, check_rules};
 use std::time::Duration;
 
 /// Section `[run]` as written in TOML.
@@ -58,7 +58,7 @@ impl SupervisionConfig {
 impl RawConfig {
     /// First violated rule, if any. NaN violates every range.
     fn check(&self) -> Result<(), &'static str> {
-        let rules = [
+        check_rules([
             (
                 // A process that waits for another one, or for a device, records progress
                 // every 3 s at the latest, and reports it 0.5 s later.
@@ -73,11 +73,7 @@ impl RawConfig {
                 (0.05..=3600.0).contains(&self.restart_delay_max_s),
                 "[run] restart_delay_max_s must lie between 0.05 and 3600",
             ),
-        ];
-        match rules.into_iter().find(|(is_kept, _)| !is_kept) {
-            Some((_, rule)) => Err(rule),
-            None => Ok(()),
-        }
+        ])
     }
 }
 

@@ -109,6 +109,17 @@ impl ConfigFile {
     }
 }
 
+/// First rule of a section that is not kept, of pairs of whether it is and its sentence.
+///
+/// # Errors
+/// The sentence of that rule.
+pub fn check_rules<const N: usize>(rules: [(bool, &'static str); N]) -> Result<(), &'static str> {
+    match rules.into_iter().find(|(is_kept, _)| !is_kept) {
+        Some((_, rule)) => Err(rule),
+        None => Ok(()),
+    }
+}
+
 fn read(path: &Path) -> io::Result<String> {
     if std::fs::metadata(path)?.len() > MAX_BYTES {
         return Err(io::Error::new(

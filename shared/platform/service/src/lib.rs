@@ -39,7 +39,7 @@ mod trace_publisher;
 pub use allocation_counter::CountingAllocator;
 pub use arguments::{CommonArguments, ProcessArguments};
 pub use clock::{monotonic_ns, wall_clock_ns, wall_clock_offset_ns};
-pub use config_file::{ConfigError, ConfigFile};
+pub use config_file::{ConfigError, ConfigFile, check_rules};
 pub use context::Context;
 pub use cpu_affinity::CpuAffinity;
 pub use failure::{Failure, exit_code};

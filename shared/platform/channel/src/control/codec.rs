@@ -24,6 +24,13 @@ fn too_long() -> Reply {
     Reply::Refused(Refusal::new(RefusalKind::Internal, sentence))
 }
 
+/// Message of the control socket: the length (4 bytes, little-endian), then the bytes.
+pub(super) fn framed(bytes: &[u8]) -> Vec<u8> {
+    let mut message = (bytes.len() as u32).to_le_bytes().to_vec();
+    message.extend_from_slice(bytes);
+    message
+}
+
 /// Decodes a request of this protocol version.
 pub(super) fn decode_request(bytes: &[u8]) -> Result<Command, Refusal> {
     let request: Request = ciborium::from_reader(bytes).map_err(|error| {

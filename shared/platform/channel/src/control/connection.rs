@@ -1,9 +1,7 @@
 //! Connection of the control socket: reads requests, has them carried out, writes the replies.
 
 use super::connection_table::Connection;
-use super::message_stream::{
-    RequestLength, hung_up, read_bytes, read_length, refuse_length, write_reply,
-};
+use super::message_stream::{hung_up, next_length, read_bytes, write_reply};
 use super::{Handler, Peer, codec};
 use message::control::{Command, Refusal, RefusalKind, Reply};
 use std::io;
@@ -36,12 +34,7 @@ pub(super) async fn serve(
     handlers: &Handlers,
     idle_limit: Duration,
 ) -> io::Result<()> {
-    loop {
-        let length = match read_length(&mut stream, idle_limit).await? {
-            RequestLength::Bytes(length) => length,
-            RequestLength::TooLong => return refuse_length(&mut stream).await,
-            RequestLength::End => return Ok(()),
-        };
+    while let Some(length) = next_length(&mut stream, idle_limit).await? {
         connection.heard();
         let is_open = if length <= SMALL_BYTES {
             serve_small(&mut stream, length, connection, handlers).await?
@@ -49,9 +42,10 @@ pub(super) async fn serve(
             serve_large(&mut stream, length, connection, handlers).await?
         };
         if !is_open {
-            return Ok(());
+            break;
         }
     }
+    Ok(())
 }
 
 /// Serves a request that is read at once. False when the peer is gone.
@@ -140,16 +134,12 @@ pub async fn serve_stream(
     handler: &Handler,
     idle_limit: Duration,
 ) -> io::Result<()> {
-    loop {
-        let length = match read_length(&mut stream, idle_limit).await? {
-            RequestLength::Bytes(length) => length,
-            RequestLength::TooLong => return refuse_length(&mut stream).await,
-            RequestLength::End => return Ok(()),
-        };
+    while let Some(length) = next_length(&mut stream, idle_limit).await? {
         let bytes = read_bytes(&mut stream, length).await?;
         let reply = answer(&bytes, handler, Peer::own()).await;
         write_reply(&mut stream, &reply).await?;
     }
+    Ok(())
 }
 
 async fn answer(bytes: &[u8], handler: &Handler, peer: Peer) -> Reply {

@@ -33,7 +33,6 @@ pub(super) struct ConnectionTable {
 #[derive(Debug, Default)]
 struct State {
     users: HashMap<u32, User>,
-    n_connections: usize,
     /// Counts connections and requests: the time of the table.
     now: u64,
 }
@@ -95,10 +94,9 @@ impl ConnectionTable {
         };
         user.connections.insert(id, entry);
         let is_too_many = user.connections.len() > limits.connections_of_user;
-        state.n_connections += 1;
         if is_too_many {
             state.evict(peer.uid);
-        } else if state.n_connections > limits.connections {
+        } else if state.n_connections() > limits.connections {
             let crowded = state
                 .users
                 .iter()
@@ -121,6 +119,10 @@ impl ConnectionTable {
 }
 
 impl State {
+    fn n_connections(&self) -> usize {
+        self.users.values().map(|user| user.connections.len()).sum()
+    }
+
     /// Closes a user's connection on which nothing has been said for the longest time.
     fn evict(&mut self, uid: u32) {
         let Some(user) = self.users.get_mut(&uid) else {
@@ -140,7 +142,7 @@ impl State {
         let Some(user) = self.users.get_mut(&uid) else {
             return;
         };
-        self.n_connections -= usize::from(user.connections.remove(&id).is_some());
+        user.connections.remove(&id);
         if user.connections.is_empty() {
             self.users.remove(&uid);
         }

@@ -14,36 +14,30 @@ const TRANSFER: Duration = Duration::from_secs(5);
 /// Period of the look for a hang-up after something has arrived. Chosen.
 const HANG_UP_PERIOD: Duration = Duration::from_millis(100);
 
-/// Length of a request that has begun to arrive.
-pub(super) enum RequestLength {
-    /// Number of bytes, within the limit.
-    Bytes(usize),
-    /// More than a request may have.
-    TooLong,
-    /// The peer has closed the connection, or said nothing for too long.
-    End,
-}
-
-/// Waits for the length of the next request.
-pub(super) async fn read_length(
+/// Waits for the next request and returns its length, bytes; `None` at the end of the connection,
+/// also when its peer says nothing for too long. A request that is too long is refused, and ends
+/// the connection: the rest of the stream cannot be trusted.
+pub(super) async fn next_length(
     stream: &mut UnixStream,
     idle_limit: Duration,
-) -> io::Result<RequestLength> {
+) -> io::Result<Option<usize>> {
     let mut length = [0; 4];
     match tokio::time::timeout(idle_limit, stream.read_exact(&mut length)).await {
         Ok(Ok(_)) => {}
         Ok(Err(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
-            return Ok(RequestLength::End);
+            return Ok(None);
         }
         Ok(Err(error)) => return Err(error),
-        Err(_) => return Ok(RequestLength::End),
+        Err(_) => return Ok(None),
     }
     let length = u32::from_le_bytes(length) as usize;
-    Ok(if length > MAX_MESSAGE_BYTES {
-        RequestLength::TooLong
-    } else {
-        RequestLength::Bytes(length)
-    })
+    if length <= MAX_MESSAGE_BYTES {
+        return Ok(Some(length));
+    }
+    let sentence = format!("a request may have at most {MAX_MESSAGE_BYTES} bytes");
+    let refusal = Refusal::new(RefusalKind::Invalid, sentence);
+    write_reply(stream, &Reply::Refused(refusal)).await?;
+    Ok(None)
 }
 
 /// Reads the bytes of a request.
@@ -55,18 +49,9 @@ pub(super) async fn read_bytes(stream: &mut UnixStream, length: usize) -> io::Re
 
 /// Writes a reply.
 pub(super) async fn write_reply(stream: &mut UnixStream, reply: &Reply) -> io::Result<()> {
-    let bytes = codec::encode_reply(reply);
-    let mut message = (bytes.len() as u32).to_le_bytes().to_vec();
-    message.extend(bytes);
+    let message = codec::framed(&codec::encode_reply(reply));
     tokio::time::timeout(TRANSFER, stream.write_all(&message)).await??;
     Ok(())
-}
-
-/// Refuses a request that is too long; the rest of the stream cannot be trusted then.
-pub(super) async fn refuse_length(stream: &mut UnixStream) -> io::Result<()> {
-    let sentence = format!("a request may have at most {MAX_MESSAGE_BYTES} bytes");
-    let refusal = Refusal::new(RefusalKind::Invalid, sentence);
-    write_reply(stream, &Reply::Refused(refusal)).await
 }
 
 /// Waits until the peer has closed the connection. A peer that only ended its own writing still

@@ -95,10 +95,8 @@ impl SocketClient {
                 "a request may have at most {MAX_MESSAGE_BYTES} bytes"
             ))
         })?;
-        let mut message = (bytes.len() as u32).to_le_bytes().to_vec();
-        message.extend(bytes);
         self.stream
-            .write_all(&message)
+            .write_all(&codec::framed(&bytes))
             .map_err(|e| self.lost("ask", e))?;
         let mut length = [0; 4];
         self.stream

@@ -75,5 +75,5 @@ fn table_forgets_users_who_have_left() {
     let table = ConnectionTable::new(LIMITS);
     drop(table.enter(user(1)));
     let state = table.lock();
-    assert_eq!((state.users.len(), state.n_connections), (0, 0));
+    assert_eq!((state.users.len(), state.n_connections()), (0, 0));
 }
