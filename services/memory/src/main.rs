@@ -41,6 +41,7 @@ struct MemoryArguments {
 fn main() -> ExitCode {
     let arguments = MemoryArguments::parse();
     if arguments.offline {
+        service::set_private_umask();
         return offline(&arguments.process);
     }
     service::run(

@@ -11,9 +11,9 @@ use message::control::{
 };
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -34,20 +34,21 @@ pub(super) fn export(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let mut memory = MemoryClient::open(common, output)?;
-    let partial = partial(file);
-    let written = write_export(&mut memory, &partial, output);
-    let report = match written.and_then(|report| {
-        fs::rename(&partial, file)
-            .map_err(|error| file_failed("renamed to", file, &error))
-            .map(|()| report)
-    }) {
-        Ok(report) => report,
-        Err(failure) => {
-            // A partial file is useless.
-            let _ = fs::remove_file(&partial);
-            return Err(failure);
-        }
-    };
+    let failed = |error: &io::Error| file_failed("written", file, error);
+    // A new file of a random name, for this user only; a failure removes it again.
+    let folder = file.parent().filter(|folder| *folder != Path::new(""));
+    let folder = folder.unwrap_or(Path::new("."));
+    let mut partial = tempfile::Builder::new()
+        .prefix("tabula-export-")
+        .suffix(".partial")
+        .tempfile_in(folder)
+        .map_err(|error| failed(&error))?;
+    let report = write_export(&mut memory, partial.as_file_mut(), file, output)?;
+    partial
+        .persist(file)
+        .map_err(|error| failed(&error.error))?;
+    let synced = File::open(folder).and_then(|folder| folder.sync_all());
+    synced.map_err(|error| failed(&error))?;
     output.answer(&ExportDocument { file, report }, || {
         let ExportReport {
             bytes,
@@ -65,12 +66,6 @@ pub(super) fn export(
     Ok(ExitCode::SUCCESS)
 }
 
-fn partial(file: &Path) -> PathBuf {
-    let mut name = file.file_name().unwrap_or_default().to_owned();
-    name.push(".partial");
-    file.with_file_name(name)
-}
-
 fn file_failed(doing: &str, file: &Path, error: &io::Error) -> Failure {
     let sentence = format!("{} could not be {doing}: {error}", file.display());
     Failure::general(sentence)
@@ -78,11 +73,11 @@ fn file_failed(doing: &str, file: &Path, error: &io::Error) -> Failure {
 
 fn write_export(
     memory: &mut MemoryClient,
+    file: &mut File,
     path: &Path,
     output: &Output,
 ) -> Result<ExportReport, Failure> {
     let failed = |error: io::Error| file_failed("written", path, &error);
-    let mut file = File::create(path).map_err(failed)?;
     let begun = memory.start_job(JobKind::Export)?;
     let bar = progress_bar(begun.total, "views", output);
     let mut offset = 0;

@@ -158,8 +158,10 @@ fn open_folder(name: &DomainName, run_folder: &RunFolder) -> Result<TrustedFolde
         let is_shared = all_domains.share_with_group();
         all_domains.set_mode(if is_shared { 0o710 } else { 0o700 });
     }
-    let folder = all_domains.create_subfolder(&name.to_string(), 0o750)?;
-    folder.share_with_group();
+    let folder = all_domains.create_subfolder(&name.to_string(), 0o700)?;
+    if folder.share_with_group() {
+        folder.set_mode(0o750);
+    }
     Ok(folder)
 }
 

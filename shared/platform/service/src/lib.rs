@@ -44,7 +44,7 @@ pub use context::Context;
 pub use cpu_affinity::CpuAffinity;
 pub use failure::{Failure, exit_code};
 pub use health_counters::HealthCounters;
-pub use home::Home;
+pub use home::{Home, set_private_umask};
 pub use log::start_log;
 pub use run::{run, stop_with_parent};
 pub use shutdown::Shutdown;

@@ -1,6 +1,7 @@
 //! Process life cycle: set-up, signals, shutdown, exit code.
 
 use crate::health_reporter::HealthReporter;
+use crate::home::set_private_umask;
 use crate::shutdown::on_signals;
 use crate::{
     CommonArguments, ConfigFile, Context, Failure, HealthCounters, Home, ProcessArguments,
@@ -67,6 +68,7 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
     config: ConfigFile,
     body: impl FnOnce(Context) -> F,
 ) -> Result<(), Failure> {
+    set_private_umask();
     raise_descriptor_limit();
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
