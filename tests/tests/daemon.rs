@@ -85,6 +85,8 @@ pub(crate) struct Sandbox {
     programs: PathBuf,
     /// Folder of programs of this sandbox only, removed with it.
     own_programs_guard: Option<TempDir>,
+    /// Shell commands that mount what the daemon sees differently.
+    mounts: Option<String>,
 }
 
 impl Sandbox {
@@ -98,6 +100,7 @@ impl Sandbox {
             home: tempfile::tempdir().unwrap(),
             programs: PROGRAMS.clone(),
             own_programs_guard: None,
+            mounts: None,
         }
     }
 
@@ -139,6 +142,24 @@ impl Sandbox {
         sandbox
     }
 
+    /// Sandbox whose daemons see a group `tabula` with this id, and whose run folder others may
+    /// enter. Needs root.
+    pub(crate) fn with_group(group: u32) -> Self {
+        let mut sandbox = Self::new();
+        sandbox.open_to_all();
+        let known = std::fs::read_to_string("/etc/group").unwrap();
+        let others = known.lines().filter(|line| !line.starts_with("tabula"));
+        let others: Vec<_> = others.collect();
+        let groups = sandbox.home().join("group");
+        std::fs::write(
+            &groups,
+            format!("{}\ntabula:x:{group}:\n", others.join("\n")),
+        )
+        .unwrap();
+        sandbox.mounts = Some(format!("mount --bind {} /etc/group", groups.display()));
+        sandbox
+    }
+
     /// Another domain in the same run folder; its name has this one's as a prefix.
     pub(crate) fn neighbour(&self) -> Self {
         Self {
@@ -147,6 +168,7 @@ impl Sandbox {
             home: tempfile::tempdir().unwrap(),
             programs: self.programs.clone(),
             own_programs_guard: None,
+            mounts: None,
         }
     }
 
@@ -230,13 +252,12 @@ impl Sandbox {
             .append(true)
             .open(self.log())
             .unwrap();
-        self.command("tabula")
-            .args(["run", "--json"])
-            .args(arguments)
-            .stdout(Stdio::piped())
-            .stderr(log)
-            .spawn()
-            .unwrap()
+        let mut command = self.command("tabula");
+        command.args(["run", "--json"]).args(arguments);
+        if let Some(mounts) = &self.mounts {
+            command = with_mounts(&command, mounts);
+        }
+        command.stdout(Stdio::piped()).stderr(log).spawn().unwrap()
     }
 
     /// Starts the daemon and waits until it reports that it runs.

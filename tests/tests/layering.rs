@@ -21,7 +21,7 @@ const OWNERS: [(&str, &[&str]); 15] = [
         &["channel", "durable-leveldb", "perceptual-memory"],
     ),
     ("hdrhistogram", &["latency-report"]),
-    ("libc", &["system-noise", "service"]),
+    ("libc", &["channel", "system-noise", "service"]),
     ("sd-notify", &["service"]),
     ("tracing-subscriber", &["service"]),
     (

@@ -39,6 +39,8 @@ mod read_your_writes;
 mod real_scenes;
 /// Registered colour and depth images of any size.
 mod registered_images;
+/// Accounts and roles of users.
+mod roles;
 /// Simulated table: ground truth, arm, person, recordings.
 mod simulation;
 /// Walking skeleton: start, teach, restart, recognise, stop.

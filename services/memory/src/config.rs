@@ -1,5 +1,7 @@
 //! Configuration section `[memory]`: parsing and validation.
 
+use channel::control::RoleGroups;
+use memory_requests::UploadLimits;
 use perceptual_memory::{RetentionLimits, WRITE_BUFFER_BYTES};
 use serde::Deserialize;
 use service::{ConfigFile, Failure, check_rules};
@@ -18,6 +20,10 @@ struct RawConfig {
     max_unnamed_views: usize,
     write_buffer_mb: usize,
     forgotten_kept_days: u64,
+    import_max_mb: u64,
+    free_disk_min_mb: u64,
+    teacher_group: String,
+    administrator_group: String,
     world_period_ms: u64,
     world_move_min_m: f64,
     world_turn_min_deg: f64,
@@ -33,6 +39,10 @@ impl Default for RawConfig {
             max_unnamed_views: 20_000,
             write_buffer_mb: WRITE_BUFFER_BYTES >> 20,
             forgotten_kept_days: 30,
+            import_max_mb: 4096,
+            free_disk_min_mb: 256,
+            teacher_group: "tabula".into(),
+            administrator_group: "tabula-admin".into(),
             world_period_ms: 250,
             world_move_min_m: 0.02,
             world_turn_min_deg: 30.0,
@@ -54,6 +64,10 @@ pub(crate) struct Config {
     pub(crate) write_buffer_bytes: usize,
     /// Retention time of forgotten views, during which they can be restored.
     pub(crate) forgotten_kept: Duration,
+    /// Limits of the files of imports.
+    pub(crate) uploads: UploadLimits,
+    /// Groups of teachers and administrators.
+    pub(crate) groups: RoleGroups,
     /// Period of updates of the world model, and of its writes to disk.
     pub(crate) world_period: Duration,
     /// Retention limits of the working memory.
@@ -73,6 +87,14 @@ impl Config {
             },
             write_buffer_bytes: raw.write_buffer_mb << 20,
             forgotten_kept: Duration::from_secs(raw.forgotten_kept_days * 24 * 3600),
+            uploads: UploadLimits {
+                max_bytes: raw.import_max_mb << 20,
+                free_disk_min_bytes: raw.free_disk_min_mb << 20,
+            },
+            groups: RoleGroups {
+                teachers: raw.teacher_group,
+                administrators: raw.administrator_group,
+            },
             world_period: Duration::from_millis(raw.world_period_ms),
             world: WorldConfig {
                 move_min_m: raw.world_move_min_m,
@@ -109,6 +131,14 @@ impl RawConfig {
             (
                 self.forgotten_kept_days <= 36_500,
                 "[memory] forgotten_kept_days must lie between 0 and 36500",
+            ),
+            (
+                (1..=1_000_000).contains(&self.import_max_mb),
+                "[memory] import_max_mb must lie between 1 and 1000000",
+            ),
+            (
+                self.free_disk_min_mb <= 1_000_000,
+                "[memory] free_disk_min_mb must lie between 0 and 1000000",
             ),
             (
                 (50..=60_000).contains(&self.world_period_ms),
@@ -151,6 +181,8 @@ mod tests {
         assert!(violates(&|raw| raw.max_unnamed_views = 99));
         assert!(violates(&|raw| raw.write_buffer_mb = 0));
         assert!(violates(&|raw| raw.forgotten_kept_days = 36_501));
+        assert!(violates(&|raw| raw.import_max_mb = 0));
+        assert!(violates(&|raw| raw.free_disk_min_mb = 1_000_001));
         assert!(violates(&|raw| raw.world_period_ms = 49));
         assert!(violates(&|raw| raw.world_move_min_m = f64::NAN));
         assert!(violates(&|raw| raw.world_turn_min_deg = 0.0));

@@ -4,7 +4,7 @@ use crate::process_table::ProcessTable;
 use crate::request_router::RequestRouter;
 use crate::urgent_commands::UrgentCommands;
 use channel::Domain;
-use channel::control::{AnswerFuture, Handler, Server, SocketServer, UrgentHandler};
+use channel::control::{AnswerFuture, Handler, RoleGroups, Server, SocketServer, UrgentHandler};
 use message::ProcessKind;
 use std::sync::Arc;
 
@@ -13,16 +13,17 @@ use std::sync::Arc;
 pub(crate) fn servers(
     domain: &Domain,
     router: RequestRouter,
+    groups: &RoleGroups,
 ) -> Result<(Server, SocketServer), channel::Error> {
     let processes = Arc::clone(&router.processes);
     let router = Arc::new(router);
-    let handler: Handler = Arc::new(move |command, _peer| -> AnswerFuture {
+    let handler: Handler = Arc::new(move |command, peer| -> AnswerFuture {
         let router = router.clone();
-        Box::pin(async move { router.answer(command).await })
+        Box::pin(async move { router.answer(command, peer).await })
     });
     let urgent = urgent_handler(domain.clone(), processes);
     let server = Server::new(domain, ProcessKind::Memory, handler.clone())?;
-    let people = SocketServer::bind(&domain.control_socket(), handler, urgent)?;
+    let people = SocketServer::bind(&domain.control_socket(), groups, handler, urgent)?;
     Ok((server, people))
 }
 

@@ -1,6 +1,8 @@
 //! Daily purge: permanently deletes forgotten views when their retention time is over.
 
-use perceptual_memory::{Error, Mutation, MutationId, MutationReceipt, StoreChange, StoreHandle};
+use perceptual_memory::{
+    Error, Mutation, MutationId, MutationReceipt, Requester, StoreChange, StoreHandle,
+};
 use service::wall_clock_ns;
 use std::time::Duration;
 use tokio::sync::oneshot;
@@ -45,6 +47,7 @@ async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<Mutation
     let mutation = Mutation {
         id: MutationId::random()?,
         author: AUTHOR.to_owned(),
+        requester: Requester::default(),
         wall_ns,
         change: StoreChange::Purge { before_ns },
     };

@@ -8,8 +8,12 @@
     reason = "without a log, a person reads what was found when the store was opened"
 )]
 
-use channel::control::{AnswerFuture, Handler, serve_stream};
-use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig, verification_report};
+use crate::request_router::requester;
+use channel::control::{AnswerFuture, Handler, Peer, serve_stream};
+use channel::{DomainName, DomainState, RunFolder};
+use memory_requests::{
+    MemoryRequestHandler, MemoryRequestHandlerConfig, UploadLimits, verification_report,
+};
 use message::control::{
     Command, JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply,
 };
@@ -25,6 +29,11 @@ use std::time::Duration;
 const IDLE_LIMIT: Duration = Duration::from_secs(7 * 24 * 3600);
 /// Capacity of the queue of requests that wait for the store.
 const QUEUE_REQUESTS: usize = 64;
+/// Limits of imports: the disk is this user's own.
+const UPLOADS: UploadLimits = UploadLimits {
+    max_bytes: u64::MAX,
+    free_disk_min_bytes: 0,
+};
 /// Number of the verification job; jobs of the opened store count from 1 too, but a
 /// client that verifies asks for nothing else.
 const VERIFICATION: u64 = u64::MAX;
@@ -53,10 +62,10 @@ pub(crate) fn run(common: &CommonArguments) -> Result<(), Failure> {
         .build()
         .map_err(failed)?;
     let offline = Arc::new(tokio::sync::Mutex::new(OfflineMemory::new(common)));
-    let handler: Handler = Arc::new(move |command, _peer| -> AnswerFuture {
+    let handler: Handler = Arc::new(move |command, peer| -> AnswerFuture {
         let offline = offline.clone();
         Box::pin(async move {
-            let answer = offline.lock().await.answer(command).await;
+            let answer = offline.lock().await.answer(command, peer).await;
             answer.unwrap_or_else(Reply::Refused)
         })
     });
@@ -84,7 +93,8 @@ impl OfflineMemory {
         }
     }
 
-    async fn answer(&mut self, command: Command) -> Result<Reply, Refusal> {
+    async fn answer(&mut self, command: Command, peer: Peer) -> Result<Reply, Refusal> {
+        refuse_beside_daemon(&self.common.domain)?;
         match command {
             // A copy is read; nothing is opened, repaired or changed.
             Command::Job(JobCommand::Begin(JobKind::Verify)) => {
@@ -97,7 +107,7 @@ impl OfflineMemory {
                 None => Err(Refusal::new(RefusalKind::NotFound, "no verification runs")),
             },
             command => {
-                let answer = self.desk()?.answer(command).await;
+                let answer = self.desk()?.answer(command, requester(peer)).await;
                 answer.unwrap_or_else(|| {
                     Err(Refusal::new(
                         RefusalKind::Unavailable,
@@ -123,6 +133,8 @@ impl OfflineMemory {
 
     fn open(&self) -> Result<(MemoryRequestHandler, StoreThread), Refusal> {
         let home = self.common.home();
+        home.prepare_memories()
+            .map_err(|failure| Refusal::new(RefusalKind::Unavailable, failure.to_string()))?;
         let (thread, store, report) = StoreThread::start(StoreConfig {
             folder: home.perceptual_memory(),
             queue_capacity: QUEUE_REQUESTS,
@@ -136,10 +148,25 @@ impl OfflineMemory {
         let (desk, _) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
             store,
             scratch: home.path().join("exchange"),
+            uploads: UPLOADS,
             descriptor_kind: pipeline::DESCRIPTOR_KIND,
         });
         Ok((desk, thread))
     }
+}
+
+/// Leaves the store to a daemon of the domain, whose memory may be about to restart: it would
+/// find the store in use.
+fn refuse_beside_daemon(domain: &DomainName) -> Result<(), Refusal> {
+    let runs = |folder: &RunFolder| !DomainState::inspect(domain, folder).running.is_empty();
+    if !RunFolder::candidates().iter().any(runs) {
+        return Ok(());
+    }
+    let sentence = format!(
+        "a daemon runs in the domain {domain}, but its memory does not answer now, and the store is \
+         left to it; ask again in a moment, and see `tabula status`"
+    );
+    Err(Refusal::new(RefusalKind::Unavailable, sentence))
 }
 
 /// Verification of a database that stays closed, on a thread of its own.

@@ -3,11 +3,11 @@
 use crate::event_report;
 use crate::process_table::ProcessTable;
 use crate::working_memory::{WorkingMemory, now_ns};
-use channel::control::Client;
+use channel::control::{Client, Peer};
 use memory_requests::MemoryRequestHandler;
 use message::ProcessKind;
-use message::control::{Command, Refusal, RefusalKind, Reply};
-use perceptual_memory::Position;
+use message::control::{Command, Refusal, RefusalKind, Reply, UserRole};
+use perceptual_memory::{Position, Requester};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -17,7 +17,7 @@ const DEADLINE: Duration = Duration::from_secs(4);
 
 /// Router of all control requests, the gateway for clients.
 pub(crate) struct RequestRouter {
-    pub(crate) desk: MemoryRequestHandler,
+    pub(crate) desk: Arc<MemoryRequestHandler>,
     pub(crate) perception: Client,
     pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
@@ -27,14 +27,14 @@ pub(crate) struct RequestRouter {
 }
 
 impl RequestRouter {
-    /// Reply to a command; a refusal gives the reason.
-    pub(crate) async fn answer(&self, command: Command) -> Reply {
-        self.try_answer(command)
+    /// Reply to a command of a user; a refusal gives the reason.
+    pub(crate) async fn answer(&self, command: Command, peer: Peer) -> Reply {
+        self.try_answer(command, peer)
             .await
             .unwrap_or_else(Reply::Refused)
     }
 
-    async fn try_answer(&self, command: Command) -> Result<Reply, Refusal> {
+    async fn try_answer(&self, command: Command, peer: Peer) -> Result<Reply, Refusal> {
         match command.owner() {
             ProcessKind::Perception => {
                 let command = read_after(*self.position.borrow(), command);
@@ -46,16 +46,17 @@ impl RequestRouter {
         match command {
             Command::Health => Ok(Reply::Health(self.processes.reports())),
             Command::World(command) => self.world.answer(command).await,
-            command => self.answer_from_memory(command).await,
+            command => self.answer_from_memory(command, peer).await,
         }
     }
 
     /// Reply of the perceptual memory; a change of labels is also recorded as a world
     /// event.
-    async fn answer_from_memory(&self, command: Command) -> Result<Reply, Refusal> {
+    async fn answer_from_memory(&self, command: Command, peer: Peer) -> Result<Reply, Refusal> {
         let lesson = event_report::lesson(&command);
         let labelled = labelled_track(&command);
-        let answer = self.desk.answer(command).await.unwrap_or_else(|| {
+        let answer = self.desk.answer(command, requester(peer)).await;
+        let answer = answer.unwrap_or_else(|| {
             let sentence = "tabula-memory does not answer this command".to_owned();
             Err(Refusal::new(RefusalKind::Internal, sentence))
         });
@@ -85,6 +86,14 @@ impl RequestRouter {
             Ok(Reply::Refused(refusal)) if refusal.kind == RefusalKind::NotFound => Some(refusal),
             _ => None,
         }
+    }
+}
+
+/// Requester of a change, with its right to undo those of others.
+pub(crate) fn requester(peer: Peer) -> Requester {
+    Requester {
+        uid: Some(peer.uid),
+        may_undo_others: peer.role >= UserRole::Administrator,
     }
 }
 

@@ -29,6 +29,7 @@ const LONGEST_OPENING: Duration = Duration::from_secs(600);
 /// # Errors
 /// When the store cannot be opened or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
+    context.home.prepare_memories()?;
     let (thread, store, report) = open_store(&context, &config)?;
     log_report(&context.health, &report);
     let (world_thread, world) = WorkingMemory::start(&context, &config)?;
@@ -36,12 +37,14 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let (desk, positions) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
         store: store.clone(),
         scratch: context.home.path().join("exchange"),
+        uploads: config.uploads,
         descriptor_kind: pipeline::DESCRIPTOR_KIND,
     });
+    let desk = Arc::new(desk);
     let domain = &context.domain;
     let processes = Arc::new(ProcessTable::new(domain)?);
     let router = RequestRouter {
-        desk,
+        desk: desk.clone(),
         perception: Client::new(domain, ProcessKind::Perception)?,
         arm: Client::new(domain, ProcessKind::Simulator)?,
         processes: processes.clone(),
@@ -56,7 +59,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         .health
         .shared_memory_bytes
         .store(reserved_bytes, Ordering::Relaxed);
-    let (processes_server, people_server) = control::servers(domain, router)?;
+    let (processes_server, people_server) = control::servers(domain, router, &config.groups)?;
     let probe = probe(store.clone(), context.health.clone(), processes);
     let mut tasks = TaskGroup::default();
     tasks.spawn("the control server", processes_server.run());
@@ -64,6 +67,10 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     tasks.spawn("the publisher of changes", change_publisher.run());
     tasks.spawn("the scene follower", follower.run());
     tasks.spawn("the probe of the store", probe);
+    tasks.spawn(
+        "the expiry of jobs",
+        async move { desk.expire_jobs().await },
+    );
     tasks.spawn(
         "the daily purge",
         daily_purge::run(store, config.forgotten_kept),

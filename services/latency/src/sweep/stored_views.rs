@@ -8,8 +8,8 @@ use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 use perceptual_memory::{
-    CapturedView, Mutation, MutationId, RetentionLimits, StoreChange, StoreConfig, StoreHandle,
-    StoreThread, StoredDescriptor, WRITE_BUFFER_BYTES,
+    CapturedView, Mutation, MutationId, Requester, RetentionLimits, StoreChange, StoreConfig,
+    StoreHandle, StoreThread, StoredDescriptor, WRITE_BUFFER_BYTES,
 };
 use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
@@ -76,6 +76,7 @@ fn change(store: &StoreHandle, change: StoreChange) -> Result<(), Failure> {
     let mutation = Mutation {
         id: MutationId::random().map_err(failed)?,
         author: "tabula-latency".to_owned(),
+        requester: Requester::default(),
         wall_ns: 1,
         change,
     };

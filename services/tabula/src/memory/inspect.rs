@@ -162,10 +162,11 @@ fn history_text(entries: &[HistoryReport]) -> String {
             entry.sequence.to_string(),
             utc(entry.wall_ns),
             entry.author.clone(),
+            entry.uid.map_or("-".to_owned(), |uid| uid.to_string()),
             what,
             entry.n_views.to_string(),
         ]
     };
-    let heading = ["entry", "when", "by", "what", "views"];
+    let heading = ["entry", "when", "by", "uid", "what", "views"];
     format_table(&heading, &entries.iter().map(row).collect::<Vec<_>>())
 }

@@ -23,6 +23,7 @@ mod refusal;
 mod rejected;
 mod report;
 mod rounding;
+mod user_role;
 mod world;
 
 pub use arm::{ArmCommand, ArmReport};
@@ -42,6 +43,7 @@ pub use report::{
     ActorStampsReport, CategoryReport, CovarianceReport, DepthNoiseReport, LearningReport,
     NearCategoryReport, ObjectReport, ObjectsReport, ProcessReport,
 };
+pub use user_role::UserRole;
 pub use world::{
     EventReport, EventsReport, FactFilter, FactReport, FactsReport, MAX_EVENT_WAIT_MS,
     MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_TASKS, PlaceReport, TaskOutcome, TaskReport,

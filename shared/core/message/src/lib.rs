@@ -36,6 +36,7 @@ mod memory_change;
 mod near_category;
 mod object_view;
 mod pose;
+mod printable;
 mod rejected_candidate;
 mod robot;
 mod scene;
@@ -55,6 +56,7 @@ pub use memory_change::MemoryChange;
 pub use near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 pub use object_view::{ObjectCloudHeader, ObjectViewHeader};
 pub use pose::{WirePose, WireTransform, upper_triangle};
+pub use printable::{escape_unprintable, escape_unprintable_lines, is_unprintable};
 pub use rejected_candidate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, WireFinding};
 pub use robot::{ARM_JOINTS, ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
 pub use scene::{

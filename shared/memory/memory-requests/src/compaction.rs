@@ -2,7 +2,7 @@
 
 use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use message::control::JobOutcome;
-use perceptual_memory::{Error, Mutation, MutationId, PerceptualMemory, StoreChange};
+use perceptual_memory::{Error, Mutation, MutationId, PerceptualMemory, Requester, StoreChange};
 
 const NS_PER_S: u64 = 1_000_000_000;
 /// Author of the purge in the history.
@@ -13,14 +13,16 @@ pub(crate) fn run(
     context: &JobContext,
     progress: &Progress,
     forgotten_for_s: u64,
+    requester: Requester,
 ) -> Result<JobOutcome, String> {
-    try_run(context, progress, forgotten_for_s).map_err(|error| error.to_string())
+    try_run(context, progress, forgotten_for_s, requester).map_err(|error| error.to_string())
 }
 
 fn try_run(
     context: &JobContext,
     progress: &Progress,
     forgotten_for_s: u64,
+    requester: Requester,
 ) -> Result<JobOutcome, Error> {
     let store = &context.store;
     let before = store.read_and_wait(|memory| memory.stats())?;
@@ -28,6 +30,7 @@ fn try_run(
     store.mutate_and_wait(Mutation {
         id: MutationId::random()?,
         author: AUTHOR.to_owned(),
+        requester,
         wall_ns: wall_ns(),
         change: StoreChange::Purge { before_ns },
     })?;

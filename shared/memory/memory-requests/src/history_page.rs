@@ -65,6 +65,7 @@ fn report(entry: &HistoryEntry) -> HistoryReport {
         sequence: entry.sequence,
         wall_ns: entry.wall_ns,
         author: entry.author.to_string(),
+        uid: entry.uid,
         what: change_text::describe_operation(&entry.operation),
         operation: HistoryOperation::Other,
         track_id: None,

@@ -3,18 +3,17 @@
 use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use crate::translate;
 use learning::CategoryName;
-use message::control::{ImportReport, JobOutcome, MutationId, Refusal, RefusalKind};
-use perceptual_memory::{Digest, Mutation, PortableBatch, PortableReader, StoreChange};
+use message::control::{ImportReport, JobOutcome, MutationId, Refusal};
+use perceptual_memory::{Digest, Mutation, PortableBatch, PortableReader, Requester, StoreChange};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
-use std::io::BufReader;
-use std::os::unix::fs::FileExt;
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::io::{BufReader, Seek};
 
 /// Parameters of an import into the store.
 pub(crate) struct ImportRequest {
     id: MutationId,
     author: String,
+    requester: Requester,
     source: String,
     renames: BTreeMap<CategoryName, CategoryName>,
     prefix: String,
@@ -24,6 +23,7 @@ impl ImportRequest {
     pub(crate) fn new(
         id: MutationId,
         author: String,
+        requester: Requester,
         source: String,
         renames: Vec<(String, String)>,
         prefix: String,
@@ -37,6 +37,7 @@ impl ImportRequest {
         Ok(Self {
             id,
             author,
+            requester,
             source,
             renames: renames.into_iter().map(rename).collect::<Result<_, _>>()?,
             prefix,
@@ -53,53 +54,15 @@ impl ImportRequest {
     }
 }
 
-/// Path of the upload file of a job.
-pub(crate) fn path(scratch: &Path, job: u64) -> PathBuf {
-    scratch.join(format!("import-{job}"))
-}
-
-/// Writes received bytes to the upload file.
-pub(crate) fn write(path: &Path, offset: u64, bytes: &[u8]) -> Result<(), Refusal> {
-    let refused = |error| {
-        let sentence = format!(
-            "the bytes of the import cannot be kept in {}: {error}; see that the disk has room",
-            path.display()
-        );
-        Refusal::new(RefusalKind::Unavailable, sentence)
-    };
-    if let Some(scratch) = path.parent() {
-        fs::create_dir_all(scratch).map_err(refused)?;
-    }
-    let file = fs::OpenOptions::new()
-        .create(true)
-        .truncate(false)
-        .write(true)
-        .open(path)
-        .map_err(refused)?;
-    file.write_all_at(bytes, offset).map_err(refused)
-}
-
-/// Imports the file, or nothing of it if it is invalid.
+/// Imports the file, or nothing of it if it is invalid or its client goes before it is checked.
 pub(crate) fn run(
     context: &JobContext,
     progress: &Progress,
-    path: &Path,
+    file: &File,
     request: &ImportRequest,
 ) -> Result<JobOutcome, String> {
-    let outcome = try_run(context, progress, path, request);
-    // A file that remains is removed at the next start.
-    let _ = fs::remove_file(path);
-    outcome.map(JobOutcome::Imported)
-}
-
-fn try_run(
-    context: &JobContext,
-    progress: &Progress,
-    path: &Path,
-    request: &ImportRequest,
-) -> Result<ImportReport, String> {
-    let n_bytes = check(context, path, request, progress)?;
-    let mut reader = open(path)?;
+    let n_bytes = check(context, file, request, progress)?;
+    let mut reader = open(file)?;
     let mut n_views_changed = 0;
     let mut part = 0;
     while let Some(batch) = reader.batch().map_err(|error| error.to_string())? {
@@ -110,23 +73,23 @@ fn try_run(
     let position = context.store.position();
     publish_position(&context.position, position);
     let counts = reader.counts();
-    Ok(ImportReport {
+    Ok(JobOutcome::Imported(ImportReport {
         n_views: counts.n_views + counts.n_forgotten,
         n_views_changed,
         n_documents: counts.n_documents,
         sequence: position.sequence,
-    })
+    }))
 }
 
 /// Validates the complete file; returns its length.
 fn check(
     context: &JobContext,
-    path: &Path,
+    file: &File,
     request: &ImportRequest,
     progress: &Progress,
 ) -> Result<u64, String> {
-    let n_bytes = fs::metadata(path).map_or(0, |metadata| metadata.len());
-    let mut reader = open(path)?;
+    let n_bytes = file.metadata().map_or(0, |metadata| metadata.len());
+    let mut reader = open(file)?;
     let mut other_kinds = BTreeSet::new();
     let mut n_other = 0;
     while let Some(batch) = reader.batch().map_err(|error| error.to_string())? {
@@ -141,6 +104,9 @@ fn check(
             }
         }
         progress.set(reader.n_bytes_read(), 2 * n_bytes);
+        if progress.is_abandoned() {
+            return Err("its client has gone; nothing was taken over".to_owned());
+        }
     }
     if n_other == 0 {
         return Ok(n_bytes);
@@ -154,8 +120,9 @@ fn check(
     ))
 }
 
-fn open(path: &Path) -> Result<PortableReader<BufReader<File>>, String> {
-    let file = File::open(path).map_err(|error| format!("no byte of it has come: {error}"))?;
+fn open(mut file: &File) -> Result<PortableReader<BufReader<&File>>, String> {
+    let rewound = file.rewind();
+    rewound.map_err(|error| format!("its bytes cannot be read again: {error}"))?;
     PortableReader::new(BufReader::new(file)).map_err(|error| error.to_string())
 }
 
@@ -174,6 +141,7 @@ fn take_over(
     let mutation = Mutation {
         id: perceptual_memory::MutationId(Digest::of(&id).0),
         author: request.author.clone(),
+        requester: request.requester,
         wall_ns: wall_ns(),
         change: StoreChange::Import {
             source: request.source.clone(),

@@ -1,5 +1,6 @@
 //! Shared state of background jobs: resources, progress, export buffer, history position.
 
+use crate::upload::UploadLimits;
 use message::control::JobOutcome;
 use parking_lot::{Condvar, Mutex};
 use perceptual_memory::{Position, StoreHandle};
@@ -14,6 +15,7 @@ use tokio::sync::watch;
 pub(crate) struct JobContext {
     pub(crate) store: StoreHandle,
     pub(crate) scratch: PathBuf,
+    pub(crate) uploads: UploadLimits,
     pub(crate) descriptor_kind: &'static str,
     pub(crate) position: watch::Sender<Position>,
 }
@@ -33,6 +35,15 @@ impl Progress {
     /// `true` if the client has abandoned the job.
     pub(crate) fn is_abandoned(&self) -> bool {
         self.is_abandoned.load(Ordering::Relaxed)
+    }
+
+    /// Ends the job as soon as its thread notices.
+    pub(crate) fn abandon(&self) {
+        // Under the lock, so that a writer of the buffer either sees it or is already waiting.
+        let buffer = self.bytes.lock();
+        self.is_abandoned.store(true, Ordering::Relaxed);
+        drop(buffer);
+        self.bytes_moved.notify_all();
     }
 
     /// Sets the progress of the job.

@@ -1,21 +1,28 @@
-//! Background jobs on the memory, each in its own thread and polled by the client.
+//! Background jobs on the memory, each in its own thread and polled by the user who began it.
 //!
 //! A job reads a checkpoint or sends small requests to the store, so that teaching is not delayed.
-//! A job that no client polls is abandoned after a while.
+//! A job that its client no longer polls is ended: its thread, and its files, are freed.
 
 use crate::job_context::{JobContext, Progress};
+use crate::upload::Upload;
 use crate::{compaction, export, import, verification};
 use message::control::{JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply};
 use parking_lot::Mutex;
+use perceptual_memory::Requester;
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Maximum number of concurrent jobs.
 const MAX_JOBS: usize = 4;
-/// Time without polling after which a job is abandoned.
-const ABANDON_AFTER: Duration = Duration::from_secs(60);
+/// Maximum number of concurrent jobs of one user.
+const MAX_JOBS_OF_USER: usize = 2;
+/// Time without polling after which a job is abandoned. Chosen.
+const ABANDON_AFTER: Duration = Duration::from_secs(20);
+/// Period in which abandoned jobs are ended.
+const EXPIRY_PERIOD: Duration = Duration::from_secs(1);
 
 /// Table of the long-running jobs.
 pub(crate) struct Jobs {
@@ -26,20 +33,24 @@ pub(crate) struct Jobs {
 
 struct Job {
     kind: JobKind,
+    owner: Requester,
     progress: Arc<Progress>,
+    /// File of an import.
+    upload: Option<Arc<Upload>>,
+    /// `true` once an import has begun to read its file.
+    is_importing: bool,
     asked: Instant,
 }
 
 impl Drop for Job {
     fn drop(&mut self) {
-        self.progress.is_abandoned.store(true, Ordering::Relaxed);
-        self.progress.bytes_moved.notify_all();
+        self.progress.abandon();
     }
 }
 
 impl Jobs {
     pub(crate) fn new(context: JobContext) -> Self {
-        // Unfinished uploads of an earlier process.
+        // Uploads of earlier versions, which had names.
         let _ = std::fs::remove_dir_all(&context.scratch);
         Self {
             context,
@@ -48,32 +59,35 @@ impl Jobs {
         }
     }
 
-    pub(crate) fn answer(&self, command: JobCommand) -> Result<Reply, Refusal> {
-        let mut jobs = self.jobs.lock();
-        jobs.retain(|_, entry| entry.asked.elapsed() < ABANDON_AFTER);
+    /// Ends jobs that are no longer polled, until the future is dropped.
+    pub(crate) async fn expire(&self) {
+        loop {
+            tokio::time::sleep(EXPIRY_PERIOD).await;
+            self.end_abandoned(ABANDON_AFTER);
+        }
+    }
+
+    fn end_abandoned(&self, after: Duration) {
+        self.jobs
+            .lock()
+            .retain(|_, job| job.asked.elapsed() < after);
+    }
+
+    pub(crate) async fn answer(
+        &self,
+        command: JobCommand,
+        requester: Requester,
+    ) -> Result<Reply, Refusal> {
         match command {
-            JobCommand::Begin(kind) => self.begin(&mut jobs, kind),
-            JobCommand::Ask { job } => {
-                let entry = find(&mut jobs, job)?;
-                let report = report(job, &entry.progress);
-                if report.outcome.is_some() && entry.is_complete_once_reported() {
-                    jobs.remove(&job);
-                }
-                Ok(Reply::Job(report))
-            }
+            JobCommand::Begin(kind) => self.begin(kind, requester),
+            JobCommand::Ask { job } => self.ask(job, requester),
             JobCommand::Read { job, offset } => {
-                let entry = find(&mut jobs, job)?;
-                let bytes = export::read(&entry.progress, offset);
+                let progress = self.with(job, requester, |entry| entry.progress.clone())?;
+                let bytes = export::read(&progress, offset);
                 Ok(Reply::JobBytes { bytes })
             }
             JobCommand::Write { job, offset, bytes } => {
-                let entry = find(&mut jobs, job)?;
-                if entry.kind != JobKind::Import {
-                    return Err(not_that_kind(job));
-                }
-                let path = import::path(&self.context.scratch, job);
-                import::write(&path, offset, &bytes)?;
-                Ok(Reply::Job(report(job, &entry.progress)))
+                self.write(job, requester, offset, bytes).await
             }
             JobCommand::Import {
                 job,
@@ -83,17 +97,9 @@ impl Jobs {
                 renames,
                 prefix,
             } => {
-                let entry = find(&mut jobs, job)?;
-                if entry.kind != JobKind::Import {
-                    return Err(not_that_kind(job));
-                }
-                let request = import::ImportRequest::new(id, author, source, renames, prefix)?;
-                let path = import::path(&self.context.scratch, job);
-                let progress = entry.progress.clone();
-                self.spawn(progress.clone(), move |context, progress| {
-                    import::run(context, progress, &path, &request)
-                })?;
-                Ok(Reply::Job(report(job, &progress)))
+                let request =
+                    import::ImportRequest::new(id, author, requester, source, renames, prefix)?;
+                self.import(job, requester, request)
             }
             other => Err(Refusal::new(
                 RefusalKind::Invalid,
@@ -102,14 +108,18 @@ impl Jobs {
         }
     }
 
-    fn begin(&self, jobs: &mut BTreeMap<u64, Job>, kind: JobKind) -> Result<Reply, Refusal> {
-        if jobs.len() >= MAX_JOBS {
-            return Err(Refusal::new(
-                RefusalKind::Unavailable,
-                format!("{MAX_JOBS} jobs are running on the memory already; try again later"),
-            ));
+    fn begin(&self, kind: JobKind, owner: Requester) -> Result<Reply, Refusal> {
+        let mut jobs = self.jobs.lock();
+        let n_own = jobs.values().filter(|job| job.owner.uid == owner.uid);
+        if jobs.len() >= MAX_JOBS || n_own.count() >= MAX_JOBS_OF_USER {
+            let sentence = format!(
+                "at most {MAX_JOBS} jobs run on the memory, {MAX_JOBS_OF_USER} of one user; try \
+                 again later"
+            );
+            return Err(Refusal::new(RefusalKind::Unavailable, sentence));
         }
         let progress = Arc::new(Progress::default());
+        let mut upload = None;
         match &kind {
             JobKind::Verify => self.spawn(progress.clone(), verification::verify)?,
             JobKind::Repair => self.spawn(progress.clone(), verification::repair)?,
@@ -117,11 +127,11 @@ impl Jobs {
             JobKind::Compact { forgotten_for_s } => {
                 let forgotten_for_s = *forgotten_for_s;
                 self.spawn(progress.clone(), move |context, progress| {
-                    compaction::run(context, progress, forgotten_for_s)
+                    compaction::run(context, progress, forgotten_for_s, owner)
                 })?;
             }
             // Starts when the upload is complete.
-            JobKind::Import => {}
+            JobKind::Import => upload = Some(Arc::new(Upload::begin(&self.context.scratch)?)),
             other => {
                 let sentence = format!("this memory does not know the job {other:?}");
                 return Err(Refusal::new(RefusalKind::Invalid, sentence));
@@ -130,11 +140,106 @@ impl Jobs {
         let job = self.next.fetch_add(1, Ordering::Relaxed);
         let entry = Job {
             kind,
+            owner,
             progress: progress.clone(),
+            upload,
+            is_importing: false,
             asked: Instant::now(),
         };
         jobs.insert(job, entry);
         Ok(Reply::Job(report(job, &progress)))
+    }
+
+    fn ask(&self, job: u64, requester: Requester) -> Result<Reply, Refusal> {
+        let is_last = |entry: &Job, report: &JobReport| {
+            report.outcome.is_some() && entry.is_complete_once_reported()
+        };
+        let (report, is_over) = self.with(job, requester, |entry| {
+            let report = report(job, &entry.progress);
+            let is_over = is_last(entry, &report);
+            (report, is_over)
+        })?;
+        if is_over {
+            self.jobs.lock().remove(&job);
+        }
+        Ok(Reply::Job(report))
+    }
+
+    /// Writes a part of an upload, on a thread that may wait for the disk.
+    async fn write(
+        &self,
+        job: u64,
+        requester: Requester,
+        offset: u64,
+        bytes: Vec<u8>,
+    ) -> Result<Reply, Refusal> {
+        let (upload, progress) = self.with(job, requester, |entry| {
+            let upload = entry.upload.clone().filter(|_| !entry.is_importing);
+            (upload, entry.progress.clone())
+        })?;
+        let upload = upload.ok_or_else(|| not_that_kind(job))?;
+        let n_others = self.n_uploaded_bytes(job);
+        let limits = self.context.uploads;
+        let write = move || upload.write(offset, &bytes, n_others, &limits);
+        let written = tokio::task::spawn_blocking(write).await;
+        written.unwrap_or_else(|lost| {
+            let sentence =
+                format!("the bytes of the import were not kept: {lost}; send them again");
+            Err(Refusal::new(RefusalKind::Internal, sentence))
+        })?;
+        Ok(Reply::Job(report(job, &progress)))
+    }
+
+    /// Bytes of all uploads but that of one job.
+    fn n_uploaded_bytes(&self, but: u64) -> u64 {
+        let jobs = self.jobs.lock();
+        let others = jobs.iter().filter(|(job, _)| **job != but);
+        let uploads = others.filter_map(|(_, entry)| entry.upload.as_ref());
+        uploads.map(|upload| upload.n_bytes()).sum()
+    }
+
+    fn import(
+        &self,
+        job: u64,
+        requester: Requester,
+        request: import::ImportRequest,
+    ) -> Result<Reply, Refusal> {
+        let (upload, progress) = self.with(job, requester, |entry| {
+            let is_first = !std::mem::replace(&mut entry.is_importing, true);
+            let upload = entry.upload.clone().filter(|_| is_first);
+            (upload, entry.progress.clone())
+        })?;
+        let upload = upload.ok_or_else(|| not_that_kind(job))?;
+        let file = upload.open().map_err(|error| {
+            let sentence = format!("the bytes of the import cannot be read again: {error}");
+            Refusal::new(RefusalKind::Unavailable, sentence)
+        })?;
+        self.spawn(progress.clone(), move |context, progress| {
+            import::run(context, progress, &file, &request)
+        })?;
+        Ok(Reply::Job(report(job, &progress)))
+    }
+
+    /// Looks a job of this user up, which counts as polling it.
+    fn with<T>(
+        &self,
+        job: u64,
+        requester: Requester,
+        look: impl FnOnce(&mut Job) -> T,
+    ) -> Result<T, Refusal> {
+        let mut jobs = self.jobs.lock();
+        let entry = jobs
+            .get_mut(&job)
+            .filter(|entry| entry.owner.uid == requester.uid);
+        let entry = entry.ok_or_else(|| {
+            let sentence = format!(
+                "there is no job {job} of this user; it was cancelled, or its outcome was \
+                 delivered already"
+            );
+            Refusal::new(RefusalKind::NotFound, sentence)
+        })?;
+        entry.asked = Instant::now();
+        Ok(look(entry))
     }
 
     fn spawn(
@@ -144,8 +249,11 @@ impl Jobs {
     ) -> Result<(), Refusal> {
         let context = self.context.clone();
         let run = move || {
-            let outcome = work(&context, &progress).unwrap_or_else(JobOutcome::Failed);
-            *progress.outcome.lock() = Some(outcome);
+            let worked = catch_unwind(AssertUnwindSafe(|| work(&context, &progress)));
+            let outcome = worked.unwrap_or_else(|_| {
+                Err("it ended by a fault of tabula; see the log of tabula-memory".to_owned())
+            });
+            *progress.outcome.lock() = Some(outcome.unwrap_or_else(JobOutcome::Failed));
         };
         let spawned = std::thread::Builder::new()
             .name("memory-job".into())
@@ -165,21 +273,8 @@ impl Job {
     }
 }
 
-fn find(jobs: &mut BTreeMap<u64, Job>, job: u64) -> Result<&mut Job, Refusal> {
-    let entry = jobs.get_mut(&job).ok_or_else(|| {
-        Refusal::new(
-            RefusalKind::NotFound,
-            format!(
-                "there is no job {job}; it was cancelled, or its outcome was delivered already"
-            ),
-        )
-    })?;
-    entry.asked = Instant::now();
-    Ok(entry)
-}
-
 fn not_that_kind(job: u64) -> Refusal {
-    let sentence = format!("job {job} is no import");
+    let sentence = format!("job {job} is no import, or all its bytes were sent already");
     Refusal::new(RefusalKind::Invalid, sentence)
 }
 
@@ -191,3 +286,6 @@ fn report(job: u64, progress: &Progress) -> JobReport {
         outcome: progress.outcome.lock().clone(),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,16 +5,22 @@
 //! has no transport of its own.
 //!
 //! ```no_run
-//! use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
+//! use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig, UploadLimits};
 //! use message::control::{Command, MemoryQuery};
+//! use perceptual_memory::Requester;
 //!
 //! async fn print_stats(store: perceptual_memory::StoreHandle) {
 //!     let (handler, _position) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
 //!         store,
 //!         scratch: "/tmp/uploads".into(),
+//!         uploads: UploadLimits {
+//!             max_bytes: 1 << 30,
+//!             free_disk_min_bytes: 1 << 28,
+//!         },
 //!         descriptor_kind: "appearance",
 //!     });
-//!     let reply = handler.answer(Command::Memory(MemoryQuery::Stats)).await;
+//!     let user = Requester::administrator(1000);
+//!     let reply = handler.answer(Command::Memory(MemoryQuery::Stats), user).await;
 //!     println!("{reply:?}");
 //! }
 //! ```
@@ -31,7 +37,9 @@ mod translate;
 mod compaction;
 mod export;
 mod import;
+mod upload;
 mod verification;
 
 pub use memory_request_handler::{MemoryRequestHandler, MemoryRequestHandlerConfig};
+pub use upload::UploadLimits;
 pub use verification::verification_report;

@@ -2,6 +2,7 @@
 
 use crate::job_context::{JobContext, publish_position, wall_ns};
 use crate::jobs::Jobs;
+use crate::upload::UploadLimits;
 use crate::{change_text, queries, revision, translate};
 use learning::CategoryName;
 use message::control::{
@@ -9,8 +10,8 @@ use message::control::{
     SnapshotCursor,
 };
 use perceptual_memory::{
-    Digest, Error, Mutation, MutationReceipt, Operation, PerceptualMemory, Position, StoreChange,
-    StoreHandle, Target,
+    Digest, Error, Mutation, MutationReceipt, Operation, PerceptualMemory, Position, Requester,
+    StoreChange, StoreHandle, Target,
 };
 use std::path::PathBuf;
 use tokio::sync::{oneshot, watch};
@@ -26,8 +27,17 @@ pub struct MemoryRequestHandlerConfig {
     pub store: StoreHandle,
     /// Folder for the upload files of imports.
     pub scratch: PathBuf,
+    /// Limits of these files.
+    pub uploads: UploadLimits,
     /// Descriptor kind of this robot; views of other kinds are not imported.
     pub descriptor_kind: &'static str,
+}
+
+/// Origin of a change: its key, its claimed author, and the user as the kernel says.
+struct By {
+    id: MutationId,
+    author: String,
+    user: Requester,
 }
 
 /// Request handler of the perceptual memory.
@@ -46,6 +56,7 @@ impl MemoryRequestHandler {
             jobs: Jobs::new(JobContext {
                 store: config.store,
                 scratch: config.scratch,
+                uploads: config.uploads,
                 descriptor_kind: config.descriptor_kind,
                 position: position.clone(),
             }),
@@ -54,26 +65,35 @@ impl MemoryRequestHandler {
         (desk, positions)
     }
 
-    /// Answers a command; `None` for a command that is not about the memory.
-    pub async fn answer(&self, command: Command) -> Option<Result<Reply, Refusal>> {
+    /// Ends jobs whose clients have gone, until the future is dropped.
+    pub async fn expire_jobs(&self) {
+        self.jobs.expire().await;
+    }
+
+    /// Answers a command of a user; `None` for a command that is not about the memory.
+    pub async fn answer(
+        &self,
+        command: Command,
+        user: Requester,
+    ) -> Option<Result<Reply, Refusal>> {
         Some(match command {
             Command::Teach(label) => {
                 let teach = |track_id, category| StoreChange::Teach { track_id, category };
-                self.label(label, teach).await
+                self.label(label, user, teach).await
             }
             Command::Correct(label) => {
                 let correct = |track_id, category| StoreChange::Correct {
                     target: Target::Track(track_id),
                     category,
                 };
-                self.label(label, correct).await
+                self.label(label, user, correct).await
             }
             Command::Forget {
                 id,
                 author,
                 category,
-            } => self.forget(id, author, &category).await,
-            Command::Revise(revision) => self.revise(revision).await,
+            } => self.forget(By { id, author, user }, &category).await,
+            Command::Revise(revision) => self.revise(revision, user).await,
             Command::Categories => {
                 let summaries = self.read(|memory| Ok(memory.categories())).await;
                 summaries.map(|summaries| {
@@ -87,13 +107,17 @@ impl MemoryRequestHandler {
                     Err(refusal) => Err(refusal),
                 }
             }
-            Command::Job(job) => self.jobs.answer(job),
-            other => return self.answer_perception(other).await,
+            Command::Job(job) => self.jobs.answer(job, user).await,
+            other => return self.answer_perception(other, user).await,
         })
     }
 
     /// Answers the commands of perception.
-    async fn answer_perception(&self, command: Command) -> Option<Result<Reply, Refusal>> {
+    async fn answer_perception(
+        &self,
+        command: Command,
+        user: Requester,
+    ) -> Option<Result<Reply, Refusal>> {
         Some(match command {
             Command::LeaseTrackIds { count } => {
                 let lease = |reply: ReplySender<u64>| {
@@ -104,7 +128,8 @@ impl MemoryRequestHandler {
             }
             Command::StoreViews { id, views } => match translate::store_views(views) {
                 Ok(change) => {
-                    let stored = self.mutate(id, "perception".into(), change).await;
+                    let author = "perception".into();
+                    let stored = self.mutate(By { id, author, user }, change).await;
                     stored.map(|_| Reply::Stored)
                 }
                 Err(refusal) => Err(refusal),
@@ -133,6 +158,7 @@ impl MemoryRequestHandler {
     async fn label(
         &self,
         label: Labelling,
+        user: Requester,
         change: impl FnOnce(u64, CategoryName) -> StoreChange,
     ) -> Result<Reply, Refusal> {
         let Labelling {
@@ -143,26 +169,22 @@ impl MemoryRequestHandler {
         } = label;
         let category = translate::category(&category)?;
         let change = change(track_id, category.clone());
-        self.apply_teaching(id, author, change, category.as_str())
+        self.apply_teaching(By { id, author, user }, change, category.as_str())
             .await
     }
 
-    async fn forget(
-        &self,
-        id: MutationId,
-        author: String,
-        category: &str,
-    ) -> Result<Reply, Refusal> {
+    async fn forget(&self, by: By, category: &str) -> Result<Reply, Refusal> {
         let name = translate::category(category)?;
         let change = StoreChange::Forget(Target::Category(name.clone()));
-        self.apply_teaching(id, author, change, name.as_str()).await
+        self.apply_teaching(by, change, name.as_str()).await
     }
 
-    async fn revise(&self, revision: Revision) -> Result<Reply, Refusal> {
+    async fn revise(&self, revision: Revision, user: Requester) -> Result<Reply, Refusal> {
         let Revision { id, author, change } = revision;
         let (change, about) = revision::change(change)?;
         let is_undo = matches!(change, StoreChange::Undo { .. });
-        let mut reply = self.apply_teaching(id, author, change, &about).await?;
+        let by = By { id, author, user };
+        let mut reply = self.apply_teaching(by, change, &about).await?;
         if is_undo && let Reply::Learned(report) = &mut reply {
             let sequence = report.sequence;
             report.category = self.read(move |memory| undone(memory, sequence)).await?;
@@ -173,8 +195,7 @@ impl MemoryRequestHandler {
     /// Applies a change by a user and reports a contradicted label as a conflict.
     async fn apply_teaching(
         &self,
-        id: MutationId,
-        author: String,
+        by: By,
         change: StoreChange,
         about: &str,
     ) -> Result<Reply, Refusal> {
@@ -183,7 +204,7 @@ impl MemoryRequestHandler {
             sequence,
             n_views,
             contradiction,
-        } = self.mutate(id, author, change).await?;
+        } = self.mutate(by, change).await?;
         if let Some(contradiction) = contradiction {
             tracing::info!("{what}: contradicted, history {sequence}");
             let sentence = change_text::describe_contradiction(&what, &contradiction, sequence);
@@ -198,15 +219,11 @@ impl MemoryRequestHandler {
     }
 
     /// Applies a mutation, publishes the new position, and answers once it is on disk.
-    async fn mutate(
-        &self,
-        id: MutationId,
-        author: String,
-        change: StoreChange,
-    ) -> Result<MutationReceipt, Refusal> {
+    async fn mutate(&self, by: By, change: StoreChange) -> Result<MutationReceipt, Refusal> {
         let mutation = Mutation {
-            id: perceptual_memory::MutationId(id.0),
-            author,
+            id: perceptual_memory::MutationId(by.id.0),
+            author: by.author,
+            requester: by.user,
             wall_ns: wall_ns(),
             change,
         };

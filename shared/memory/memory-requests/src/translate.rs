@@ -164,6 +164,7 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
             | StoreRefusal::UnknownEntry { .. }
             | StoreRefusal::NothingToUndo,
         ) => RefusalKind::NotFound,
+        Error::Refused(StoreRefusal::OthersEntry { .. }) => RefusalKind::Forbidden,
         Error::Refused(_) => RefusalKind::Invalid,
         Error::QueueFull { .. } | Error::Failed { .. } | Error::Stopped => RefusalKind::Unavailable,
         _ => RefusalKind::Internal,

@@ -11,8 +11,8 @@ use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use perceptual_memory::{
-    CapturedView, Mutation, MutationId, PerceptualMemory, StoreChange, StoreConfig, StoreHandle,
-    StoreThread, StoredDescriptor, Target,
+    CapturedView, Mutation, MutationId, PerceptualMemory, Requester, StoreChange, StoreConfig,
+    StoreHandle, StoreThread, StoredDescriptor, Target,
 };
 use tempfile::TempDir;
 
@@ -38,6 +38,7 @@ fn mutation(change: StoreChange) -> Mutation {
     Mutation {
         id,
         author: "bench".to_owned(),
+        requester: Requester::default(),
         wall_ns: wall_clock(),
         change,
     }

@@ -122,6 +122,17 @@ pub enum StoreRefusal {
     /// Undo of an entry without effects, or by an author without a teaching entry.
     #[error("there is nothing to undo; name an entry of the history that changed something")]
     NothingToUndo,
+    /// Undo of another user's entry without the right to.
+    #[error(
+        "entry {sequence} was made by another user, as {author:?}; only that user or an \
+         administrator may undo it"
+    )]
+    OthersEntry {
+        /// Sequence number of the entry to undo.
+        sequence: u64,
+        /// Author of the entry, as its client claimed.
+        author: Arc<str>,
+    },
     /// Undo of an entry whose view was changed later.
     #[error(
         "entry {sequence} cannot be undone, since entry {by} changed {} after it; undo that one \

@@ -28,8 +28,11 @@ pub struct HistoryEntry {
     pub previous: Digest,
     /// Time of the request, nanoseconds since 1970, UTC.
     pub wall_ns: u64,
-    /// Author of the request.
+    /// Author of the request, as the client claims.
     pub author: Arc<str>,
+    /// User id of the client, as the kernel says; `None` for entries that the store writes itself
+    /// and for those of versions that did not record it.
+    pub uid: Option<u32>,
     /// Requested operation.
     pub operation: Operation,
     /// Idempotency key of the mutation; `None` for entries that the store writes itself.
@@ -50,6 +53,8 @@ struct Packed {
     mutation: Option<ByteArray<16>>,
     effects: Vec<Effect>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    uid: Option<u32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     contradiction: Option<Contradiction>,
 }
 
@@ -63,6 +68,7 @@ impl HistoryEntry {
             operation: self.operation.clone(),
             mutation: self.mutation.map(|id| ByteArray::new(id.0.to_be_bytes())),
             effects: self.effects.clone(),
+            uid: self.uid,
             contradiction: self.contradiction.clone(),
         };
         let record = seal(&keys::history_key(self.sequence), &packed);
@@ -81,6 +87,7 @@ impl HistoryEntry {
             previous: packed.previous,
             wall_ns: packed.wall_ns,
             author: packed.author,
+            uid: packed.uid,
             operation: packed.operation,
             mutation: mutation.map(MutationId),
             effects: packed.effects,

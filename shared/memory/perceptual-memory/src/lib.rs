@@ -16,7 +16,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! # let folder = tempfile::tempdir()?;
 //! use perceptual_memory::{
-//!     Error, Mutation, MutationId, PerceptualMemory, StoreChange, StoreRefusal,
+//!     Error, Mutation, MutationId, PerceptualMemory, Requester, StoreChange, StoreRefusal,
 //! };
 //!
 //! let (mut memory, report) = PerceptualMemory::open(folder.path(), 1)?;
@@ -25,6 +25,7 @@
 //! let teach = Mutation {
 //!     id: MutationId::random()?,
 //!     author: "anna".to_owned(),
+//!     requester: Requester::default(),
 //!     wall_ns: 2,
 //!     change: StoreChange::Teach {
 //!         track_id,
@@ -69,6 +70,7 @@ mod record_reader;
 mod recovered_records;
 mod recovery;
 mod replay;
+mod requester;
 mod retention_limits;
 mod salvage;
 mod schema_1;
@@ -104,6 +106,7 @@ pub use opening::{Condition, OpenReport};
 pub use perceptual_memory::{MAX_LEASE, PerceptualMemory};
 pub use portable::{PortableBatch, PortableCounts, PortableError, PortableReader, PortableWriter};
 pub use queries::{ChangeEntry, Changes, LabelledView, NameChange, Position, SnapshotPage};
+pub use requester::Requester;
 pub use store_index::CategorySummary;
 pub use store_thread::{OnReopened, StoreConfig, StoreHandle, StoreThread};
 pub use view::{

@@ -8,6 +8,7 @@ use crate::document_key::DocumentKey;
 use crate::error::StoreRefusal;
 use crate::exchange::{ForeignDocument, ForeignView};
 use crate::model::Target;
+use crate::requester::Requester;
 use crate::view::{CapturedView, MAX_NAME_BYTES};
 
 /// Maximum number of views in one mutation.
@@ -24,6 +25,8 @@ pub struct Mutation {
     pub id: MutationId,
     /// Author of the mutation, at most [`MAX_NAME_BYTES`].
     pub author: String,
+    /// User who sent the mutation.
+    pub requester: Requester,
     /// Time of the request, nanoseconds since 1970, UTC.
     pub wall_ns: u64,
     /// Requested change of the store.
@@ -69,8 +72,9 @@ pub enum StoreChange {
         /// Category that receives the merged views.
         into: CategoryName,
     },
-    /// Undo a history entry, unless its effects were changed later. Without a sequence number: the
-    /// last teaching entry of this author that is still in effect.
+    /// Undo a history entry, unless its effects were changed later or the requester has no right
+    /// to. Without a sequence number: the last teaching entry of this author and user that is
+    /// still in effect.
     Undo {
         /// Sequence number of the entry to undo.
         sequence: Option<u64>,

@@ -139,19 +139,20 @@ impl PerceptualMemory {
         }
         mutation.check()?;
         let decision = match &mutation.change {
-            StoreChange::Undo { sequence } => self.decide_undo(*sequence, &mutation.author)?,
+            StoreChange::Undo { sequence } => self.decide_undo(*sequence, mutation)?,
             change => decide(&self.index, &self.meta, change)?,
         };
         let id = Some(mutation.id);
         self.last_wall_ns = mutation.wall_ns;
-        Ok(self.stage_decision(id, &mutation.author, mutation.wall_ns, decision))
+        let author = (mutation.author.as_str(), mutation.requester.uid);
+        Ok(self.stage_decision(id, author, mutation.wall_ns, decision))
     }
 
-    /// Stages a decision as the next history entry.
+    /// Stages a decision as the next history entry, by an author and its user id.
     pub(crate) fn stage_decision(
         &mut self,
         mutation: Option<MutationId>,
-        author: &str,
+        (author, uid): (&str, Option<u32>),
         wall_ns: u64,
         mut decision: Decision,
     ) -> MutationReceipt {
@@ -162,6 +163,7 @@ impl PerceptualMemory {
             previous: self.meta.head,
             wall_ns,
             author: author.into(),
+            uid,
             operation: decision.operation,
             mutation,
             effects: decision.effects,
@@ -211,24 +213,37 @@ impl PerceptualMemory {
         self.commit()
     }
 
-    fn decide_undo(&mut self, sequence: Option<u64>, author: &str) -> Result<Decision, Error> {
+    fn decide_undo(
+        &mut self,
+        sequence: Option<u64>,
+        request: &Mutation,
+    ) -> Result<Decision, Error> {
         let sequence = match sequence {
             Some(sequence) => sequence,
-            None => self.last_teaching(author)?,
+            None => self.last_teaching(request)?,
         };
         let entry = self.entry(sequence)?;
+        if !request.requester.may_undo(&entry) {
+            return Err(StoreRefusal::OthersEntry {
+                sequence,
+                author: entry.author,
+            }
+            .into());
+        }
         Ok(undo::decide(&self.index, &entry)?)
     }
 
-    /// Sequence number of the last teaching entry of this author that can be undone.
-    fn last_teaching(&mut self, author: &str) -> Result<u64, Error> {
+    /// Sequence number of the last teaching entry of this author that the requester can undo.
+    fn last_teaching(&mut self, request: &Mutation) -> Result<u64, Error> {
         let first = self.meta.sequence.saturating_sub(UNDO_LOOKS_BACK);
         for sequence in (first + 1..=self.meta.sequence).rev() {
             if self.index.is_lost(sequence) {
                 continue;
             }
             let entry = self.entry(sequence)?;
-            let is_own = &*entry.author == author && undo::is_teaching(&entry.operation);
+            let is_own = *entry.author == request.author
+                && request.requester.may_undo(&entry)
+                && undo::is_teaching(&entry.operation);
             if is_own && undo::decide(&self.index, &entry).is_ok() {
                 return Ok(sequence);
             }

@@ -37,7 +37,7 @@ impl PerceptualMemory {
 
     fn stage_limit_decision(&mut self, decision: Decision) {
         let wall_ns = self.last_wall_ns;
-        self.stage_decision(None, LIMIT_AUTHOR, wall_ns, decision);
+        self.stage_decision(None, (LIMIT_AUTHOR, None), wall_ns, decision);
     }
 
     /// Forgets the most redundant views of a category until `n_kept` are left.

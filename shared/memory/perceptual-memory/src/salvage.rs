@@ -149,6 +149,7 @@ impl Rebuilder<'_> {
             previous: self.meta.head,
             wall_ns,
             author: AUTHOR.into(),
+            uid: None,
             operation,
             mutation: None,
             effects,

@@ -212,6 +212,7 @@ fn converted(sequence: u64, entry: Entry1, recovered: &RecoveredRecords) -> Hist
         previous: Digest::default(),
         wall_ns: entry.wall_ns,
         author: entry.author.into(),
+        uid: None,
         operation,
         mutation: entry
             .mutation

@@ -5,7 +5,7 @@ use geometry::OrientedBox;
 use learning::ViewId;
 use nalgebra::{Isometry3, Vector3};
 use perceptual_memory::{
-    CapturedView, Mutation, MutationId, PerceptualMemory, StoreChange, StoredDescriptor,
+    CapturedView, Mutation, MutationId, PerceptualMemory, Requester, StoreChange, StoredDescriptor,
 };
 
 #[global_allocator]
@@ -47,6 +47,7 @@ fn read_content_is_not_kept_in_memory() {
         let stored = memory.apply(&Mutation {
             id: MutationId(u128::from(track_id)),
             author: "anna".to_owned(),
+            requester: Requester::default(),
             wall_ns: track_id,
             change: StoreChange::StoreViews(vec![view_with_cloud(track_id, CLOUD_BYTES)]),
         });

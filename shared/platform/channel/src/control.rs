@@ -4,6 +4,7 @@
 //! Both carry the same CBOR bytes. Every request is answered, or its sender gets an
 //! error; none is dropped silently.
 
+mod access_policy;
 mod call_error;
 mod client;
 mod codec;
@@ -11,11 +12,14 @@ mod connection;
 mod connection_table;
 mod message_stream;
 mod peer;
+mod peer_groups;
+mod printable_request;
 mod request_response;
 mod server;
 mod socket_client;
 mod socket_server;
 
+pub use access_policy::RoleGroups;
 pub use call_error::CallError;
 pub use client::Client;
 pub use connection::serve_stream;

@@ -35,6 +35,7 @@ mod domain_name;
 mod domain_reservation;
 mod domain_state;
 mod error;
+mod group;
 mod live_file;
 mod lock_file;
 mod log_bridge;

@@ -7,6 +7,7 @@
 //! no path can be exchanged between check and use.
 
 use crate::Error;
+use crate::group::{SOCKET_GROUP, group_id};
 use rustix::fs::{
     AtFlags, CWD, FileType, Gid, Mode, OFlags, Stat, chownat, fchmod, fchown, fstat, mkdirat,
     openat, renameat, statat, unlinkat,
@@ -155,12 +156,14 @@ impl TrustedFolder {
     /// Gives the folder to the group tabula; false without that group, or without
     /// the right to do so.
     pub(crate) fn share_with_group(&self) -> bool {
-        tabula_group().is_some_and(|group| fchown(&self.descriptor, None, Some(group)).is_ok())
+        group_id(SOCKET_GROUP)
+            .map(Gid::from_raw)
+            .is_some_and(|group| fchown(&self.descriptor, None, Some(group)).is_ok())
     }
 
     /// Gives an entry of the folder to the group tabula, if possible.
     pub(crate) fn share_entry_with_group(&self, name: &str) {
-        if let Some(group) = tabula_group() {
+        if let Some(group) = group_id(SOCKET_GROUP).map(Gid::from_raw) {
             let descriptor = self.descriptor.as_fd();
             let flags = AtFlags::SYMLINK_NOFOLLOW;
             let _ = chownat(descriptor, name, None, Some(group), flags);
@@ -249,14 +252,6 @@ fn failed(attempt: &'static str, path: &Path, source: impl Into<std::io::Error>)
         path: path.to_owned(),
         source: source.into(),
     }
-}
-
-/// The group whose members may use the control socket; `None` where it does not exist.
-fn tabula_group() -> Option<Gid> {
-    let groups = std::fs::read_to_string("/etc/group").ok()?;
-    let line = groups.lines().find(|line| line.starts_with("tabula:"))?;
-    let number: u32 = line.split(':').nth(2)?.parse().ok()?;
-    Some(Gid::from_raw(number))
 }
 
 #[cfg(test)]

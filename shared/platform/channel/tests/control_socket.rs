@@ -3,7 +3,7 @@
 
 use channel::DomainName;
 use channel::RunFolder;
-use channel::control::{AnswerFuture, Handler, SocketClient, SocketServer};
+use channel::control::{AnswerFuture, Handler, RoleGroups, SocketClient, SocketServer};
 use message::control::{ArmCommand, Command, Refusal, RefusalKind, Reply, WorldCommand};
 use std::io::{Read, Write};
 use std::net::Shutdown;
@@ -37,7 +37,12 @@ impl TestSocket {
         std::fs::create_dir(folder.domain_folder(&name)).unwrap();
         let path = folder.control_socket(&name);
         let urgent = || Ok(handler("urgent"));
-        let server = SocketServer::bind(&path, handler("ordinary"), Box::new(urgent)).unwrap();
+        let groups = RoleGroups {
+            teachers: "tabula".into(),
+            administrators: "tabula-admin".into(),
+        };
+        let server =
+            SocketServer::bind(&path, &groups, handler("ordinary"), Box::new(urgent)).unwrap();
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(1)
             .enable_all()

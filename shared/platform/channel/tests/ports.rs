@@ -2,7 +2,9 @@
 //! separate domain.
 #![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
-use channel::control::{AnswerFuture, CallError, Client, Server, SocketClient, SocketServer};
+use channel::control::{
+    AnswerFuture, CallError, Client, RoleGroups, Server, SocketClient, SocketServer,
+};
 use channel::topic::{CameraCloud, FinishedFrames, Scene};
 use channel::{Domain, DomainName, Error, Publisher, Received, Role, RunFolder, Subscriber};
 use message::control::{Command, MAX_MESSAGE_BYTES, Refusal, RefusalKind, Reply};
@@ -351,8 +353,12 @@ async fn control_socket_answers_clients_and_refuses_invalid_bytes() {
     use std::io::{Read, Write};
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
-    let server =
-        SocketServer::bind(&domain.control_socket(), echo(), Box::new(|| Ok(echo()))).unwrap();
+    let groups = RoleGroups {
+        teachers: "tabula".into(),
+        administrators: "tabula-admin".into(),
+    };
+    let urgent = Box::new(|| Ok(echo()));
+    let server = SocketServer::bind(&domain.control_socket(), &groups, echo(), urgent).unwrap();
     let running = tokio::spawn(server.run());
     let (name, folder) = (test_domain.name.clone(), test_domain.folder.clone());
     let path = domain.control_socket();

@@ -1,7 +1,16 @@
 //! Text tables with aligned columns.
 
-/// Formats a table with a heading and columns as wide as their widest cell.
+use message::escape_unprintable;
+use std::borrow::Cow;
+
+/// Formats a table with a heading and columns as wide as their widest cell. Control characters
+/// and line feeds are escaped, so that no cell passes for a row.
 pub fn format_table(heading: &[&str], rows: &[Vec<String>]) -> String {
+    let printable = |row: &Vec<String>| -> Vec<String> {
+        let cells = row.iter().map(|cell| escape_unprintable(cell));
+        cells.map(Cow::into_owned).collect()
+    };
+    let rows: Vec<_> = rows.iter().map(printable).collect();
     let width = |column: usize| {
         let cells = rows
             .iter()
@@ -40,5 +49,12 @@ mod tests {
         let expected = "id  label\n1   mug\n22  cereal box";
         assert_eq!(format_table(&["id", "label"], &rows), expected);
         assert_eq!(format_table(&["id"], &[]), "id");
+    }
+
+    #[test]
+    fn cell_with_a_line_feed_stays_one_row() {
+        let rows = [vec!["1".into(), "anna\n2  ben".into()]];
+        let table = format_table(&["id", "by"], &rows);
+        assert_eq!(table, "id  by\n1   anna\\u{a}2  ben");
     }
 }

@@ -10,7 +10,7 @@ use geometry::OrientedBox;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use perceptual_memory::{
-    CapturedView, MAX_LEASE, Mutation, MutationId, PerceptualMemory, StoreChange, StoreConfig,
+    CapturedView, MAX_LEASE, Mutation, MutationId, PerceptualMemory, Requester, StoreChange, StoreConfig,
     StoreHandle, StoreThread, StoredDescriptor,
 };
 
@@ -64,6 +64,7 @@ fn mutation_with_id(index: usize, change: StoreChange) -> Mutation {
     Mutation {
         id: MutationId((high as u128) << 64 | spread(high) as u128),
         author: "anna".to_owned(),
+        requester: Requester::default(),
         wall_ns: 1_700_000_000_000_000_000 + index as u64,
         change,
     }

@@ -240,8 +240,12 @@ pub struct HistoryReport {
     pub sequence: u64,
     /// Time of the history entry, nanoseconds since 1970.
     pub wall_ns: u64,
-    /// Author of the history entry.
+    /// Author of the history entry, as its client claimed.
     pub author: String,
+    /// User id of the client, as the kernel says; null for maintenance by the store itself and
+    /// for entries of older versions.
+    #[serde(default)]
+    pub uid: Option<u32>,
     /// Requested change of the memory, in words.
     pub what: String,
     /// Kind of the operation that the entry records.

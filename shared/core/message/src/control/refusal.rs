@@ -15,6 +15,8 @@ pub enum RefusalKind {
     Conflict,
     /// Responsible process absent or not ready; a retry may succeed.
     Unavailable,
+    /// Command that the role of the user does not allow.
+    Forbidden,
     /// Incompatible protocol version.
     Version,
     /// Internal failure.

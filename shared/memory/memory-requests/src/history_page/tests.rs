@@ -14,6 +14,7 @@ fn empty(sequence: u64, operation: &Operation) -> HistoryReport {
         previous: perceptual_memory::Digest::default(),
         wall_ns: 5,
         author: "anna".into(),
+        uid: Some(1000),
         operation: operation.clone(),
         mutation: None,
         effects: Vec::new(),
@@ -75,6 +76,7 @@ fn memory_with_history(folder: &std::path::Path, n: u64, author: &str) -> Percep
         let mutation = Mutation {
             id: perceptual_memory::MutationId(u128::from(i)),
             author: author.to_owned(),
+            requester: perceptual_memory::Requester::default(),
             wall_ns: i,
             change: StoreChange::Purge { before_ns: 0 },
         };

@@ -21,6 +21,7 @@ use crate::error::{Error, StorageError};
 use crate::mutation::{Mutation, StoreChange as Asked};
 use crate::opening::{self, Condition, OpenReport};
 use crate::perceptual_memory::PerceptualMemory;
+use crate::requester::Requester;
 use crate::store_thread::{StoreConfig, StoreThread};
 use crate::view::{CapturedView, StoredDescriptor};
 
@@ -78,6 +79,7 @@ fn mutation(n: u64, cloud_bytes: usize) -> Mutation {
     Mutation {
         id: MutationId(n as u128),
         author: String::new(),
+        requester: Requester::default(),
         wall_ns: n,
         change,
     }

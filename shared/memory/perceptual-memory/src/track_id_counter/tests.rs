@@ -2,6 +2,7 @@ use super::*;
 use crate::mutation::{Mutation, StoreChange};
 use crate::opening::Condition;
 use crate::perceptual_memory::PerceptualMemory;
+use crate::requester::Requester;
 use crate::view::{CapturedView, StoredDescriptor};
 use crate::{DataLoss, StoreRefusal, verify_folder};
 use durable_leveldb::MutationId;
@@ -37,6 +38,7 @@ fn store(memory: &mut PerceptualMemory, track_id: u64) {
     let mutation = Mutation {
         id: MutationId(u128::from(track_id)),
         author: String::new(),
+        requester: Requester::default(),
         wall_ns: 1,
         change: StoreChange::StoreViews(vec![view(track_id)]),
     };

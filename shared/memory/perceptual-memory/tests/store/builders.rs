@@ -5,7 +5,7 @@ use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
 use perceptual_memory::{
     CapturedView, Error, Mutation, MutationId, MutationReceipt, OpenReport, PerceptualMemory,
-    StoreChange, StoreRefusal, StoredDescriptor, StoredView, Target,
+    Requester, StoreChange, StoreRefusal, StoredDescriptor, StoredView, Target,
 };
 use tempfile::TempDir;
 
@@ -57,6 +57,7 @@ pub(crate) fn mutation(id: u128, change: StoreChange) -> Mutation {
     Mutation {
         id: MutationId(id),
         author: "anna".to_owned(),
+        requester: Requester::administrator(1000),
         wall_ns: NOW_NS + id as u64,
         change,
     }

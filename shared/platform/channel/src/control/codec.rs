@@ -1,5 +1,6 @@
 //! CBOR encoding of requests and replies.
 
+use super::printable_request::PrintableRequest;
 use message::control::{
     Command, MAX_MESSAGE_BYTES, PROTOCOL_VERSION, Refusal, RefusalKind, Reply, Request,
 };
@@ -42,7 +43,7 @@ pub(super) fn decode_request(bytes: &[u8]) -> Result<Command, Refusal> {
         )
     })?;
     if request.protocol == PROTOCOL_VERSION {
-        return Ok(request.command);
+        return check_texts(bytes).map(|()| request.command);
     }
     Err(Refusal::new(
         RefusalKind::Version,
@@ -52,6 +53,18 @@ pub(super) fn decode_request(bytes: &[u8]) -> Result<Command, Refusal> {
             request.protocol
         ),
     ))
+}
+
+/// Refuses control and invisible characters, which could forge a line of the history or of a log,
+/// and rewrite a terminal.
+fn check_texts(bytes: &[u8]) -> Result<(), Refusal> {
+    match ciborium::from_reader::<PrintableRequest, _>(bytes) {
+        Ok(PrintableRequest) => Ok(()),
+        Err(ciborium::de::Error::Semantic(_, sentence)) => {
+            Err(Refusal::new(RefusalKind::Invalid, sentence))
+        }
+        Err(error) => Err(Refusal::new(RefusalKind::Version, error.to_string())),
+    }
 }
 
 /// Decodes a reply; invalid bytes become a refusal.
@@ -94,6 +107,20 @@ mod tests {
         let refusal = decode_request(&encode(&newer).unwrap()).unwrap_err();
         assert_eq!(refusal.kind, RefusalKind::Version);
         assert!(decode_request(b"rubbish").is_err() && decode_request(b"").is_err());
+    }
+
+    #[test]
+    fn control_characters_in_texts_are_refused() {
+        let forget = |author: &str| Command::Forget {
+            id: message::control::MutationId(1),
+            author: author.into(),
+            category: "mug".into(),
+        };
+        let decoded = |command| decode_request(&encode(&Request::from(command)).unwrap());
+        assert!(decoded(forget("Anna Müller")).is_ok());
+        let refusal = decoded(forget("anna\n99 ben")).unwrap_err();
+        assert_eq!(refusal.kind, RefusalKind::Invalid);
+        assert!(refusal.sentence.contains("U+000A"), "{refusal}");
     }
 
     /// Object whose every number and text has its longest form.

@@ -56,7 +56,7 @@ async fn serve_small(
     handlers: &Handlers,
 ) -> io::Result<bool> {
     let bytes = read_bytes(stream, length).await?;
-    let command = match accepted(&bytes) {
+    let command = match accepted(&bytes, connection.peer()) {
         Ok(command) => command,
         Err(refusal) => {
             return write_reply(stream, &Reply::Refused(refusal))
@@ -143,18 +143,30 @@ pub async fn serve_stream(
 }
 
 async fn answer(bytes: &[u8], handler: &Handler, peer: Peer) -> Reply {
-    match accepted(bytes) {
+    match accepted(bytes, peer) {
         Ok(command) => handler(command, peer).await,
         Err(refusal) => Reply::Refused(refusal),
     }
 }
 
-/// Command of a request that clients may send.
-fn accepted(bytes: &[u8]) -> Result<Command, Refusal> {
+/// Command of a request that the peer may send.
+fn accepted(bytes: &[u8], peer: Peer) -> Result<Command, Refusal> {
     let command = codec::decode_request(bytes)?;
     if command.is_internal() {
         let sentence = "only the daemon's own processes may send this command";
         return Err(Refusal::new(RefusalKind::Invalid, sentence));
+    }
+    let required = command.required_role();
+    if peer.role < required {
+        let sentence = format!(
+            "user {} has the role of a {} here, and this command needs the one of a {}; ask for \
+             membership in its group, see [memory] {}_group in the configuration",
+            peer.uid,
+            peer.role.name(),
+            required.name(),
+            required.name()
+        );
+        return Err(Refusal::new(RefusalKind::Forbidden, sentence));
     }
     Ok(command)
 }

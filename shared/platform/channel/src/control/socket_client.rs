@@ -3,8 +3,11 @@
 use super::{CallError, codec};
 use crate::{DomainName, RunFolder};
 use message::control::{Command, MAX_MESSAGE_BYTES, Reply, Request};
+use rustix::net::sockopt::socket_peercred;
 use std::io::{self, Read, Write};
+use std::os::unix::fs::MetadataExt;
 use std::os::unix::net::UnixStream;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Shortest time limit of a call.
@@ -30,7 +33,10 @@ impl SocketClient {
         let mut denied = None;
         for folder in folders {
             match UnixStream::connect(folder.control_socket(domain)) {
-                Ok(stream) => return Self::from_stream(stream, deadline),
+                Ok(stream) => {
+                    check_owner(&stream, &folder.domain_folder(domain))?;
+                    return Self::from_stream(stream, deadline);
+                }
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
                     denied = Some(folder.control_socket(domain));
                 }
@@ -126,4 +132,22 @@ impl SocketClient {
             _ => CallError::Carrier { attempt, source },
         }
     }
+}
+
+/// Checks that a daemon of the folder's owner, or of root, listens at the other end.
+fn check_owner(stream: &UnixStream, folder: &Path) -> Result<(), CallError> {
+    let failed = |source: io::Error| CallError::Carrier {
+        attempt: "find the owner of",
+        source,
+    };
+    let owner = std::fs::symlink_metadata(folder).map_err(failed)?.uid();
+    let daemon = socket_peercred(stream).map_err(|error| failed(error.into()))?;
+    let daemon = daemon.uid.as_raw();
+    if [0, owner].contains(&daemon) {
+        return Ok(());
+    }
+    Err(CallError::Refused(format!(
+        "user {daemon} answers in {}, which belongs to user {owner}; that is not the daemon",
+        folder.display()
+    )))
 }

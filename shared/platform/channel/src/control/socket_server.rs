@@ -1,8 +1,9 @@
 //! Server of the control socket (Unix domain socket), on a thread of its own.
 
+use super::access_policy::AccessPolicy;
 use super::connection::{Handlers, serve};
 use super::connection_table::{ConnectionTable, Limits};
-use super::{Handler, Peer};
+use super::{Handler, RoleGroups};
 use crate::Error;
 use crate::trusted_folder::TrustedFolder;
 use rustix::process::{Resource, getrlimit};
@@ -44,6 +45,7 @@ pub type UrgentHandler = Box<dyn FnOnce() -> Result<Handler, Error> + Send>;
 pub struct SocketServer {
     listener: BlockingListener,
     path: PathBuf,
+    access: AccessPolicy,
     ordinary: Handler,
     /// Taken when serving begins.
     urgent: Option<UrgentHandler>,
@@ -51,11 +53,17 @@ pub struct SocketServer {
 
 impl SocketServer {
     /// Binds the socket, mode 0660, group tabula where that group exists. A socket
-    /// left by a dead process is replaced: the caller holds the role's lock.
+    /// left by a dead process is replaced: the caller holds the role's lock. Group names are
+    /// looked up now.
     ///
     /// # Errors
     /// When the path cannot be bound, or its folder is under another user's control.
-    pub fn bind(path: &Path, ordinary: Handler, urgent: UrgentHandler) -> Result<Self, Error> {
+    pub fn bind(
+        path: &Path,
+        groups: &RoleGroups,
+        ordinary: Handler,
+        urgent: UrgentHandler,
+    ) -> Result<Self, Error> {
         let failed = |source| failure(path, source);
         let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
             return Err(failed(io::ErrorKind::InvalidInput.into()));
@@ -69,6 +77,7 @@ impl SocketServer {
         Ok(Self {
             listener,
             path: path.to_owned(),
+            access: AccessPolicy::new(groups),
             ordinary,
             urgent: Some(urgent),
         })
@@ -117,7 +126,7 @@ impl SocketServer {
                 runtime,
             };
             tokio::select! {
-                () = accept(&listener, &handlers) => {}
+                () = accept(&listener, self.access, &handlers) => {}
                 _ = stopped => {}
             }
             Ok(())
@@ -132,12 +141,12 @@ impl Drop for SocketServer {
 }
 
 /// Accepts connections for ever; each is served by a task.
-async fn accept(listener: &UnixListener, handlers: &Handlers) {
+async fn accept(listener: &UnixListener, access: AccessPolicy, handlers: &Handlers) {
     let table = ConnectionTable::new(limits());
     let mut n_accepted: u32 = 0;
     loop {
         match listener.accept().await {
-            Ok((stream, _)) => begin(stream, &table, handlers),
+            Ok((stream, _)) => begin(stream, access, &table, handlers),
             Err(error) => {
                 tracing::warn!("the control socket could not accept a connection: {error}");
                 tokio::time::sleep(ACCEPT_PAUSE).await;
@@ -151,11 +160,14 @@ async fn accept(listener: &UnixListener, handlers: &Handlers) {
 }
 
 /// Begins to serve a connection.
-fn begin(stream: UnixStream, table: &Arc<ConnectionTable>, handlers: &Handlers) {
-    let peer = match stream.peer_cred() {
-        Ok(credentials) => Peer {
-            uid: credentials.uid(),
-        },
+fn begin(
+    stream: UnixStream,
+    access: AccessPolicy,
+    table: &Arc<ConnectionTable>,
+    handlers: &Handlers,
+) {
+    let peer = match access.peer(&stream) {
+        Ok(peer) => peer,
         Err(error) => {
             tracing::warn!("a control connection has no user and is closed: {error}");
             return;

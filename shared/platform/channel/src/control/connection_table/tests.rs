@@ -1,4 +1,5 @@
 use super::*;
+use message::control::UserRole;
 use tokio::sync::oneshot::error::TryRecvError;
 
 const LIMITS: Limits = Limits {
@@ -10,7 +11,10 @@ const LIMITS: Limits = Limits {
 };
 
 fn user(uid: u32) -> Peer {
-    Peer { uid }
+    Peer {
+        uid,
+        role: UserRole::Teacher,
+    }
 }
 
 fn is_closed(evicted: &mut oneshot::Receiver<()>) -> bool {

@@ -1,0 +1,161 @@
+use super::*;
+use crate::upload::UploadLimits;
+use message::control::MutationId;
+use perceptual_memory::{RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
+use tokio::sync::watch;
+
+const ANNA: Requester = Requester {
+    uid: Some(1000),
+    may_undo_others: true,
+};
+const BEN: Requester = Requester {
+    uid: Some(1001),
+    may_undo_others: true,
+};
+
+/// Jobs on an empty store.
+struct Fixture {
+    jobs: Jobs,
+    runtime: tokio::runtime::Runtime,
+    _store: StoreThread,
+    folder: tempfile::TempDir,
+}
+
+impl Fixture {
+    fn new(max_bytes: u64) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let (thread, store, _) = StoreThread::start(StoreConfig {
+            folder: folder.path().join("store"),
+            queue_capacity: 16,
+            limits: RetentionLimits::default(),
+            write_buffer_bytes: WRITE_BUFFER_BYTES,
+            wall_clock: || 1,
+            on_reopened: Box::new(|_| {}),
+        })
+        .unwrap();
+        let jobs = Jobs::new(JobContext {
+            position: watch::channel(store.position()).0,
+            store,
+            scratch: folder.path().join("exchange"),
+            uploads: UploadLimits {
+                max_bytes,
+                free_disk_min_bytes: 0,
+            },
+            descriptor_kind: "test",
+        });
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()
+            .unwrap();
+        Self {
+            jobs,
+            runtime,
+            _store: thread,
+            folder,
+        }
+    }
+
+    fn answer(&self, command: JobCommand, user: Requester) -> Result<Reply, Refusal> {
+        self.runtime.block_on(self.jobs.answer(command, user))
+    }
+
+    fn begin(&self, kind: JobKind, user: Requester) -> Result<u64, Refusal> {
+        match self.answer(JobCommand::Begin(kind), user)? {
+            Reply::Job(report) => Ok(report.job),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn write(&self, job: u64, n_bytes: usize, user: Requester) -> Result<Reply, Refusal> {
+        let bytes = vec![7; n_bytes];
+        let offset = 0;
+        self.answer(JobCommand::Write { job, offset, bytes }, user)
+    }
+
+    fn outcome(&self, job: u64) -> JobOutcome {
+        loop {
+            match self.answer(JobCommand::Ask { job }, ANNA).unwrap() {
+                Reply::Job(JobReport {
+                    outcome: Some(outcome),
+                    ..
+                }) => return outcome,
+                _ => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
+    }
+}
+
+fn kind(refused: Result<impl std::fmt::Debug, Refusal>) -> RefusalKind {
+    refused.unwrap_err().kind
+}
+
+#[test]
+fn job_is_followed_by_its_user_only() {
+    let fixture = Fixture::new(1000);
+    let job = fixture.begin(JobKind::Import, ANNA).unwrap();
+    assert_eq!(kind(fixture.write(job, 1, BEN)), RefusalKind::NotFound);
+    let asked = fixture.answer(JobCommand::Ask { job }, BEN);
+    assert_eq!(kind(asked), RefusalKind::NotFound);
+    fixture.write(job, 1, ANNA).unwrap();
+}
+
+#[test]
+fn jobs_of_one_user_leave_room_for_others() {
+    let fixture = Fixture::new(1000);
+    for _ in 0..MAX_JOBS_OF_USER {
+        fixture.begin(JobKind::Import, ANNA).unwrap();
+    }
+    let refused = fixture.begin(JobKind::Import, ANNA);
+    assert_eq!(kind(refused), RefusalKind::Unavailable);
+    fixture.begin(JobKind::Import, BEN).unwrap();
+}
+
+#[test]
+fn uploads_have_one_limit_and_free_it_when_they_are_abandoned() {
+    let fixture = Fixture::new(1000);
+    let first = fixture.begin(JobKind::Import, ANNA).unwrap();
+    let second = fixture.begin(JobKind::Import, BEN).unwrap();
+    fixture.write(first, 900, ANNA).unwrap();
+    assert_eq!(kind(fixture.write(second, 200, BEN)), RefusalKind::Invalid);
+    fixture.jobs.end_abandoned(Duration::ZERO);
+    assert_eq!(kind(fixture.write(first, 1, ANNA)), RefusalKind::NotFound);
+    let third = fixture.begin(JobKind::Import, BEN).unwrap();
+    fixture.write(third, 1000, BEN).unwrap();
+    let exchange = fixture.folder.path().join("exchange");
+    assert_eq!(std::fs::read_dir(exchange).unwrap().count(), 0);
+}
+
+#[test]
+fn import_of_rubbish_fails_once_and_takes_no_more_bytes() {
+    let fixture = Fixture::new(1000);
+    let job = fixture.begin(JobKind::Import, ANNA).unwrap();
+    fixture.write(job, 100, ANNA).unwrap();
+    let import = || JobCommand::Import {
+        job,
+        id: MutationId(1),
+        author: "anna".into(),
+        source: "rubbish".into(),
+        renames: Vec::new(),
+        prefix: String::new(),
+    };
+    fixture.answer(import(), ANNA).unwrap();
+    assert_eq!(kind(fixture.answer(import(), ANNA)), RefusalKind::Invalid);
+    assert_eq!(kind(fixture.write(job, 1, ANNA)), RefusalKind::Invalid);
+    assert!(matches!(fixture.outcome(job), JobOutcome::Failed(_)));
+}
+
+/// A reader of an export that goes away frees its thread and its checkpoint.
+#[test]
+fn abandoned_export_ends() {
+    let fixture = Fixture::new(1000);
+    fixture.begin(JobKind::Export, ANNA).unwrap();
+    let progress = {
+        let jobs = fixture.jobs.jobs.lock();
+        jobs.values().next().unwrap().progress.clone()
+    };
+    fixture.jobs.end_abandoned(Duration::ZERO);
+    while Arc::strong_count(&progress) > 1 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(progress.is_abandoned());
+}
