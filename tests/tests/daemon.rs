@@ -160,6 +160,22 @@ impl Sandbox {
         sandbox
     }
 
+    /// Sandbox whose daemons have their data folder on a small disk of its own. Needs root.
+    pub(crate) fn on_own_disk(configuration: &str) -> Self {
+        let mut sandbox = Self::new();
+        sandbox.configure(configuration);
+        let home = sandbox.home().display().to_string();
+        let file = sandbox.home().join("tabula.toml");
+        let kept = sandbox.runtime_dir.path().join("tabula.toml");
+        std::fs::copy(&file, &kept).unwrap();
+        sandbox.mounts = Some(format!(
+            "mount -t tmpfs -o size=96m none {home} && cp {} {}",
+            kept.display(),
+            file.display()
+        ));
+        sandbox
+    }
+
     /// Another domain in the same run folder; its name has this one's as a prefix.
     pub(crate) fn neighbour(&self) -> Self {
         Self {
@@ -369,6 +385,11 @@ impl Daemon<'_> {
     pub(crate) fn signal(&self, process: ProcessKind, signal: Signal) {
         let pid = self.pid(process).expect("the process reports its id");
         send_signal(pid, signal).unwrap();
+    }
+
+    /// Process id of `tabula run`.
+    pub(crate) fn parent_id(&self) -> u32 {
+        self.child.id()
     }
 
     /// Log text of the daemon.

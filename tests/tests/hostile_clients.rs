@@ -82,14 +82,14 @@ fn stop_the_arm(stream: &mut UnixStream) -> std::io::Result<()> {
 }
 
 /// Clients that connect and misbehave until they are told to stop.
-struct HostileClients {
+pub(crate) struct HostileClients {
     threads: Vec<JoinHandle<()>>,
     is_over: Arc<AtomicBool>,
     n_connections: Arc<AtomicU64>,
 }
 
 impl HostileClients {
-    fn start(n_clients: usize, socket: &Path) -> Self {
+    pub(crate) fn start(n_clients: usize, socket: &Path) -> Self {
         let is_over = Arc::new(AtomicBool::new(false));
         let n_connections = Arc::new(AtomicU64::new(0));
         let client = |number: usize| {
@@ -120,7 +120,7 @@ impl HostileClients {
     }
 
     /// Stops the clients and returns how many connections they made.
-    fn stop(self) -> u64 {
+    pub(crate) fn stop(self) -> u64 {
         self.is_over.store(true, Ordering::Relaxed);
         for thread in self.threads {
             thread.join().unwrap();

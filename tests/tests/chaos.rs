@@ -1,0 +1,214 @@
+//! Chaos test: faults drawn at random in a running daemon. Nothing acknowledged is lost, every
+//! fault is recovered from, a starved process is never ended, and nothing grows.
+
+mod fault;
+mod picture;
+mod scene_watch;
+mod teacher;
+
+use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually};
+use crate::skeleton::{id, wait_for_all};
+use fault::Fault;
+use random::Random;
+use scene_watch::SceneWatch;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use teacher::Teacher;
+
+/// The synthetic table at a low rate, since several daemons share the cores.
+const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "15"];
+/// The shortest watchdog time that can be configured.
+const CONFIGURATION: &str = "[run]\nwatchdog_s = 5.0\nrestart_delay_max_s = 0.5\n";
+/// Objects that are taught.
+const N_TAUGHT: usize = 2;
+/// Good scenes that end a fault.
+const N_GOOD: u64 = 15;
+/// Duration of the long test: an hour, or what `TABULA_CHAOS_S` says, seconds.
+const LONG: Duration = Duration::from_secs(3600);
+
+/// Recovery from one fault.
+#[derive(Debug, Clone, Copy)]
+struct Recovery {
+    /// Time until the fault was found, of a stopped process.
+    found_after: Option<Duration>,
+    /// Longest time without a good scene.
+    without_scene: Duration,
+    /// Time until a request is acknowledged after the fault is over.
+    until_acknowledged: Duration,
+}
+
+/// Daemon under chaos.
+struct Chaos<'a> {
+    daemon: Daemon<'a>,
+    scenes: SceneWatch,
+    teacher: Teacher,
+}
+
+impl<'a> Chaos<'a> {
+    fn start(sandbox: &'a Sandbox) -> Self {
+        let daemon = sandbox.start(&TABLE);
+        let objects = wait_for_all(&daemon, 0);
+        for object in &objects[..N_TAUGHT] {
+            let track = id(object);
+            daemon.ask(&["teach", &track, &format!("thing {track}")]);
+        }
+        let scenes = SceneWatch::start(sandbox, N_TAUGHT);
+        scenes.wait_for_good(N_GOOD, WATCHDOG);
+        Self {
+            daemon,
+            scenes,
+            teacher: Teacher::start(sandbox),
+        }
+    }
+
+    fn inject(&self, fault: Fault) -> Recovery {
+        self.scenes.begin();
+        let found_after = fault.inject(&self.daemon);
+        let until_acknowledged = self.teacher.time_to_acknowledgement(WATCHDOG);
+        self.scenes.wait_for_good(N_GOOD, WATCHDOG);
+        let without_scene = self.scenes.longest_pause();
+        eventually("all processes work", || {
+            let status = self.daemon.sandbox.tabula(&["status", "--json"]);
+            status.status.success()
+        });
+        Recovery {
+            found_after,
+            without_scene,
+            until_acknowledged,
+        }
+    }
+
+    /// Stops the daemon and checks that nothing was lost.
+    fn stop(self) {
+        let n_acknowledged = self.teacher.n_acknowledged();
+        let lost = self.teacher.stop();
+        assert!(lost.is_empty(), "acknowledged and lost: {lost:?}");
+        let verified = self.daemon.ask(&["memory", "verify"]);
+        assert_eq!(verified["n_findings"], 0, "{verified}");
+        drop(self.scenes);
+        self.daemon.stop();
+        eprintln!("{n_acknowledged} documents were acknowledged, none is lost");
+    }
+}
+
+fn sandbox() -> (Sandbox, Vec<Fault>) {
+    let mut faults = Fault::FOR_ALL.to_vec();
+    let is_root = rustix::process::geteuid().is_root();
+    if is_root {
+        faults.extend(Fault::FOR_ROOT);
+    } else {
+        eprintln!("SKIPPED: faults of the disk, which need root");
+    }
+    let sandbox = if is_root {
+        Sandbox::on_own_disk(CONFIGURATION)
+    } else {
+        let sandbox = Sandbox::new();
+        sandbox.configure(CONFIGURATION);
+        sandbox
+    };
+    (sandbox, faults)
+}
+
+#[test]
+fn chaos_of_a_minute_is_recovered_from_and_loses_nothing() {
+    let (sandbox, mut faults) = sandbox();
+    // In an order of their own, and one starved process.
+    let mut random = Random::from_seed(23);
+    random.shuffle(&mut faults);
+    faults.push(Fault::STARVATION[random.below(Fault::STARVATION.len())]);
+    let chaos = Chaos::start(&sandbox);
+    for fault in faults {
+        let recovery = chaos.inject(fault);
+        eprintln!("{}: {recovery:?}", fault.name());
+    }
+    chaos.stop();
+}
+
+#[test]
+#[ignore = "long"]
+fn long_chaos_of_an_hour_is_recovered_from_and_loses_nothing() {
+    let seconds = std::env::var("TABULA_CHAOS_S").ok();
+    let duration = seconds.map_or(LONG, |s| Duration::from_secs(s.parse().unwrap()));
+    let seed = std::env::var("TABULA_CHAOS_SEED").map_or(1, |seed| seed.parse().unwrap());
+    let (sandbox, mut faults) = sandbox();
+    faults.extend(Fault::STARVATION);
+    let chaos = Chaos::start(&sandbox);
+    let before = Holdings::of(&chaos.daemon);
+    let (mut random, begin) = (Random::from_seed(seed), Instant::now());
+    let mut recoveries: BTreeMap<String, Vec<Recovery>> = BTreeMap::new();
+    while begin.elapsed() < duration {
+        let fault = *random.choice(&faults).unwrap();
+        let recovery = chaos.inject(fault);
+        println!(
+            "chaos {:.1} s, {}: found {:.2} s, scene {:.2} s, acknowledged {:.2} s",
+            begin.elapsed().as_secs_f64(),
+            fault.name(),
+            recovery.found_after.unwrap_or_default().as_secs_f64(),
+            recovery.without_scene.as_secs_f64(),
+            recovery.until_acknowledged.as_secs_f64()
+        );
+        recoveries.entry(fault.name()).or_default().push(recovery);
+    }
+    print_table(&recoveries);
+    if let Some(folder) = std::env::var_os("TABULA_CHAOS_OUT") {
+        picture::write(Path::new(&folder), &recoveries);
+    }
+    let after = Holdings::of(&chaos.daemon);
+    assert!(after.is_no_growth_since(&before), "{before:?} -> {after:?}");
+    chaos.stop();
+}
+
+/// Files that a daemon holds.
+#[derive(Debug, Clone, Copy)]
+struct Holdings {
+    /// Files of its domain in shared memory.
+    n_shared: usize,
+    /// Descriptors of `tabula run`, which lives through all faults.
+    n_descriptors: usize,
+}
+
+impl Holdings {
+    fn of(daemon: &Daemon<'_>) -> Self {
+        let descriptors = std::fs::read_dir(format!("/proc/{}/fd", daemon.parent_id()));
+        Self {
+            n_shared: daemon.sandbox.shared_memory_files().len(),
+            n_descriptors: descriptors.unwrap().count(),
+        }
+    }
+
+    /// Connections with processes that have just ended remain for a while: a constant number,
+    /// however many faults there were.
+    fn is_no_growth_since(&self, before: &Self) -> bool {
+        const CONNECTIONS: usize = 16;
+        self.n_shared <= before.n_shared + CONNECTIONS
+            && self.n_descriptors <= before.n_descriptors + CONNECTIONS
+    }
+}
+
+/// Prints a line for each fault: median, 99th percentile and maximum of the recoveries.
+fn print_table(recoveries: &BTreeMap<String, Vec<Recovery>>) {
+    println!("| fault | n | found p50/max | without scene p50/p99/max | acknowledged p50/max |");
+    println!("|---|---|---|---|---|");
+    for (fault, all) in recoveries {
+        let sorted = |get: &dyn Fn(&Recovery) -> Duration| {
+            let mut times: Vec<f64> = all.iter().map(|r| get(r).as_secs_f64()).collect();
+            times.sort_by(f64::total_cmp);
+            move |share: f64| times[((times.len() - 1) as f64 * share).ceil() as usize]
+        };
+        let found = sorted(&|r| r.found_after.unwrap_or_default());
+        let scene = sorted(&|r| r.without_scene);
+        let acknowledged = sorted(&|r| r.until_acknowledged);
+        println!(
+            "| {fault} | {} | {:.2}/{:.2} s | {:.2}/{:.2}/{:.2} s | {:.2}/{:.2} s |",
+            all.len(),
+            found(0.5),
+            found(1.0),
+            scene(0.5),
+            scene(0.99),
+            scene(1.0),
+            acknowledged(0.5),
+            acknowledged(1.0)
+        );
+    }
+}

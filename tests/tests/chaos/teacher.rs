@@ -1,0 +1,157 @@
+//! Teacher under chaos: stores documents without end and remembers what was acknowledged.
+
+use crate::daemon::Sandbox;
+use channel::DomainName;
+use channel::RunFolder;
+use channel::control::SocketClient;
+use message::control::{
+    Command, DocumentKind, DocumentName, MemoryAnswer, MemoryQuery, MutationId, Reply, Revision,
+    RevisionChange,
+};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Time limit of an answer.
+const ANSWER: Duration = Duration::from_secs(3);
+/// Pause between two requests, and before one is repeated.
+const PAUSE: Duration = Duration::from_millis(20);
+/// Number of names, each of which is stored again and again.
+const N_NAMES: u64 = 50;
+
+/// Document store of the daemon, as the teacher sees it.
+#[derive(Clone)]
+struct Client {
+    domain: DomainName,
+    folders: [RunFolder; 1],
+}
+
+impl Client {
+    fn ask(&self, command: &Command) -> Option<Reply> {
+        SocketClient::call_once(&self.domain, &self.folders, ANSWER, command).ok()
+    }
+}
+
+#[derive(Default)]
+struct Progress {
+    is_over: AtomicBool,
+    n_acknowledged: AtomicU64,
+    /// Number of the newest acknowledged document of each name.
+    newest: Mutex<Vec<u64>>,
+}
+
+/// Thread that stores one document after the other; one that is not acknowledged is repeated
+/// with the same id until it is.
+pub(super) struct Teacher {
+    client: Client,
+    progress: Arc<Progress>,
+    thread: Option<JoinHandle<()>>,
+}
+
+fn document(number: u64) -> DocumentName {
+    DocumentName {
+        kind: DocumentKind::TaskKnowledge,
+        name: format!("chaos {}", number % N_NAMES),
+    }
+}
+
+impl Teacher {
+    pub(super) fn start(sandbox: &Sandbox) -> Self {
+        let client = Client {
+            domain: sandbox.domain.clone(),
+            folders: [sandbox.run_folder()],
+        };
+        let progress = Arc::new(Progress::default());
+        progress.newest.lock().unwrap().resize(N_NAMES as usize, 0);
+        let thread = std::thread::spawn({
+            let (client, progress) = (client.clone(), progress.clone());
+            move || {
+                for number in 1.. {
+                    if !store(&client, &progress, number) {
+                        return;
+                    }
+                    std::thread::sleep(PAUSE);
+                }
+            }
+        });
+        Self {
+            client,
+            progress,
+            thread: Some(thread),
+        }
+    }
+
+    /// Number of acknowledged documents.
+    pub(super) fn n_acknowledged(&self) -> u64 {
+        self.progress.n_acknowledged.load(Ordering::Relaxed)
+    }
+
+    /// Time from now to the next acknowledgement of a request that is sent from now on.
+    pub(super) fn time_to_acknowledgement(&self, watchdog: Duration) -> Duration {
+        let begin = Instant::now();
+        // The first one may have been under way.
+        let wanted = self.n_acknowledged() + 2;
+        while self.n_acknowledged() < wanted {
+            assert!(begin.elapsed() < watchdog, "the memory does not answer");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        begin.elapsed()
+    }
+
+    /// Stops, and returns the names whose acknowledged content is not there any more.
+    pub(super) fn stop(mut self) -> Vec<String> {
+        self.progress.is_over.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+        let newest = self.progress.newest.lock().unwrap().clone();
+        let known = newest.into_iter().filter(|number| *number > 0);
+        let is_lost = |number: &u64| self.stored(document(*number)) != Some(*number);
+        known
+            .filter(is_lost)
+            .map(|number| document(number).name)
+            .collect()
+    }
+
+    /// Number in a stored document.
+    fn stored(&self, name: DocumentName) -> Option<u64> {
+        let query = Command::Memory(MemoryQuery::Document(name));
+        match self.client.ask(&query)? {
+            Reply::Memory(MemoryAnswer::Document { content, .. }) => {
+                String::from_utf8(content).ok()?.parse().ok()
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Drop for Teacher {
+    fn drop(&mut self) {
+        self.progress.is_over.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Stores a document; false when the teacher is over.
+fn store(client: &Client, progress: &Progress, number: u64) -> bool {
+    let command = Command::Revise(Revision {
+        id: MutationId(u128::from(number)),
+        author: "chaos".into(),
+        change: RevisionChange::PutDocument {
+            document: document(number),
+            media_type: "text/plain".into(),
+            content: number.to_string().into_bytes(),
+        },
+    });
+    loop {
+        if progress.is_over.load(Ordering::Relaxed) {
+            return false;
+        }
+        if let Some(Reply::Learned(_)) = client.ask(&command) {
+            progress.newest.lock().unwrap()[(number % N_NAMES) as usize] = number;
+            progress.n_acknowledged.fetch_add(1, Ordering::Relaxed);
+            return true;
+        }
+        std::thread::sleep(PAUSE);
+    }
+}
