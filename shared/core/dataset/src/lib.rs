@@ -41,9 +41,6 @@ mod natural_order;
 mod number_type;
 mod png_image;
 
-#[cfg(test)]
-mod test_corruption;
-
 pub mod fakenect_folder;
 pub mod mesh;
 pub mod model_folder;

@@ -132,7 +132,7 @@ fn is_letter(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_corruption::assert_sentence;
+    use mutation_fuzzing::assert_sentence;
 
     const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n\

@@ -100,7 +100,7 @@ pub fn detect_recording_kind(folder: &Path) -> Result<RecordingKind, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_corruption::assert_sentence;
+    use mutation_fuzzing::assert_sentence;
 
     fn detect(names: &[&str]) -> Result<RecordingKind, Error> {
         let folder = tempfile::tempdir().unwrap();

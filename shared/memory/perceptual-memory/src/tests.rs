@@ -1,3 +1,4 @@
 //! Tests of the whole crate under power cuts and write errors.
 
+mod fuzz_records;
 mod power_loss;

@@ -162,6 +162,24 @@ mod tests {
         );
     }
 
+    /// Any text is a configuration or is refused with a sentence.
+    #[test]
+    fn fuzz_configuration_files() {
+        let seeds = [
+            b"[camera]\nrate_hz = 5.0\n[memory]\nqueue_requests = 3\n".to_vec(),
+            b"[run]\n\n[camera]\nrate_hz = 1e3 # fast\n".to_vec(),
+        ];
+        mutation_fuzzing::fuzz(&seeds, |bytes| {
+            let text = String::from_utf8_lossy(bytes).into_owned();
+            let file = ConfigFile { path: None, text };
+            let camera = file.check_sections().and_then(|()| file.section("camera"));
+            match camera {
+                Ok(Camera { rate_hz }) => assert!(rate_hz.is_nan() || rate_hz == rate_hz),
+                Err(error) => assert!(error.to_string().contains("the configuration")),
+            }
+        });
+    }
+
     #[test]
     fn errors_name_the_problem_and_the_file() {
         let check = |text: &str, word: &str| {

@@ -1,8 +1,8 @@
 use super::*;
 use crate::pcd::{self, Encoding, PcdView};
-use crate::test_corruption::assert_sentence;
 use crate::washington::{CAMERA, CroppedView, ViewName, write_view};
 use geometry::RigidTransform;
+use mutation_fuzzing::assert_sentence;
 use nalgebra::{UnitQuaternion, Vector3};
 use point_cloud::Point;
 use std::fs;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::NEUTRAL_GREY;
-use crate::test_corruption::{assert_sentence, corruption};
+use mutation_fuzzing::{assert_sentence, corruption};
 use point_cloud::{Point, Rgba};
 use proptest::prelude::*;
 

@@ -1,8 +1,8 @@
 use super::*;
 use crate::png_image::{PixelKind, encode, to_big_endian_samples};
 use crate::rgbd_sequence::test_flat_jpeg;
-use crate::test_corruption::{assert_sentence, corruption};
 use crate::{RecordingKind, detect_recording_kind};
+use mutation_fuzzing::{assert_sentence, corruption};
 use proptest::prelude::*;
 use std::fs;
 use tempfile::TempDir;

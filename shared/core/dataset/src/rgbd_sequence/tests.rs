@@ -1,5 +1,5 @@
 use super::*;
-use crate::test_corruption::{assert_sentence, corruption};
+use mutation_fuzzing::{assert_sentence, corruption};
 use proptest::prelude::*;
 use std::fs;
 use tempfile::TempDir;

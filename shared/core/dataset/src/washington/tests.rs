@@ -1,5 +1,5 @@
 use super::*;
-use crate::test_corruption::{assert_sentence, corruption, flipped_bits, truncations};
+use mutation_fuzzing::{assert_sentence, corruption, flipped_bits, truncations};
 use point_cloud::Point;
 use proptest::prelude::*;
 use std::fs;

@@ -113,3 +113,17 @@ fn export_file_that_is_damaged_is_refused() {
         Err(PortableError::Newer)
     ));
 }
+
+/// A corrupted export file is refused, however it is corrupted; what is read before that is
+/// bounded by its bytes.
+#[test]
+fn fuzz_export_files() {
+    let named = present(0, LabelStatus::Named(name("Mug")));
+    let file = written(&[named], &[document(Some(b"upper"))]);
+    let empty = written(&[], &[]);
+    let whole = [file.clone(), empty.clone()];
+    mutation_fuzzing::fuzz(&whole, |bytes| {
+        let is_whole = whole.iter().any(|file| file == bytes);
+        assert_eq!(read(bytes).is_ok(), is_whole);
+    });
+}

@@ -123,6 +123,47 @@ mod tests {
         assert!(refusal.sentence.contains("U+000A"), "{refusal}");
     }
 
+    /// Any bytes are a command or a refusal with a sentence, and a command survives its own
+    /// encoding.
+    #[test]
+    fn fuzz_requests_and_replies() {
+        let id = message::control::MutationId(7);
+        let commands = [
+            Command::Objects,
+            Command::Forget {
+                id,
+                author: "anna".into(),
+                category: "mug".into(),
+            },
+            Command::World(WorldCommand::Facts(FactFilter::default())),
+            Command::Arm(message::control::ArmCommand::MoveJoints {
+                angles_rad: [0.5; 6],
+            }),
+            Command::Job(message::control::JobCommand::Write {
+                job: 1,
+                offset: 2,
+                bytes: vec![1, 2, 3],
+            }),
+        ];
+        let seeds: Vec<Vec<u8>> = commands
+            .into_iter()
+            .map(|command| encode(&Request::from(command)).unwrap())
+            .collect();
+        mutation_fuzzing::fuzz(&seeds, |bytes| {
+            match decode_request(bytes) {
+                Ok(command) => {
+                    let again = encode(&Request::from(command.clone())).unwrap();
+                    // A number that is NaN equals nothing, so the texts are compared.
+                    let decoded = decode_request(&again).unwrap();
+                    assert_eq!(format!("{decoded:?}"), format!("{command:?}"));
+                }
+                Err(refusal) => assert!(refusal.sentence.contains(' ')),
+            }
+            // A reply of a hostile daemon.
+            let _ = decode_reply(bytes);
+        });
+    }
+
     /// Object whose every number and text has its longest form.
     fn longest_object() -> SceneObject {
         let name = Text::truncated(&"x".repeat(64));

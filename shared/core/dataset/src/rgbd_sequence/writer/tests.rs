@@ -2,7 +2,7 @@ use super::*;
 use crate::rgbd_sequence::{
     RgbdSequence, Scratch, decode_color, decode_depth, decode_mask, depth_image_size,
 };
-use crate::test_corruption::{assert_sentence, flipped_bits, truncations};
+use mutation_fuzzing::{assert_sentence, flipped_bits, truncations};
 use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
 use proptest::prelude::*;

@@ -5,7 +5,7 @@ use proptest::sample::Index;
 
 /// Corruption of a valid file: replaced, removed and repeated bytes, truncation.
 #[derive(Debug, Clone)]
-pub(crate) struct Corruption {
+pub struct Corruption {
     replaced: Vec<(Index, u8)>,
     removed: Option<(Index, Index)>,
     repeated: Option<(Index, Index)>,
@@ -13,7 +13,8 @@ pub(crate) struct Corruption {
 }
 
 impl Corruption {
-    pub(crate) fn apply(&self, file: &[u8]) -> Vec<u8> {
+    /// Corrupted copy of a file.
+    pub fn apply(&self, file: &[u8]) -> Vec<u8> {
         let mut damaged = file.to_vec();
         for (at, byte) in &self.replaced {
             if !damaged.is_empty() {
@@ -40,7 +41,7 @@ fn range(from: Index, to: Index, length: usize) -> std::ops::Range<usize> {
 }
 
 /// Strategy for corruptions, biased towards digits in text.
-pub(crate) fn corruption() -> impl Strategy<Value = Corruption> {
+pub fn corruption() -> impl Strategy<Value = Corruption> {
     let text = prop::sample::select(b"0123456789 \n-.e#".to_vec());
     let replaced = prop::collection::vec((any::<Index>(), prop_oneof![text, any::<u8>()]), 0..4);
     let piece = || prop::option::weighted(0.2, any::<(Index, Index)>());
@@ -59,8 +60,11 @@ pub(crate) fn corruption() -> impl Strategy<Value = Corruption> {
 }
 
 /// Checks that an error message is one printable line of reasonable length.
+///
+/// # Panics
+/// When it is not.
 #[track_caller]
-pub(crate) fn assert_sentence(error: &dyn std::error::Error) {
+pub fn assert_sentence(error: &dyn std::error::Error) {
     let text = error.to_string();
     assert!(
         text.contains(' ') && text.len() > 20 && text.len() < 500,
@@ -70,12 +74,12 @@ pub(crate) fn assert_sentence(error: &dyn std::error::Error) {
 }
 
 /// Truncations of a file at every byte.
-pub(crate) fn truncations(file: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+pub fn truncations(file: &[u8]) -> impl Iterator<Item = Vec<u8>> {
     (0..file.len()).map(|length| file[..length].to_vec())
 }
 
 /// Copies of a file with each of its bits flipped in turn.
-pub(crate) fn flipped_bits(file: &[u8]) -> impl Iterator<Item = Vec<u8>> {
+pub fn flipped_bits(file: &[u8]) -> impl Iterator<Item = Vec<u8>> {
     (0..8 * file.len()).map(|bit| {
         let mut flipped = file.to_vec();
         flipped[bit / 8] ^= 1 << (bit % 8);
