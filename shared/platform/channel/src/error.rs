@@ -67,6 +67,21 @@ pub enum Error {
         /// Shared memory that is free and not reserved by others, bytes.
         available: u64,
     },
+    /// Memory of a segment that could not be allocated.
+    #[error(
+        "the shared memory of {service} ({}) could not be allocated: {source}; stop what uses \
+         /dev/shm, or enlarge it (mount -o remount,size=1G /dev/shm; in a container start it \
+         with a larger --shm-size)",
+        .path.display()
+    )]
+    Backing {
+        /// Name of the iceoryx2 service.
+        service: &'static str,
+        /// File of the segment.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: io::Error,
+    },
     /// Service that exists with other types or limits.
     #[error(
         "the service {service} of the domain {domain:?} was made by another version of \

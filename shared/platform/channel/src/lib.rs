@@ -43,6 +43,7 @@ mod publisher;
 mod request_services;
 mod reservation;
 mod run_folder;
+mod segment_backing;
 mod segment_map;
 mod shared_memory;
 mod shared_message;

@@ -5,6 +5,7 @@
 )]
 
 use crate::domain::{Domain, Service};
+use crate::segment_backing::back_segment;
 use crate::segment_map::SegmentMap;
 use crate::shared_memory::check_shared_memory;
 use crate::topic::{self, Topic};
@@ -40,7 +41,7 @@ pub struct Loan<T: Topic> {
 }
 
 impl<T: Topic> Publisher<T> {
-    /// Creates a publisher with all its memory reserved.
+    /// Creates a publisher with all its memory allocated.
     ///
     /// # Errors
     /// When the service is of another version, has its publishers already, or the
@@ -50,7 +51,7 @@ impl<T: Topic> Publisher<T> {
     }
 
     /// Creates a publisher of messages of at most `max_items` items, with all its memory
-    /// reserved. They may be more than the topic's [`MAX_ITEMS`](Topic::MAX_ITEMS): a camera
+    /// allocated. They may be more than the topic's [`MAX_ITEMS`](Topic::MAX_ITEMS): a camera
     /// with large images needs more memory than the domain has reserved for every camera.
     ///
     /// # Errors
@@ -68,6 +69,7 @@ impl<T: Topic> Publisher<T> {
             .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
             .create()
             .map_err(|e| Error::transport("make a publisher of", T::NAME, e))?;
+        back_segment(domain.name(), T::NAME, publisher.id().value())?;
         Ok(Self {
             port: publisher,
             service,

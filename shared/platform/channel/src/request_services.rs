@@ -44,8 +44,7 @@ pub(crate) fn request_service(process: ProcessKind) -> Option<RequestService> {
     }
 }
 
-/// Reservations of the requests and replies of all servers. Messages are mostly short
-/// and memory is used only where written, but the sum must count them all.
+/// Reservations of the requests and replies of all servers.
 pub(crate) fn reservations() -> Vec<Reservation> {
     let of_server = |process| {
         let RequestService {

@@ -5,6 +5,9 @@ use crate::{DomainName, Error, Reservation, domain_reservation};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
+/// Unit of the allocated size of a file (`st_blocks`), bytes.
+const BLOCK_BYTES: u64 = 512;
+
 /// State of the machine's shared memory from the view of one domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SharedMemory {
@@ -14,9 +17,6 @@ pub struct SharedMemory {
     pub free_bytes: u64,
     /// Shared-memory bytes used by the domain's files.
     pub used_by_domain: u64,
-    /// Bytes reserved by others but not yet used: sparse files use memory only when
-    /// touched, and then get SIGBUS if it is gone.
-    pub reserved_by_others: u64,
     /// Upper bound of the domain's use, bytes.
     pub needed: u64,
 }
@@ -29,25 +29,22 @@ impl SharedMemory {
             total_bytes: fs.f_blocks * fs.f_frsize,
             free_bytes: fs.f_bavail * fs.f_frsize,
             used_by_domain: 0,
-            reserved_by_others: 0,
             needed: domain_reservation().iter().map(Reservation::bytes).sum(),
         };
         let own_prefix = domain.prefix();
         for entry in std::fs::read_dir(FOLDER).ok()?.flatten() {
-            let Ok(file) = entry.metadata() else { continue };
-            let allocated = file.blocks() * 512;
-            if entry.file_name().to_string_lossy().starts_with(&own_prefix) {
-                state.used_by_domain += allocated;
-            } else if file.is_file() {
-                state.reserved_by_others += file.size().saturating_sub(allocated);
+            let is_own = entry.file_name().to_string_lossy().starts_with(&own_prefix);
+            if let (true, Ok(file)) = (is_own, entry.metadata()) {
+                state.used_by_domain += file.blocks() * BLOCK_BYTES;
             }
         }
         Some(state)
     }
 
-    /// Shared-memory bytes available to this domain.
+    /// Shared-memory bytes available to this domain. The size of sparse files of others does
+    /// not count: nobody has to give them that memory, and segments of a domain are backed.
     pub fn available(&self) -> u64 {
-        (self.free_bytes + self.used_by_domain).saturating_sub(self.reserved_by_others)
+        self.free_bytes.saturating_add(self.used_by_domain)
     }
 
     /// `true` when the upper bound of the domain's use is available.
@@ -135,6 +132,16 @@ mod tests {
         fn drop(&mut self) {
             let _ = std::fs::remove_file(&self.0);
         }
+    }
+
+    #[test]
+    fn sparse_file_of_others_reserves_no_shared_memory() {
+        let (name, _) = domain_with_file("free");
+        let sparse = Taken(Path::new(FOLDER).join(format!("sparse-{}", std::process::id())));
+        let file = std::fs::File::create(&sparse.0).unwrap();
+        file.set_len(1 << 40).unwrap();
+        let state = SharedMemory::of_domain(&name).unwrap();
+        assert!(state.is_sufficient(), "{state:?}");
     }
 
     fn domain_with_file(kind: &str) -> (DomainName, Taken) {

@@ -38,16 +38,15 @@ impl TestDomain {
         Domain::join(&self.name, &self.folder, Role::Guest).unwrap()
     }
 
-    fn shared_memory_files(&self) -> usize {
+    fn shared_memory_files(&self) -> Vec<String> {
         let prefix = format!(
             "tabula_{}_{}_",
             rustix::process::getuid().as_raw(),
             self.name
         );
         let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
-        entries
-            .filter(|e| e.file_name().to_string_lossy().starts_with(&prefix))
-            .count()
+        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        names.filter(|name| name.starts_with(&prefix)).collect()
     }
 }
 
@@ -229,14 +228,14 @@ async fn domain_is_removed_by_its_last_member() {
     let (one, two) = (test_domain.join(), test_domain.join());
     let publisher = Publisher::<CameraCloud>::new(&one).unwrap();
     drop(one);
-    assert!(test_domain.shared_memory_files() > 0);
+    assert!(!test_domain.shared_memory_files().is_empty());
     drop(two);
     assert!(
-        test_domain.shared_memory_files() > 0,
+        !test_domain.shared_memory_files().is_empty(),
         "the publisher still belongs to the domain"
     );
     drop(publisher);
-    assert_eq!(test_domain.shared_memory_files(), 0);
+    assert!(test_domain.shared_memory_files().is_empty());
     assert!(!test_domain.folder.domain_folder(&test_domain.name).exists());
 }
 
@@ -448,4 +447,41 @@ fn domain_that_cannot_be_joined_leaves_no_folder_behind() {
     // Nobody else removes what is foreign to the domain.
     std::fs::remove_file(foreign_file.take().unwrap()).unwrap();
     assert!(!is_left, "a name is taken");
+}
+
+/// Files of the domain in shared memory, with their sizes and allocated sizes, bytes.
+fn segments(test_domain: &TestDomain) -> Vec<(String, u64, u64)> {
+    use std::os::unix::fs::MetadataExt;
+    let files = test_domain.shared_memory_files();
+    let sizes = files.into_iter().map(|name| {
+        let file = std::fs::metadata(format!("/dev/shm/{name}")).unwrap();
+        (name, file.len(), file.blocks() * 512)
+    });
+    sizes.collect()
+}
+
+#[tokio::test]
+async fn segments_of_publishers_clients_and_servers_are_backed_when_they_are_made() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
+    let publisher = Publisher::<CameraCloud>::new(&domain).unwrap();
+    let handler: channel::control::Handler =
+        Arc::new(|_, _| -> AnswerFuture { Box::pin(async { Reply::Stored }) });
+    let _server = Server::new(&domain, ProcessKind::Memory, handler).unwrap();
+    let _client = Client::new(&domain, ProcessKind::Memory).unwrap();
+    let data: Vec<_> = segments(&test_domain)
+        .into_iter()
+        .filter(|(name, ..)| name.ends_with(".data"))
+        .collect();
+    assert_eq!(data.len(), 3, "{data:?}");
+    assert!(
+        data.iter()
+            .any(|(_, size, _)| *size >= publisher.reservation().slots * 4_915_200)
+    );
+    for (name, size, allocated) in &data {
+        assert!(
+            allocated >= size,
+            "{name}: {allocated} of {size} bytes are allocated"
+        );
+    }
 }

@@ -5,6 +5,7 @@ use super::{CallError, codec};
 use crate::Error;
 use crate::domain::{Domain, Service};
 use crate::request_services::{MAX_OPEN_REQUESTS, request_service};
+use crate::segment_backing::back_segment;
 use crate::wake_event::{WakeListener, WakeNotifier};
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _};
@@ -70,6 +71,7 @@ impl Client {
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .create()
             .map_err(|e| Error::transport("make a client of", parameters.name, e))?;
+        back_segment(domain.name(), parameters.name, client.id().value())?;
         let port = Port {
             client,
             requests: WakeNotifier::new(domain, parameters.name)?,

@@ -4,6 +4,7 @@ use super::request_response::{IoxService, open};
 use super::{Handler, Peer, codec};
 use crate::domain::{Domain, Service};
 use crate::request_services::request_service;
+use crate::segment_backing::back_segment;
 use crate::wake_event::{WakeListener, WakeNotifier};
 use crate::{Error, control::CallError};
 use iceoryx2::active_request::ActiveRequest;
@@ -41,6 +42,7 @@ impl Server {
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .create()
             .map_err(|e| Error::transport("make a server of", parameters.name, e))?;
+        back_segment(domain.name(), parameters.name, server.id().value())?;
         Ok(Self {
             port: server,
             listener: WakeListener::new(domain, parameters.name)?,
