@@ -30,6 +30,9 @@ pub struct Config {
     pub(crate) playback: Playback,
     /// True if a frame is sent only when the one before is finished.
     pub(crate) lockstep: bool,
+    /// True if the source was checked before the start, as `tabula run` does: a failure to
+    /// open it now may pass.
+    pub(crate) is_source_checked: bool,
 }
 
 impl Config {
@@ -57,6 +60,7 @@ impl Config {
                 to: given.to.or(raw.to_frame),
             },
             lockstep: given.lockstep || raw.lockstep,
+            is_source_checked: arguments.process.follow_parent.is_some(),
         };
         config.check().map_err(Failure::usage)?;
         Ok(config)
@@ -129,6 +133,13 @@ mod tests {
         assert!(config("").unwrap_err().contains("--source kinect"));
         let named = config("--source synthetic").unwrap();
         assert_eq!(named.source, SourceSpec::Synthetic(0));
+    }
+
+    #[test]
+    fn source_counts_as_checked_when_tabula_run_has_started_the_camera() {
+        assert!(!config("--source kinect").unwrap().is_source_checked);
+        let followed = config("--source kinect --follow-parent 1").unwrap();
+        assert!(followed.is_source_checked);
     }
 
     #[test]

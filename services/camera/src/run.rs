@@ -2,9 +2,10 @@
 
 use crate::config::Config;
 use crate::fakenect_restart;
-use crate::source::{self, SourceSpec};
-use ::capture::{CaptureEnd, CaptureLoop};
+use crate::source::{self, Source, SourceError, SourceSpec};
+use ::capture::{CaptureEnd, CaptureLoop, Outage};
 use message::ProcessState;
+use point_cloud::Point;
 use service::{Context, Failure};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -60,7 +61,7 @@ pub async fn run(context: Context, config: Config, again: ReplayRequest) -> Resu
     }
 }
 
-/// Checks that the source exists and can be played, without playing it.
+/// Checks that the source exists and that a frame of it can be played.
 ///
 /// # Errors
 /// When the source cannot be played. A device may be connected later and is not checked.
@@ -71,10 +72,27 @@ pub fn check_source(config: &Config) -> Result<(), Failure> {
             .map_err(|error| error.to_string()),
         SourceSpec::Kinect => Ok(()),
         _ => source::open(&config.source, &config.playback)
-            .map(drop)
+            .and_then(|mut source| first_frame(&mut *source))
             .map_err(|e| e.to_string()),
     };
     checked.map_err(Failure::usage)
+}
+
+/// Reads frames until one of them is usable.
+fn first_frame(source: &mut dyn Source) -> Result<(), SourceError> {
+    let mut points = Vec::new();
+    loop {
+        let filled = source.prepare().and_then(|size| {
+            let size = size.ok_or(SourceError::EndOfRecording)?;
+            points.resize(size.n_points(), Point::default());
+            source.fill(&mut points)
+        });
+        match filled {
+            Ok(_) => return Ok(()),
+            Err(SourceError::Frame { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
 }
 
 /// Captures on a dedicated thread: devices block, and a Kinect stays on the thread that
@@ -96,8 +114,9 @@ async fn capture(context: Context, config: &Config) -> Result<CaptureEnd, Failur
 }
 
 fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd, Failure> {
-    let opened = source::open(&config.source, &config.playback);
-    let source = opened.map_err(Failure::usage)?;
+    let Some(source) = open_source(&context, config)? else {
+        return Ok(CaptureEnd::Stopped);
+    };
     let rate = match source.rate_hz() {
         _ if config.lockstep => "in lockstep".into(),
         Some(rate_hz) => format!("at {rate_hz} Hz"),
@@ -105,4 +124,21 @@ fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd
     };
     tracing::info!("playing {} {rate}", source.name());
     CaptureLoop::new(context, source, config.lockstep, runtime)?.run()
+}
+
+/// Opens the source; `None` when shutdown was requested before it could be opened. A source
+/// that was usable when the daemon was started is tried again until it is back.
+fn open_source(context: &Context, config: &Config) -> Result<Option<Box<dyn Source>>, Failure> {
+    let mut outage = Outage::new(context.health.clone(), context.shutdown.clone());
+    while !context.shutdown.is_requested() {
+        match source::open(&config.source, &config.playback) {
+            Ok(source) => {
+                outage.end(source.name());
+                return Ok(Some(source));
+            }
+            Err(error) if config.is_source_checked => outage.wait(&error.to_string()),
+            Err(error) => return Err(Failure::usage(error)),
+        }
+    }
+    Ok(None)
 }

@@ -10,7 +10,7 @@ mod synthetic_table;
 pub(crate) use capture::{FrameInfo, FrameSize, Source, SourceError};
 pub(crate) use spec::SourceSpec;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Playback options of a source.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -68,6 +68,7 @@ const DEFAULT_RATE_HZ: f64 = 30.0;
 /// Cursor over the frames of a recording, with looping and a count of unusable frames.
 #[derive(Debug, Clone)]
 struct FrameCursor {
+    folder: PathBuf,
     /// Name of the recording.
     name: String,
     rate_hz: f64,
@@ -90,6 +91,7 @@ impl FrameCursor {
             )));
         }
         Ok(Self {
+            folder: recording.to_owned(),
             name: recording.display().to_string(),
             rate_hz: playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ),
             from,
@@ -117,8 +119,15 @@ impl FrameCursor {
     }
 
     /// Error of an unusable frame; when a whole round was unusable, the error of the
-    /// recording.
+    /// recording. While the folder is away, the frame is the next one again.
     fn refuse(&mut self, frame: &str, cause: String) -> SourceError {
+        if let Err(error) = self.folder.read_dir() {
+            self.next -= 1;
+            return SourceError::Unavailable(format!(
+                "the recording cannot be read at present ({error}); mount or restore {}",
+                self.name
+            ));
+        }
         self.n_refused_in_a_row += 1;
         let (n_frames, recording) = (self.to - self.from, &self.name);
         if self.n_refused_in_a_row < n_frames {
@@ -136,6 +145,26 @@ impl FrameCursor {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn frame_is_not_passed_over_while_the_folder_is_away() {
+        let folder = tempfile::tempdir().unwrap();
+        let (here, away) = (folder.path().join("here"), folder.path().join("away"));
+        std::fs::create_dir(&here).unwrap();
+        let mut frames = FrameCursor::new(&here, 3, &Playback::default()).unwrap();
+        assert_eq!(frames.advance(), Some(0));
+        assert_eq!(frames.advance(), Some(1));
+        std::fs::rename(&here, &away).unwrap();
+        for _ in 0..5 {
+            let error = frames.refuse("1.pcd", "could not read it".into());
+            assert!(matches!(error, SourceError::Unavailable(_)), "{error}");
+            assert_eq!(frames.advance(), Some(1));
+        }
+        std::fs::rename(&away, &here).unwrap();
+        let error = frames.refuse("1.pcd", "it is truncated".into());
+        assert!(matches!(error, SourceError::Frame { .. }), "{error}");
+        assert_eq!(frames.advance(), Some(2));
+    }
 
     #[test]
     fn frames_are_played_from_inclusive_to_exclusive() {

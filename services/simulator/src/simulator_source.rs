@@ -56,7 +56,8 @@ impl SimulatorSource {
     fn look(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
         let frame = self.interval.frame();
         let world = self.interval.world();
-        self.truth = self.kinect.look(world, frame, points).map_err(unusable)?;
+        let seen = self.kinect.look(world, frame, points);
+        self.truth = seen.map_err(|error| SourceError::Unusable(error.to_string()))?;
         let world_from_camera = world.world_from_camera();
         Ok(FrameInfo {
             camera: *self.kinect.camera(),
@@ -111,9 +112,7 @@ impl SimulatorSource {
             if stamp_ns > until_ns {
                 return Ok(Some(stamp_ns));
             }
-            self.world_publishers
-                .arm(sample, stamp_ns)
-                .map_err(unusable)?;
+            self.world_publishers.arm(sample, stamp_ns)?;
             self.n_published += 1;
         }
         Ok(None)
@@ -163,21 +162,17 @@ impl Source for SimulatorSource {
 
     fn before_send(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
         self.publish_arm(header.capture_stamp_ns, u64::MAX)?;
-        self.world_publishers
-            .person(header, self.interval.world())
-            .map_err(unusable)
+        Ok(self
+            .world_publishers
+            .person(header, self.interval.world())?)
     }
 
     fn after_send(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
         for note in self.interval.world_mut().take_notes() {
             tracing::warn!("{note}");
         }
-        self.world_publishers
-            .truth(header, &self.truth, self.kinect.mask())
-            .map_err(unusable)
+        Ok(self
+            .world_publishers
+            .truth(header, &self.truth, self.kinect.mask())?)
     }
-}
-
-fn unusable(error: impl std::fmt::Display) -> SourceError {
-    SourceError::Unusable(error.to_string())
 }

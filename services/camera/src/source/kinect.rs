@@ -53,7 +53,7 @@ impl KinectSource {
             | Error::CannotOpen { .. }
             | Error::CallFailed { .. }
             | Error::Gone { .. }
-            | Error::UsbUnavailable { .. } => SourceError::Disconnected(error.to_string()),
+            | Error::UsbUnavailable { .. } => SourceError::Unavailable(error.to_string()),
             _ => SourceError::Unusable(error.to_string()),
         }
     }
@@ -89,14 +89,14 @@ impl Source for KinectSource {
             kinect, builder, ..
         } = self;
         let Some(kinect) = kinect else {
-            return Err(SourceError::Disconnected("the Kinect is not open".into()));
+            return Err(SourceError::Unavailable("the Kinect is not open".into()));
         };
         let filled = match kinect.next_frame(SILENCE) {
             Ok(Some(frame)) => builder
                 .fill(frame.depth.pixels, frame.video.pixels, points)
                 .map(|_| frame.depth.arrived.elapsed())
                 .map_err(|error| SourceError::Unusable(error.to_string())),
-            Ok(None) => Err(SourceError::Disconnected(
+            Ok(None) => Err(SourceError::Unavailable(
                 "the Kinect sends no images; check its power supply and its USB port".into(),
             )),
             Err(Error::Ended) => return Err(SourceError::EndOfRecording),

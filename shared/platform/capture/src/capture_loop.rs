@@ -2,20 +2,21 @@
 
 use crate::lead_time::LeadTime;
 use crate::lockstep::{Lockstep, LockstepOutcome};
+use crate::outage::Outage;
 use crate::schedule::Schedule;
 use crate::source::{FrameInfo, FrameSize, IdleUpdate, Source};
 use crate::source_error::SourceError;
 use channel::topic::CameraCloud;
 use channel::{Loan, Publisher};
-use message::{FrameHeader, ProcessState, Stage, Text, WireTransform, frame_flag, points_mut};
+use message::{
+    CloudPoint, FrameHeader, ProcessState, Stage, Text, WireTransform, frame_flag, points_mut,
+};
 use service::{Context, Failure, Stopwatch, TracePublisher, monotonic_ns, wall_clock_offset_ns};
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::runtime::Handle;
 
-/// Period of the search for a lost device.
-const LOOK_AGAIN: Duration = Duration::from_secs(1);
 /// Longest sleep between two checks of the shutdown request.
 const NAP: Duration = Duration::from_millis(50);
 /// Capture time of the first frame in lockstep, nanoseconds; lockstep has its own
@@ -42,7 +43,7 @@ pub struct CaptureLoop {
     session: u64,
     sequence: u64,
     is_ready: bool,
-    is_device_lost: bool,
+    outage: Outage,
     /// Log sentences already written about unusable frames.
     reported: BTreeSet<String>,
     context: Context,
@@ -89,7 +90,7 @@ impl CaptureLoop {
             session: random_session(),
             sequence: 0,
             is_ready: false,
-            is_device_lost: false,
+            outage: Outage::new(context.health.clone(), context.shutdown.clone()),
             reported: BTreeSet::new(),
             context,
             runtime,
@@ -99,7 +100,7 @@ impl CaptureLoop {
     /// Runs until the end of the source, shutdown, or a failure.
     ///
     /// # Errors
-    /// When the source cannot be used.
+    /// When the source cannot be used for the first frame. Later failures are an outage.
     pub fn run(mut self) -> Result<CaptureEnd, Failure> {
         if self.lockstep.is_some() {
             self.wait_for_subscriber();
@@ -107,29 +108,41 @@ impl CaptureLoop {
         while !self.context.shutdown.is_requested() {
             self.context.health.record_progress();
             match self.capture_frame() {
-                Ok(true) => self.note_recovery(),
+                Ok(true) => self.outage.end(self.source.name()),
                 Ok(false) | Err(SourceError::EndOfRecording) => {
                     return Ok(CaptureEnd::EndOfRecording);
                 }
-                Err(SourceError::Unusable(sentence)) => {
+                Err(SourceError::Unusable(sentence)) if !self.is_ready => {
                     return Err(Failure::usage(sentence));
                 }
-                Err(error @ SourceError::Frame { .. }) => {
-                    // A looped recording repeats its bad frames in every round.
-                    let sentence = error.to_string();
-                    if !self.reported.contains(&sentence) {
-                        tracing::warn!("{sentence}");
-                        self.reported.insert(sentence);
-                    }
-                    self.context
-                        .health
-                        .frames_dropped
-                        .fetch_add(1, Ordering::Relaxed);
+                Err(error @ SourceError::Frame { .. }) => self.leave_out(&error),
+                Err(SourceError::Unusable(sentence) | SourceError::Unavailable(sentence)) => {
+                    self.wait_out(&sentence);
                 }
-                Err(SourceError::Disconnected(sentence)) => self.wait_for_device(&sentence),
             }
         }
         Ok(CaptureEnd::Stopped)
+    }
+
+    /// Counts an unusable frame, and logs it once: a looped recording repeats its bad frames
+    /// in every round.
+    fn leave_out(&mut self, error: &SourceError) {
+        let sentence = error.to_string();
+        if !self.reported.contains(&sentence) {
+            tracing::warn!("{sentence}");
+            self.reported.insert(sentence);
+        }
+        let n_dropped = &self.context.health.frames_dropped;
+        n_dropped.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Waits before the next attempt of a source or of shared memory that has failed. In
+    /// lockstep the clock of the frames stands still meanwhile.
+    fn wait_out(&mut self, sentence: &str) {
+        self.outage.wait(sentence);
+        if let (Some(schedule), None) = (&mut self.schedule, &self.lockstep) {
+            schedule.restart(monotonic_ns());
+        }
     }
 
     /// Captures and sends the next frame; `false` at the end of the recording.
@@ -145,25 +158,27 @@ impl CaptureLoop {
         self.become_ready();
         let making = watch.lap(Stage::Generation, 0);
         self.lead_time.record(making.duration_ns());
-        if self.lockstep.is_some() {
-            self.send_in_lockstep(loan, &info)?;
+        let sent = if self.lockstep.is_some() {
+            self.send_in_lockstep(loan, &info)
         } else {
             self.wait_until_due(&mut loan, &mut info)?;
             let release_wait = watch.lap(Stage::ReleaseWait, 0);
-            let header = self.send(loan, &info)?;
-            let sending = watch.lap(Stage::Sending, 0);
-            let spans = [preparing, making_wait, making, release_wait, sending];
-            self.trace.send(&header, &spans);
-        }
+            self.send(loan, &info).map(|header| {
+                let sending = watch.lap(Stage::Sending, 0);
+                let spans = [preparing, making_wait, making, release_wait, sending];
+                self.trace.send(&header, &spans);
+            })
+        };
+        // A frame of which it is not known whether it was sent keeps its number.
         self.sequence += 1;
-        Ok(true)
+        sent.map(|()| true)
     }
 
     fn loan_filled(
         &mut self,
         size: FrameSize,
     ) -> Result<(Loan<CameraCloud>, FrameInfo), SourceError> {
-        let mut loan = self.publisher.loan(size.n_points()).map_err(unusable)?;
+        let mut loan = self.publisher.loan(size.n_points())?;
         let info = self.source.fill(points_mut(loan.items_mut()))?;
         Ok((loan, info))
     }
@@ -187,7 +202,7 @@ impl CaptureLoop {
         };
         *loan.header_mut() = header;
         self.source.before_send(&header)?;
-        self.publisher.send(loan).map_err(unusable)?;
+        self.publisher.send(loan)?;
         self.source.after_send(&header)?;
         // In lockstep no frame is late: the followers set the pace.
         let released_ns = due_ns.filter(|_| self.lockstep.is_some()).unwrap_or(now_ns);
@@ -207,29 +222,50 @@ impl CaptureLoop {
     /// frame is identical to the bit, so that repeating it changes no result.
     fn send_in_lockstep(
         &mut self,
-        loan: Loan<CameraCloud>,
+        mut loan: Loan<CameraCloud>,
         info: &FrameInfo,
     ) -> Result<(), SourceError> {
-        let mut loan = loan;
         let copy = loan.items_mut().to_vec();
         let schedule = self.schedule;
+        let mut sent = self.send_and_wait(loan, info);
         loop {
-            self.send(loan, info)?;
-            let Some(lockstep) = &mut self.lockstep else {
-                return Ok(());
-            };
-            let finished = lockstep.finished(self.session, self.sequence, &self.context.shutdown);
-            match self.runtime.block_on(finished).map_err(unusable)? {
-                LockstepOutcome::Finished | LockstepOutcome::Stop => return Ok(()),
-                LockstepOutcome::TimedOut => {
+            match sent {
+                Ok(LockstepOutcome::Finished | LockstepOutcome::Stop) => return Ok(()),
+                Ok(LockstepOutcome::TimedOut) => {
                     tracing::warn!("no report on frame {}; sending it again", self.sequence);
                 }
+                Err(SourceError::Unavailable(sentence)) => self.wait_out(&sentence),
+                Err(error) => return Err(error),
+            }
+            if self.context.shutdown.is_requested() {
+                return Ok(());
             }
             self.context.health.record_progress();
             self.schedule = schedule;
-            loan = self.publisher.loan(copy.len()).map_err(unusable)?;
-            loan.items_mut().copy_from_slice(&copy);
+            sent = self
+                .loan_copy(&copy)
+                .and_then(|loan| self.send_and_wait(loan, info));
         }
+    }
+
+    fn loan_copy(&self, points: &[CloudPoint]) -> Result<Loan<CameraCloud>, SourceError> {
+        let mut loan = self.publisher.loan(points.len())?;
+        loan.items_mut().copy_from_slice(points);
+        Ok(loan)
+    }
+
+    /// Sends the frame and waits until its followers have finished it.
+    fn send_and_wait(
+        &mut self,
+        loan: Loan<CameraCloud>,
+        info: &FrameInfo,
+    ) -> Result<LockstepOutcome, SourceError> {
+        self.send(loan, info)?;
+        let Some(lockstep) = &mut self.lockstep else {
+            return Ok(LockstepOutcome::Finished);
+        };
+        let finished = lockstep.finished(self.session, self.sequence, &self.context.shutdown);
+        Ok(self.runtime.block_on(finished)?)
     }
 
     /// Waits for the latest safe time to make the prepared frame.
@@ -291,21 +327,6 @@ impl CaptureLoop {
         }
     }
 
-    /// Logs the loss of the device once, and waits before the next attempt.
-    fn wait_for_device(&mut self, sentence: &str) {
-        if !self.is_device_lost {
-            tracing::warn!("{sentence}; looking for it every second from now on");
-            self.context
-                .health
-                .set_state(ProcessState::Degraded, sentence);
-            self.is_device_lost = true;
-        }
-        let until_ns = monotonic_ns() + LOOK_AGAIN.as_nanos() as u64;
-        while monotonic_ns() < until_ns && !self.context.shutdown.is_requested() {
-            std::thread::sleep(NAP);
-        }
-    }
-
     /// Reports readiness with the first frame: a source without any usable frame never was
     /// ready, so that its failure is one of the start.
     fn become_ready(&mut self) {
@@ -313,22 +334,6 @@ impl CaptureLoop {
             self.context.health.set_state(ProcessState::Ready, "");
         }
     }
-
-    fn note_recovery(&mut self) {
-        if self.is_device_lost {
-            tracing::info!("{} is there", self.source.name());
-            self.context.health.set_state(ProcessState::Ready, "");
-            self.is_device_lost = false;
-        }
-    }
-}
-
-#[expect(
-    clippy::needless_pass_by_value,
-    reason = "signature required by map_err"
-)]
-fn unusable(error: channel::Error) -> SourceError {
-    SourceError::Unusable(error.to_string())
 }
 
 /// Header fields that the frame itself determines.

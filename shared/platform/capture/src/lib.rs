@@ -3,7 +3,8 @@
 //! A [`Source`] fills a loan of shared memory directly, as late as is safe; the
 //! [`CaptureLoop`] sends it when it is due and counts late frames, or waits in
 //! lockstep for the processes that handle it. Subscribers of `camera/cloud` cannot
-//! distinguish the sources.
+//! distinguish the sources. A source or shared memory that fails after the first frame is
+//! an [`Outage`]: the loop tries again until it works.
 //!
 //! ```
 //! use capture::{FrameInfo, FrameSize, Source, SourceError};
@@ -50,10 +51,12 @@
 mod capture_loop;
 mod lead_time;
 mod lockstep;
+mod outage;
 mod schedule;
 mod source;
 mod source_error;
 
 pub use capture_loop::{CaptureEnd, CaptureLoop};
+pub use outage::Outage;
 pub use source::{FrameInfo, FrameSize, IdleUpdate, Source};
 pub use source_error::SourceError;

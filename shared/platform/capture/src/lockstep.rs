@@ -51,8 +51,8 @@ impl Lockstep {
                 () = &mut silence => return Ok(LockstepOutcome::TimedOut),
                 () = shutdown.requested() => return Ok(LockstepOutcome::Stop),
             };
-            for done in report.items() {
-                waiting_for.retain(|&follower| !is_by(done, follower, session, sequence));
+            for &done in report.items() {
+                waiting_for.retain(|&follower| !is_by(&done, follower, session, sequence));
             }
         }
         Ok(LockstepOutcome::Finished)

@@ -29,17 +29,19 @@ impl Schedule {
         self.start_ns + self.n_released * self.period_ns
     }
 
+    /// Begins anew, with the next frame due at `now_ns`: after an outage no frame is overdue.
+    pub(crate) fn restart(&mut self, now_ns: u64) {
+        self.start_ns = now_ns;
+        self.n_released = 0;
+    }
+
     /// Records the release of the next frame; `true` when it was more than a period
     /// late.
     pub(crate) fn release(&mut self, now_ns: u64) -> bool {
         let behind_ns = now_ns.saturating_sub(self.due_ns());
         self.n_released += 1;
         if behind_ns > MAX_PERIODS_BEHIND * self.period_ns {
-            *self = Self {
-                start_ns: now_ns + self.period_ns,
-                n_released: 0,
-                ..*self
-            };
+            self.restart(now_ns + self.period_ns);
         }
         behind_ns > self.period_ns
     }

@@ -4,7 +4,8 @@
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceError {
-    /// Camera source that cannot be used at all.
+    /// Camera source that cannot be used at all: final until the first frame, and tried again
+    /// after it.
     #[error("{0}")]
     Unusable(String),
     /// One frame cannot be used; the next one may.
@@ -18,7 +19,14 @@ pub enum SourceError {
     /// Recording has ended.
     #[error("the recording has ended")]
     EndOfRecording,
-    /// Camera device that is not connected; it may come back.
+    /// Device, folder or shared memory that cannot be used at present; it is tried again.
     #[error("{0}")]
-    Disconnected(String),
+    Unavailable(String),
+}
+
+impl From<channel::Error> for SourceError {
+    /// A failure of shared memory, which another process may have caused, and which may pass.
+    fn from(error: channel::Error) -> Self {
+        Self::Unavailable(error.to_string())
+    }
 }

@@ -47,7 +47,7 @@ pub use health_counters::HealthCounters;
 pub use home::{Home, set_private_umask};
 pub use log::start_log;
 pub use run::{run, stop_with_parent};
-pub use shutdown::Shutdown;
+pub use shutdown::{Shutdown, ShutdownTrigger};
 pub use stopwatch::Stopwatch;
 pub use task_group::TaskGroup;
 pub use thread_usage::{ThreadUsage, thread_id};

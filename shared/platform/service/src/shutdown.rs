@@ -9,11 +9,11 @@ pub struct Shutdown(watch::Receiver<bool>);
 
 /// Sender of the shutdown request.
 #[derive(Debug, Clone)]
-pub(crate) struct ShutdownTrigger(watch::Sender<bool>);
+pub struct ShutdownTrigger(watch::Sender<bool>);
 
 impl Shutdown {
     /// Creates a shutdown request and its sender.
-    pub(crate) fn new() -> (ShutdownTrigger, Self) {
+    pub fn new() -> (ShutdownTrigger, Self) {
         let (sender, receiver) = watch::channel(false);
         (ShutdownTrigger(sender), Self(receiver))
     }
@@ -31,7 +31,8 @@ impl Shutdown {
 }
 
 impl ShutdownTrigger {
-    pub(crate) fn request(&self) {
+    /// Requests shutdown.
+    pub fn request(&self) {
         let _ = self.0.send(true);
     }
 }
