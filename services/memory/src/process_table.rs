@@ -33,9 +33,10 @@ impl ProcessTable {
         let mut inner = self.0.lock();
         let HealthSubscription { subscriber, latest } = &mut *inner;
         while let Ok(Received::Message(message)) = subscriber.receive() {
-            for health in message.items() {
+            // Copied out of shared memory first: what is checked is what is kept.
+            for &health in message.items() {
                 if ProcessKind::from_code(health.process).is_some() {
-                    latest.insert(health.process, *health);
+                    latest.insert(health.process, health);
                 }
             }
         }

@@ -2,7 +2,7 @@
 //! progress on disk.
 
 use crate::config::Config;
-use message::ProcessState;
+use message::{ProcessState, SceneTime};
 use parking_lot::Mutex;
 use service::{Context, Failure, HealthCounters, wall_clock_ns};
 use std::sync::Arc;
@@ -15,6 +15,8 @@ use working_memory::{
 pub(crate) struct WorkingMemory {
     handle: WorldHandle,
     newest_event: watch::Sender<u64>,
+    /// Times of the newest scene; `None` before the first one.
+    scene_time: Mutex<Option<SceneTime>>,
     written: watch::Receiver<u64>,
 }
 
@@ -49,6 +51,7 @@ impl WorkingMemory {
         let world = Self {
             handle,
             newest_event: watch::channel(newest_event).0,
+            scene_time: Mutex::new(None),
             written,
         };
         Ok((thread, world))
@@ -65,6 +68,16 @@ impl WorkingMemory {
             is_news
         });
         result
+    }
+
+    /// Sets the times of the newest scene.
+    pub(crate) fn set_scene_time(&self, time: SceneTime) {
+        *self.scene_time.lock() = Some(time);
+    }
+
+    /// Times of the newest scene; `None` before the first one.
+    pub(crate) fn scene_time(&self) -> Option<SceneTime> {
+        *self.scene_time.lock()
     }
 
     /// Watch channel with the sequence number of the newest event.

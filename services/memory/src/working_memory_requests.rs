@@ -2,12 +2,13 @@
 
 use crate::event_report::event;
 use crate::working_memory::{WorkingMemory, now_ns};
-use crate::world_report as report;
+use crate::world_report::{self as report, SceneFreshness};
 use message::control::{
     EventsReport, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_TASKS, Refusal, RefusalKind, Reply,
     TaskReport, TasksReport, WorldCommand, WorldReply,
 };
 use perceptual_memory::MutationId;
+use service::monotonic_ns;
 use std::time::Duration;
 use tokio::time::{Instant, timeout, timeout_at};
 use working_memory::{NewTask, Task, TaskEnd, TaskRefusal, WorldModel};
@@ -20,7 +21,10 @@ impl WorkingMemory {
     /// Reply to a command; a refusal gives the reason.
     pub(crate) async fn answer(&self, command: WorldCommand) -> Result<Reply, Refusal> {
         let reply = match command {
-            WorldCommand::Now => WorldReply::Now(self.with(|model| report::world(model, now_ns()))),
+            WorldCommand::Now => {
+                let freshness = SceneFreshness::of(self.scene_time(), monotonic_ns());
+                WorldReply::Now(self.with(|model| report::world(model, &freshness, now_ns())))
+            }
             WorldCommand::Facts(filter) => {
                 let query = report::query(filter)?;
                 let page = self.with(|model| model.facts(&query));

@@ -1,5 +1,5 @@
 //! World model updater: feeds the newest scene and the arm state to the working memory a
-//! few times a second. Scenes are read in shared memory.
+//! few times a second.
 
 use crate::working_memory::{WorkingMemory, now_ns};
 use channel::topic::{ArmStates, Scene};
@@ -22,6 +22,8 @@ pub(crate) struct WorldModelUpdater {
     arm_heard: Instant,
     /// Newest scene that the model has not seen.
     scene: Option<SharedMessage<Scene>>,
+    /// Objects of a scene, copied out of shared memory: what is checked is what is used.
+    objects: Vec<SceneObject>,
 }
 
 impl WorldModelUpdater {
@@ -31,11 +33,13 @@ impl WorldModelUpdater {
             arm: Subscriber::polled(domain)?,
             arm_heard: Instant::now(),
             scene: None,
+            objects: Vec::new(),
         })
     }
 
     /// Keeps a scene for the next update, and releases the one before.
     pub(crate) fn keep(&mut self, scene: SharedMessage<Scene>) {
+        self.world.set_scene_time(scene.header().time());
         self.scene = Some(scene);
     }
 
@@ -45,7 +49,9 @@ impl WorldModelUpdater {
             let mut watch = Stopwatch::start();
             let (summary, begin_ns) = (scene.header(), watch.begin_ns());
             let published_ns = summary.stamps.published_ns;
-            self.show(summary, scene.items());
+            self.objects.clear();
+            self.objects.extend_from_slice(scene.items());
+            self.show(summary);
             let waited = Span::waiting(Stage::WorldWait, 0, published_ns, begin_ns);
             trace.send(summary, &[waited, watch.lap(Stage::WorldUpdate, 0)]);
         }
@@ -61,12 +67,13 @@ impl WorldModelUpdater {
         Ok(())
     }
 
-    fn show(&self, scene: &SceneSummary, objects: &[SceneObject]) {
+    fn show(&self, scene: &SceneSummary) {
         let captured_ns = now_ns().saturating_sub(age_ns(scene, monotonic_ns()));
-        let seen = objects
+        let seen = self
+            .objects
             .iter()
             .filter_map(|object| sighting(object, scene.stamps.capture_ns, captured_ns));
-        let is_whole = scene.n_objects_total as usize <= objects.len();
+        let is_whole = scene.n_objects_total as usize <= self.objects.len();
         self.world
             .with(|model| model.observe(seen, is_whole, captured_ns));
     }

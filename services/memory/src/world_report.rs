@@ -4,18 +4,54 @@ use message::control::{
     FactFilter, FactReport, FactsReport, MAX_PAGE_FACTS, PlaceReport, Refusal, RefusalKind,
     TaskOutcome, TaskReport, WorldObjectReport, WorldRegion, WorldReport, WorldRobotReport,
 };
+use message::{SceneTime, TrackState};
 use working_memory::{
     ActionOutcome, BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Property, Region, Robot,
     Subject, Task, TaskRefusal, TaskState, Value, Window, WorldModel,
 };
 
+/// Freshness of the newest scene at the time of a report; all `None` before the first scene.
+pub(crate) struct SceneFreshness {
+    age_s: Option<f64>,
+    capture_stamp_ns: Option<u64>,
+    is_stale: bool,
+}
+
+impl SceneFreshness {
+    /// Freshness at a time of the monotonic clock, nanoseconds.
+    pub(crate) fn of(scene: Option<SceneTime>, now_ns: u64) -> Self {
+        Self {
+            age_s: scene.map(|scene| scene.age_s(now_ns)),
+            capture_stamp_ns: scene.map(|scene| scene.capture_ns),
+            is_stale: scene.is_none_or(|scene| scene.is_stale(now_ns)),
+        }
+    }
+}
+
 /// Report of the current objects and of the robot.
-pub(crate) fn world(model: &WorldModel, now_ns: u64) -> WorldReport {
+pub(crate) fn world(model: &WorldModel, scene: &SceneFreshness, now_ns: u64) -> WorldReport {
+    let objects = model.objects().map(|one| object(model, one));
     WorldReport {
         now_ns,
-        objects: model.objects().map(|one| object(model, one)).collect(),
+        scene_age_s: scene.age_s,
+        capture_stamp_ns: scene.capture_stamp_ns,
+        is_stale: scene.is_stale,
+        objects: if scene.is_stale {
+            objects.map(stale).collect()
+        } else {
+            objects.collect()
+        },
         robot: model.robot().map(robot),
         newest_event: model.newest_event(),
+    }
+}
+
+/// Object whose state is not known since it was seen last.
+fn stale(object: WorldObjectReport) -> WorldObjectReport {
+    WorldObjectReport {
+        state: TrackState::STALE_WORD.to_owned(),
+        state_since_ns: object.last_seen_ns,
+        ..object
     }
 }
 
@@ -189,6 +225,45 @@ pub(crate) fn task_refusal(refusal: &TaskRefusal) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn freshness_tells_the_age_of_the_newest_scene() {
+        let scene = SceneTime {
+            capture_ns: 1_000_000_000,
+            received_ns: 1_000_000_000,
+            stale_after_ns: 1_000_000_000,
+            is_lockstep: false,
+        };
+        let at = |now_ns| SceneFreshness::of(Some(scene), now_ns);
+        assert!(!at(2_000_000_000).is_stale);
+        let old = at(4_500_000_000);
+        assert_eq!((old.is_stale, old.age_s), (true, Some(3.5)));
+        assert_eq!(old.capture_stamp_ns, Some(1_000_000_000));
+        let none = SceneFreshness::of(None, 7);
+        assert_eq!((none.is_stale, none.age_s), (true, None));
+    }
+
+    #[test]
+    fn state_of_a_stale_object_is_unknown_since_it_was_seen_last() {
+        let object = WorldObjectReport {
+            track_id: 7,
+            state: "tracked".into(),
+            state_since_ns: 3,
+            label: None,
+            label_since_ns: None,
+            place: PlaceReport {
+                position_m: [0.0; 3],
+                orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+                size_m: [0.1; 3],
+            },
+            place_since_ns: 3,
+            first_seen_ns: 3,
+            last_seen_ns: 9,
+        };
+        let stale = stale(object);
+        assert_eq!((stale.state.as_str(), stale.state_since_ns), ("stale", 9));
+        assert_eq!(stale.place_since_ns, 3);
+    }
 
     #[test]
     fn invalid_filters_are_refused() {

@@ -58,7 +58,9 @@ impl PoseHistory {
             .unwrap_or_default();
         sample.stamp_ns = stamp_ns;
         sample.capsules.clear();
-        let checked = capsules.iter().filter_map(WireCapsule::checked);
+        // Copied out of shared memory first: what is checked is what is used.
+        let checked = capsules.iter().copied();
+        let checked = checked.filter_map(|capsule| capsule.checked());
         sample.capsules.extend(checked);
         self.0.push_back(sample);
     }

@@ -3,7 +3,9 @@
 use crate::latest_scene::LatestScene;
 use crate::memory_replica::{HistoryPosition, SyncBarrier};
 use channel::control::{AnswerFuture, Handler};
-use message::control::{Command, Refusal, RefusalKind, Reply};
+use message::ProcessState;
+use message::control::{Command, ObjectsReport, Refusal, RefusalKind, Reply};
+use service::{HealthCounters, monotonic_ns};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -12,9 +14,13 @@ use std::time::Duration;
 const CATCH_UP: Duration = Duration::from_secs(3);
 
 /// Request handler that answers from the latest scene.
-pub(crate) fn handler(scene: Arc<LatestScene>, barrier: SyncBarrier) -> Handler {
+pub(crate) fn handler(
+    scene: Arc<LatestScene>,
+    barrier: SyncBarrier,
+    health: Arc<HealthCounters>,
+) -> Handler {
     Arc::new(move |command, _| -> AnswerFuture {
-        let (scene, barrier) = (scene.clone(), barrier.clone());
+        let (scene, barrier, health) = (scene.clone(), barrier.clone(), health.clone());
         Box::pin(async move {
             let Command::ReadAfter {
                 store_id,
@@ -22,14 +28,14 @@ pub(crate) fn handler(scene: Arc<LatestScene>, barrier: SyncBarrier) -> Handler 
                 command,
             } = command
             else {
-                return answer(&scene, &command);
+                return answer(&scene, &health, &command);
             };
             let position = HistoryPosition {
                 store_id: Some(store_id),
                 sequence,
             };
             match labelled_after(&scene, position, barrier.wait(), CATCH_UP).await {
-                Ok(()) => answer(&scene, &command),
+                Ok(()) => answer(&scene, &health, &command),
                 Err(refusal) => Reply::Refused(refusal),
             }
         })
@@ -61,13 +67,20 @@ async fn labelled_after(
     })
 }
 
-fn answer(scene: &LatestScene, command: &Command) -> Reply {
+fn answer(scene: &LatestScene, health: &HealthCounters, command: &Command) -> Reply {
+    let now_ns = monotonic_ns();
     match command {
-        Command::Objects => Reply::Objects(scene.objects()),
+        Command::Objects => {
+            Reply::Objects(scene.objects(now_ns).unwrap_or_else(|| ObjectsReport {
+                is_stale: true,
+                note: no_scene(health),
+                ..ObjectsReport::default()
+            }))
+        }
         Command::DepthNoise => Reply::DepthNoise(scene.depth_noise()),
-        Command::Ask { track_id } => match scene.object(*track_id) {
+        Command::Ask { track_id } => match scene.object(*track_id, now_ns) {
             Some(object) => Reply::Object(Box::new(object)),
-            None => Reply::Refused(no_such_track(scene, *track_id)),
+            None => Reply::Refused(no_such_track(scene, health, *track_id)),
         },
         other => Reply::Refused(Refusal::new(
             RefusalKind::Internal,
@@ -76,9 +89,21 @@ fn answer(scene: &LatestScene, command: &Command) -> Reply {
     }
 }
 
-fn no_such_track(scene: &LatestScene, track_id: u64) -> Refusal {
-    let ids: Vec<String> = scene
-        .objects()
+/// Reason why there is no scene yet.
+fn no_scene(health: &HealthCounters) -> String {
+    match health.state() {
+        (ProcessState::Starting, _) => {
+            "perception is starting: it waits for the memory; try again".to_owned()
+        }
+        _ => "no frame has come yet; see the camera in `tabula status`, and try again".to_owned(),
+    }
+}
+
+fn no_such_track(scene: &LatestScene, health: &HealthCounters, track_id: u64) -> Refusal {
+    let Some(report) = scene.objects(monotonic_ns()) else {
+        return Refusal::new(RefusalKind::Unavailable, no_scene(health));
+    };
+    let ids: Vec<String> = report
         .objects
         .iter()
         .map(|object| object.track_id.to_string())
@@ -101,8 +126,9 @@ mod tests {
 
     #[test]
     fn a_missing_track_is_refused_with_the_live_tracks() {
-        let scene = LatestScene::default();
-        let ask = |track_id| answer(&scene, &Command::Ask { track_id });
+        let (scene, health) = (LatestScene::default(), HealthCounters::default());
+        scene.set(&SceneSummary::default(), &[], HistoryPosition::default());
+        let ask = |track_id| answer(&scene, &health, &Command::Ask { track_id });
         let Reply::Refused(refusal) = ask(3) else {
             panic!("track 3 is not there")
         };
@@ -121,6 +147,26 @@ mod tests {
         };
         assert!(refusal.sentence.contains("the tracks are 8"), "{refusal}");
         assert!(matches!(ask(8), Reply::Object(_)));
+    }
+
+    #[test]
+    fn answer_before_the_first_frame_says_what_is_waited_for() {
+        let (scene, health) = (LatestScene::default(), HealthCounters::default());
+        let note = || match answer(&scene, &health, &Command::Objects) {
+            Reply::Objects(report) => {
+                assert!(report.is_stale && report.scene_age_s.is_none());
+                report.note
+            }
+            other => panic!("{other:?}"),
+        };
+        assert!(note().contains("perception is starting"));
+        let Reply::Refused(refusal) = answer(&scene, &health, &Command::Ask { track_id: 1 }) else {
+            panic!("there is no scene")
+        };
+        assert_eq!(refusal.kind, RefusalKind::Unavailable);
+        assert!(refusal.sentence.contains("starting"), "{refusal}");
+        health.set_state(ProcessState::Ready, "");
+        assert!(note().contains("no frame has come yet"));
     }
 
     #[tokio::test]

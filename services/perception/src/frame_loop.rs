@@ -2,6 +2,7 @@
 
 use crate::assumption_log::AssumptionLog;
 use crate::body_subscriber::BodySubscribers;
+use crate::camera_watch::{CameraWatch, LOOK_PERIOD};
 use crate::config::Config;
 use crate::detector::{DetectedFrame, DetectionError, Detector};
 use crate::frame_receiver::{FrameReceiver, ReceivedFrame};
@@ -33,6 +34,7 @@ use std::sync::atomic::Ordering;
 /// State of the frame loop that lasts from frame to frame.
 pub(crate) struct FrameLoop {
     frame_receiver: FrameReceiver,
+    camera_watch: CameraWatch,
     pipeline: FramePipeline,
     live: LiveState,
     rule: Text,
@@ -81,6 +83,7 @@ impl FrameLoop {
         tracing::info!("a candidate becomes an object when {rule}");
         Ok(Self {
             frame_receiver: FrameReceiver::new(domain)?,
+            camera_watch: CameraWatch::new(parts.health.clone()),
             pipeline: FramePipeline::new(config.pipeline),
             live: LiveState {
                 bodies: BodySubscribers::new(domain)?,
@@ -114,6 +117,7 @@ impl FrameLoop {
     /// fails.
     pub(crate) async fn run(&mut self) -> Result<(), Error> {
         let mut probe = tokio::time::interval(PROBE_PERIOD);
+        let mut looks = tokio::time::interval(LOOK_PERIOD);
         loop {
             while let Some(received) = self.frame_receiver.newest()? {
                 self.frame(&received).await?;
@@ -125,6 +129,7 @@ impl FrameLoop {
                 () = self.frame_receiver.woken() => {}
                 () = self.latest_scene.outdated() => self.relabel_if_requested().await,
                 _ = probe.tick() => self.probe().await?,
+                _ = looks.tick() => self.camera_watch.look(monotonic_ns()),
             }
         }
     }
@@ -152,6 +157,8 @@ impl FrameLoop {
     }
 
     async fn frame(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
+        self.camera_watch
+            .frame_received(received.received_ns, received.is_lockstep());
         if self.is_repeated(received) {
             return self.report_finished(received);
         }
@@ -178,6 +185,7 @@ impl FrameLoop {
             }
         };
         let mut summary = scene_report::summary(received);
+        summary.stale_after_ns = self.camera_watch.stale_after_ns();
         summary.stamps.detected_ns = detected_ns;
         summary.stamps.recognised_ns = self.live.trace.at_ns();
         let receipts = self.publish(&mut summary, received, &detected)?;

@@ -10,7 +10,8 @@ use tokio::sync::{Notify, watch};
 /// The latest scene, and the position in the memory's history that its labels include.
 #[derive(Debug, Default)]
 pub(crate) struct LatestScene {
-    scene: Mutex<(SceneSummary, Vec<SceneObject>)>,
+    /// Newest scene; `None` before the first frame.
+    scene: Mutex<Option<(SceneSummary, Vec<SceneObject>)>>,
     position: watch::Sender<HistoryPosition>,
     depth_noise: Mutex<DepthNoiseReport>,
     is_outdated: AtomicBool,
@@ -46,16 +47,19 @@ impl LatestScene {
         position: HistoryPosition,
     ) {
         let mut held = self.scene.lock();
-        held.0 = *summary;
-        held.1.clear();
-        held.1.extend_from_slice(objects);
+        let (held_summary, held_objects) = held.get_or_insert_default();
+        *held_summary = *summary;
+        held_objects.clear();
+        held_objects.extend_from_slice(objects);
         drop(held);
         self.set_position(position);
     }
 
     /// Changes the objects of the scene in place.
     pub(crate) fn update(&self, position: HistoryPosition, change: impl FnMut(&mut SceneObject)) {
-        self.scene.lock().1.iter_mut().for_each(change);
+        if let Some((_, objects)) = &mut *self.scene.lock() {
+            objects.iter_mut().for_each(change);
+        }
         self.set_position(position);
     }
 
@@ -94,16 +98,20 @@ impl LatestScene {
         self.is_outdated.swap(false, Ordering::AcqRel)
     }
 
-    /// Report of all objects of the newest scene.
-    pub(crate) fn objects(&self) -> ObjectsReport {
+    /// Report of all objects of the newest scene at a time of the monotonic clock; `None`
+    /// before the first frame.
+    pub(crate) fn objects(&self, now_ns: u64) -> Option<ObjectsReport> {
         let held = self.scene.lock();
-        ObjectsReport::new(&held.0, &held.1)
+        let (summary, objects) = held.as_ref()?;
+        Some(ObjectsReport::new(summary, objects, now_ns))
     }
 
-    /// Report of one object; `None` when the track is not live.
-    pub(crate) fn object(&self, track_id: u64) -> Option<ObjectReport> {
+    /// Report of one object at a time of the monotonic clock; `None` when the track is not
+    /// live.
+    pub(crate) fn object(&self, track_id: u64, now_ns: u64) -> Option<ObjectReport> {
         let held = self.scene.lock();
-        let object = held.1.iter().find(|object| object.track_id == track_id)?;
-        Some(ObjectReport::new(object, held.0.stamps.capture_ns))
+        let (summary, objects) = held.as_ref()?;
+        let object = objects.iter().find(|object| object.track_id == track_id)?;
+        Some(ObjectReport::new(object, summary.time(), now_ns))
     }
 }

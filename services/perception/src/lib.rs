@@ -5,8 +5,10 @@
 //! `fault-injection`, one for tests of the supervision.
 
 mod actor_event_publisher;
+mod arrival_intervals;
 mod assumption_log;
 mod body_subscriber;
+mod camera_watch;
 mod config;
 mod control;
 mod detector;

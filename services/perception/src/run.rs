@@ -54,7 +54,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let mut event_publisher =
         ActorEventPublisher::new(domain, events, backoff.clone(), health.clone())?;
     let (replica, sync_barrier) = MemoryReplica::new(domain, memory.clone(), categories.clone())?;
-    let handler = control::handler(latest_scene.clone(), sync_barrier.clone());
+    let handler = control::handler(latest_scene.clone(), sync_barrier.clone(), health.clone());
     let server = Server::new(domain, ProcessKind::Perception, handler)?;
     let parts = FrameLoopParts {
         pool: pool.clone(),

@@ -3,6 +3,7 @@
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table, redraw_terminal};
 use control_client::{call, connect, unexpected_reply};
+use message::TrackState;
 use message::control::{Command, ObjectReport, ObjectsReport, RejectedCandidateReport, Reply};
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
@@ -80,6 +81,7 @@ const HEADING: [&str; 12] = [
 fn objects_text(report: &ObjectsReport) -> String {
     let rows: Vec<_> = report.objects.iter().map(row).collect();
     let objects = match rows.as_slice() {
+        [] if report.scene_age_s.is_none() => return report.note.clone(),
         [] if !report.ignored.is_empty() => "no objects".into(),
         [] if report.has_table => "no objects: the table is empty".into(),
         [] => "no objects: no table is seen".into(),
@@ -95,6 +97,7 @@ fn objects_text(report: &ObjectsReport) -> String {
         "camera frame"
     };
     let mut lines = vec![format!("{objects}{more}")];
+    lines.extend(report.is_stale.then(|| format!("STALE: {}", report.note)));
     lines.extend(report.ignored.iter().map(ignored_line));
     if report.n_more_ignored > 0 {
         lines.push(format!("ignored: {} more", report.n_more_ignored));
@@ -103,10 +106,17 @@ fn objects_text(report: &ObjectsReport) -> String {
     lines.extend(assumptions.map(|assumption| format!("assumed: {}", assumption.sentence)));
     lines.push(format!("candidate rule: {}", report.rule));
     lines.push(format!(
-        "frame {} of {}, positions in the {frame}",
-        report.frame_sequence, report.source_name
+        "frame {} of {}, {} old, positions in the {frame}",
+        report.frame_sequence,
+        report.source_name,
+        age_text(report.scene_age_s)
     ));
     lines.join("\n")
+}
+
+/// Age of a scene with its unit.
+fn age_text(scene_age_s: Option<f64>) -> String {
+    scene_age_s.map_or_else(|| "?".into(), |age_s| format!("{age_s:.1} s"))
 }
 
 fn ignored_line(ignored: &RejectedCandidateReport) -> String {
@@ -173,6 +183,17 @@ pub(crate) fn ask(
 }
 
 fn answer_text(object: &ObjectReport) -> String {
+    let answer = label_text(object);
+    if object.state == TrackState::STALE_WORD {
+        let age = age_text(object.scene_age_s);
+        return format!(
+            "{answer}\nSTALE: no frame was processed for {age}; it may be elsewhere now"
+        );
+    }
+    answer
+}
+
+fn label_text(object: &ObjectReport) -> String {
     let ObjectReport {
         track_id,
         label,
@@ -221,17 +242,46 @@ mod tests {
             findings: vec![],
         };
         ObjectsReport {
-            objects: vec![],
-            n_more: 0,
+            scene_age_s: Some(0.04),
             frame_sequence: 7,
             source_name: "simulation".into(),
             has_table: true,
             has_world_pose: true,
             rule: "C_table".into(),
-            assumptions: vec![],
             ignored: vec![ignored],
-            n_more_ignored: 0,
+            ..ObjectsReport::default()
         }
+    }
+
+    #[test]
+    fn text_tells_the_age_of_the_scene_and_that_it_is_stale() {
+        let fresh = objects_text(&report());
+        assert!(
+            fresh.contains("frame 7 of simulation, 0.0 s old"),
+            "{fresh}"
+        );
+        assert!(!fresh.contains("STALE"), "{fresh}");
+        let stale = objects_text(&ObjectsReport {
+            scene_age_s: Some(12.34),
+            is_stale: true,
+            note: "no frame was processed for 12.3 s".into(),
+            ..report()
+        });
+        assert!(
+            stale.contains("STALE: no frame was processed for 12.3 s"),
+            "{stale}"
+        );
+        assert!(stale.contains("12.3 s old"), "{stale}");
+    }
+
+    #[test]
+    fn text_before_the_first_frame_is_the_reason() {
+        let starting = ObjectsReport {
+            is_stale: true,
+            note: "perception is starting: it waits for the memory".into(),
+            ..ObjectsReport::default()
+        };
+        assert_eq!(objects_text(&starting), starting.note);
     }
 
     #[test]

@@ -230,9 +230,20 @@ fn world_text(report: &WorldReport) -> String {
         [] => "no objects".into(),
         rows => format_table(&heading, rows),
     };
-    match &report.robot {
-        Some(robot) => format!("{objects}\n{}", robot_line(robot, now_ns)),
-        None => objects,
+    let stale = report.is_stale.then(|| stale_line(report.scene_age_s));
+    let robot = report.robot.as_ref().map(|robot| robot_line(robot, now_ns));
+    let lines = std::iter::once(objects).chain(stale).chain(robot);
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Line about a world that no longer shows the present.
+fn stale_line(scene_age_s: Option<f64>) -> String {
+    match scene_age_s {
+        Some(age_s) => format!(
+            "STALE: no scene has come for {age_s:.1} s; see perception and the camera in `tabula \
+             status`"
+        ),
+        None => "STALE: no scene has come since the memory was started".to_owned(),
     }
 }
 
@@ -366,6 +377,26 @@ mod tests {
         check(3660, "1h 01m");
         check(90_000, "1d 01h");
         assert_eq!(ago(5, 3), "0.0s", "the clock stepped back");
+    }
+
+    #[test]
+    fn text_tells_that_the_world_is_stale() {
+        let report = |scene_age_s, is_stale| WorldReport {
+            now_ns: 0,
+            scene_age_s,
+            capture_stamp_ns: None,
+            is_stale,
+            objects: Vec::new(),
+            robot: None,
+            newest_event: 0,
+        };
+        assert_eq!(world_text(&report(Some(0.1), false)), "no objects");
+        let stale = world_text(&report(Some(7.0), true));
+        assert!(
+            stale.contains("STALE: no scene has come for 7.0 s"),
+            "{stale}"
+        );
+        assert!(world_text(&report(None, true)).contains("since the memory"));
     }
 
     #[test]

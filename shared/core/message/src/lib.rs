@@ -40,6 +40,7 @@ mod printable;
 mod rejected_candidate;
 mod robot;
 mod scene;
+mod scene_time;
 mod sequenced_header;
 pub mod service_name;
 mod stage;
@@ -62,6 +63,7 @@ pub use robot::{ARM_JOINTS, ArmActivity, ArmState, MAX_CAPSULES, PersonBody, Wir
 pub use scene::{
     ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState,
 };
+pub use scene_time::SceneTime;
 pub use sequenced_header::{PlainHeader, SequencedHeader};
 pub use stage::{Stage, StageScope};
 pub use text::Text;
@@ -69,4 +71,4 @@ pub use trace::{MAX_SPANS, Span, TraceHeader};
 
 /// Schema version of the types in this crate, written into their headers. A type's name in
 /// shared memory carries the schema version in which the type last changed.
-pub const SCHEMA_VERSION: u32 = 5;
+pub const SCHEMA_VERSION: u32 = 6;

@@ -2,7 +2,8 @@
 
 use crate::near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 use crate::pose::WirePose;
-use crate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, SCHEMA_VERSION, Text};
+use crate::scene_time::SceneTime;
+use crate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, SCHEMA_VERSION, Text, frame_flag};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -32,6 +33,9 @@ impl TrackState {
         Self::Occluded,
         Self::OutOfView,
     ];
+
+    /// Word in place of the state in reports of a scene that no longer shows the present.
+    pub const STALE_WORD: &str = "stale";
 
     /// Wire code of the track state.
     pub fn code(self) -> u32 {
@@ -157,7 +161,7 @@ pub struct SceneObject {
 
 /// Scene summary after one frame. The payload is the tracked objects, by track-id.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneSummary.v5")]
+#[type_name("tabula.SceneSummary.v6")]
 #[repr(C)]
 pub struct SceneSummary {
     /// [`SCHEMA_VERSION`] of the sending program.
@@ -174,6 +178,8 @@ pub struct SceneSummary {
     pub frames_dropped: u64,
     /// Processing times of this frame's stages.
     pub stamps: StageStamps,
+    /// Age above which the scene is stale, nanoseconds: a frame should have come by then.
+    pub stale_after_ns: u64,
     /// 1 when detection found a table.
     pub has_table: u32,
     /// Number of objects; larger than the payload when they do not all fit.
@@ -202,7 +208,7 @@ const _: () = assert!(
         && size_of::<ActorStamps>() == 40
         && size_of::<SceneObject>() == 944
 );
-const _: () = assert!(size_of::<SceneSummary>() == 280 + 136 + MAX_REJECTED_CANDIDATES * 176);
+const _: () = assert!(size_of::<SceneSummary>() == 288 + 136 + MAX_REJECTED_CANDIDATES * 176);
 
 impl Default for SceneObject {
     fn default() -> Self {
@@ -247,6 +253,7 @@ impl Default for SceneSummary {
             sequence: 0,
             frames_dropped: 0,
             stamps: StageStamps::default(),
+            stale_after_ns: 0,
             has_table: 0,
             n_objects_total: 0,
             n_late: 0,
@@ -262,6 +269,16 @@ impl Default for SceneSummary {
 }
 
 impl SceneSummary {
+    /// Times by which the age of the scene is measured.
+    pub fn time(&self) -> SceneTime {
+        SceneTime {
+            capture_ns: self.stamps.capture_ns,
+            received_ns: self.stamps.received_ns,
+            stale_after_ns: self.stale_after_ns,
+            is_lockstep: self.frame_flags & frame_flag::LOCKSTEP != 0,
+        }
+    }
+
     /// Rejected candidates of the summary.
     pub fn rejected_candidates(&self) -> &[RejectedCandidate] {
         &self.ignored[..MAX_REJECTED_CANDIDATES.min(self.n_ignored as usize)]

@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn reports_give_the_reason_of_a_rejection() {
-        let report = ObjectsReport::new(&summary(), &[]);
+        let report = ObjectsReport::new(&summary(), &[], 0);
         assert_eq!(report.rule, Expression::paper().to_string());
         assert_eq!(report.assumptions[0].name, "no-robot-known");
         assert!(report.assumptions[0].sentence.contains("arm state"));

@@ -4,14 +4,29 @@ use crate::control::rejected::{AssumptionReport, RejectedCandidateReport};
 use crate::control::rounding::rounded;
 use crate::pose::is_covariance;
 use crate::{
-    ActorStamps, Health, ProcessKind, ProcessState, SceneObject, SceneSummary, TrackState,
+    ActorStamps, Health, ProcessKind, ProcessState, SceneObject, SceneSummary, SceneTime,
+    TrackState,
 };
 use constraint::Assumptions;
 use serde::{Deserialize, Serialize};
 
 /// Report of all tracked objects.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ObjectsReport {
+    /// Age of the scene at the time of the answer, seconds: the time since the capture of its
+    /// frame, in lockstep since its reception; null before the first frame.
+    #[serde(default)]
+    pub scene_age_s: Option<f64>,
+    /// Capture time of the scene's frame, nanoseconds: monotonic clock, or the recording's own
+    /// in lockstep; null before the first frame.
+    #[serde(default)]
+    pub capture_stamp_ns: Option<u64>,
+    /// True if the scene does not show the present: no frame has come for too long, or none yet.
+    #[serde(default)]
+    pub is_stale: bool,
+    /// Reason why the scene is stale, as a sentence; empty otherwise.
+    #[serde(default)]
+    pub note: String,
     /// Tracked objects, ordered by track-id.
     pub objects: Vec<ObjectReport>,
     /// Number of objects that did not fit into the summary.
@@ -43,8 +58,15 @@ pub struct ObjectsReport {
 pub struct ObjectReport {
     /// Track-id of the object.
     pub track_id: u64,
-    /// State of the track: `tentative`, `tracked`, `missing`, `occluded` or `out-of-view`.
+    /// State of the track: `tentative`, `tracked`, `missing`, `occluded` or `out-of-view`;
+    /// `stale` while the scene is, because nothing is known about the present then.
     pub state: String,
+    /// Age of the scene, as in [`ObjectsReport::scene_age_s`].
+    #[serde(default)]
+    pub scene_age_s: Option<f64>,
+    /// Capture time of the scene's frame, as in [`ObjectsReport::capture_stamp_ns`].
+    #[serde(default)]
+    pub capture_stamp_ns: Option<u64>,
     /// Category name of the object; null when unknown.
     pub label: Option<String>,
     /// Distance in descriptor space to the nearest stored view; null when nothing is stored.
@@ -59,7 +81,8 @@ pub struct ObjectReport {
     pub size_m: [f64; 3],
     /// Age of the track in capture time, seconds.
     pub age_s: f64,
-    /// Capture time since the object was last measured, seconds.
+    /// Time since the capture in which the object was last measured, seconds. It goes on while
+    /// no frame comes, except in lockstep.
     pub unseen_s: f64,
     /// Number of measured points of the object.
     pub n_points: u32,
@@ -234,11 +257,21 @@ pub struct ProcessReport {
 }
 
 impl ObjectsReport {
-    /// Creates the report of a scene summary.
-    pub fn new(scene: &SceneSummary, objects: &[SceneObject]) -> Self {
-        let report = |object| ObjectReport::new(object, scene.stamps.capture_ns);
+    /// Creates the report of a scene at a time of the monotonic clock, nanoseconds.
+    pub fn new(scene: &SceneSummary, objects: &[SceneObject], now_ns: u64) -> Self {
+        let time = scene.time();
+        let report = |object| ObjectReport::new(object, time, now_ns);
         let objects: Vec<_> = objects.iter().map(report).collect();
+        let is_stale = time.is_stale(now_ns);
         Self {
+            scene_age_s: Some(time.age_s(now_ns)),
+            capture_stamp_ns: Some(time.capture_ns),
+            is_stale,
+            note: if is_stale {
+                stale_sentence(time.age_s(now_ns))
+            } else {
+                String::new()
+            },
             n_more: scene.n_objects_total.saturating_sub(objects.len() as u32),
             objects,
             frame_sequence: scene.sequence,
@@ -263,15 +296,22 @@ impl ObjectsReport {
 }
 
 impl ObjectReport {
-    /// Creates the report of an object in a scene captured at `capture_ns`.
-    pub fn new(object: &SceneObject, capture_ns: u64) -> Self {
-        let since_s = |stamp_ns: u64| capture_ns.saturating_sub(stamp_ns) as f64 * 1e-9;
+    /// Creates the report of an object in a scene at a time of the monotonic clock,
+    /// nanoseconds.
+    pub fn new(object: &SceneObject, scene: SceneTime, now_ns: u64) -> Self {
+        let seconds = |from_ns: u64, to_ns: u64| to_ns.saturating_sub(from_ns) as f64 * 1e-9;
         let [_, red, green, blue] = object.mean_argb.to_be_bytes();
+        let state = TrackState::from_code(object.state).map_or("unknown", TrackState::word);
         Self {
             track_id: object.track_id,
-            state: TrackState::from_code(object.state)
-                .map_or("unknown", TrackState::word)
-                .into(),
+            state: if scene.is_stale(now_ns) {
+                TrackState::STALE_WORD
+            } else {
+                state
+            }
+            .into(),
+            scene_age_s: Some(scene.age_s(now_ns)),
+            capture_stamp_ns: Some(scene.capture_ns),
             label: object.label().map(str::to_owned),
             distance: object
                 .distance
@@ -284,8 +324,8 @@ impl ObjectReport {
             position_m: object.pose.position_m,
             orientation_xyzw: object.pose.orientation_xyzw,
             size_m: object.size_m.map(rounded),
-            age_s: since_s(object.first_seen_ns),
-            unseen_s: since_s(object.last_seen_ns),
+            age_s: seconds(object.first_seen_ns, scene.capture_ns),
+            unseen_s: seconds(object.last_seen_ns, scene.present_ns(now_ns)),
             n_points: object.n_points,
             n_views: object.n_views,
             mean_rgb: [red, green, blue],
@@ -308,6 +348,14 @@ impl ObjectReport {
             stamps: (&object.stamps).into(),
         }
     }
+}
+
+/// Sentence about a scene that no longer shows the present.
+fn stale_sentence(age_s: f64) -> String {
+    format!(
+        "no frame was processed for {age_s:.1} s: the objects are where they were then, and may be \
+         elsewhere now; see the camera in `tabula status`"
+    )
 }
 
 /// Rounded vector; `None` when a component is not finite.

@@ -153,6 +153,18 @@ pub enum WorldReply {
 pub struct WorldReport {
     /// Time of the world report, nanoseconds since 1970.
     pub now_ns: u64,
+    /// Age of the newest scene, seconds, as in
+    /// [`ObjectsReport`](super::ObjectsReport::scene_age_s); null before the first one.
+    #[serde(default)]
+    pub scene_age_s: Option<f64>,
+    /// Capture time of the newest scene, as in
+    /// [`ObjectsReport`](super::ObjectsReport::capture_stamp_ns); null before the first one.
+    #[serde(default)]
+    pub capture_stamp_ns: Option<u64>,
+    /// True if the objects are not those of the present: no scene has come for too long, or none
+    /// yet.
+    #[serde(default)]
+    pub is_stale: bool,
     /// Objects of the world model, ordered by track-id.
     pub objects: Vec<WorldObjectReport>,
     /// State of the robot; null when it never reported.
@@ -166,7 +178,8 @@ pub struct WorldReport {
 pub struct WorldObjectReport {
     /// Track-id of the object.
     pub track_id: u64,
-    /// State of the track: `tracked`, `missing`, `occluded` or `out-of-view`.
+    /// State of the track: `tracked`, `missing`, `occluded` or `out-of-view`; `stale` while the
+    /// newest scene is.
     pub state: String,
     /// Time since which the object has been in its state, nanoseconds since 1970.
     pub state_since_ns: u64,

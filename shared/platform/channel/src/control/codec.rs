@@ -229,7 +229,7 @@ mod tests {
             source_name: Text::truncated(&"x".repeat(Text::CAPACITY)),
             ..SceneSummary::default()
         };
-        let report = ObjectsReport::new(&scene, &vec![object; MAX_SCENE_OBJECTS]);
+        let report = ObjectsReport::new(&scene, &vec![object; MAX_SCENE_OBJECTS], u64::MAX);
         let bytes = encode(&Reply::Objects(report.clone())).unwrap();
         assert_eq!(decode_reply(&bytes), Reply::Objects(report));
     }

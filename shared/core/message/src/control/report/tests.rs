@@ -22,10 +22,55 @@ fn of_any_bytes<T: AnyBitPattern>() -> impl Iterator<Item = T> {
     constant.into_iter().chain(any.take(2_000))
 }
 
+/// Scene that was captured at the beginning of the clock, with a limit of a second.
+fn now() -> SceneTime {
+    SceneTime {
+        capture_ns: 0,
+        received_ns: 0,
+        stale_after_ns: 1_000_000_000,
+        is_lockstep: false,
+    }
+}
+
+#[test]
+fn stale_scene_is_told_with_its_age_and_its_objects_are_stale() {
+    const SECOND: u64 = 1_000_000_000;
+    let mut scene = SceneSummary {
+        stale_after_ns: SECOND,
+        ..SceneSummary::default()
+    };
+    scene.stamps.capture_ns = 10 * SECOND;
+    let object = SceneObject {
+        state: TrackState::Tracked.code(),
+        first_seen_ns: 4 * SECOND,
+        last_seen_ns: 9 * SECOND,
+        ..SceneObject::default()
+    };
+    let report = |now_s: u64| ObjectsReport::new(&scene, &[object], now_s * SECOND);
+    let fresh = report(11);
+    assert!(!fresh.is_stale && fresh.note.is_empty());
+    assert_eq!(fresh.objects[0].state, "tracked");
+    assert_eq!(
+        (fresh.objects[0].age_s, fresh.objects[0].unseen_s),
+        (6.0, 2.0)
+    );
+    let stale = report(15);
+    assert!(
+        stale.is_stale && stale.note.contains("for 5.0 s"),
+        "{}",
+        stale.note
+    );
+    assert_eq!(stale.scene_age_s, Some(5.0));
+    assert_eq!(stale.capture_stamp_ns, Some(10 * SECOND));
+    let object = &stale.objects[0];
+    assert_eq!((object.state.as_str(), object.unseen_s), ("stale", 6.0));
+    assert_eq!((object.scene_age_s, object.age_s), (Some(5.0), 6.0));
+}
+
 #[test]
 fn arbitrary_objects_are_reported() {
     for object in of_any_bytes::<SceneObject>() {
-        let report = ObjectReport::new(&object, u64::MAX);
+        let report = ObjectReport::new(&object, now(), u64::MAX);
         assert!(report.categories.len() <= crate::MAX_NEAR_CATEGORIES);
         assert!(report.view.is_none() == (report.n_views == 0));
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
@@ -91,7 +136,7 @@ fn covariance_and_nearest_categories_are_reported() {
             distance,
         };
     }
-    let report = ObjectReport::new(&object, 0);
+    let report = ObjectReport::new(&object, now(), 0);
     let near: Vec<_> = report
         .categories
         .iter()
