@@ -158,7 +158,7 @@ impl OutboxSender {
 fn is_transient(refusal: &Refusal) -> bool {
     matches!(
         refusal.kind,
-        RefusalKind::Unavailable | RefusalKind::Internal
+        RefusalKind::Unavailable | RefusalKind::Internal | RefusalKind::UnknownOutcome
     )
 }
 

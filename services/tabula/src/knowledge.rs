@@ -57,7 +57,7 @@ fn revise(
         author: author_or_user(author),
         change,
     };
-    match memory.call(Command::Revise(revision))? {
+    match memory.change(&Command::Revise(revision))? {
         Reply::Learned(report) => Ok(report),
         other => Err(unexpected_reply(&other)),
     }

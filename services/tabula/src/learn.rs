@@ -3,7 +3,7 @@
 
 use crate::arguments::{ForgetArguments, LabelArguments};
 use command_line::{Output, format_table};
-use control_client::{author_or_user, call, connect, mutation_id, unexpected_reply};
+use control_client::{author_or_user, call, change, connect, mutation_id, unexpected_reply};
 use message::control::{
     CategoryReport, Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
 };
@@ -135,7 +135,7 @@ fn categories_text(categories: &[CategoryReport]) -> String {
 }
 
 fn learn(common: &CommonArguments, command: Command) -> Result<LearningReport, Failure> {
-    match call(&mut connect(common)?, command)? {
+    match change(common, &command)? {
         Reply::Learned(report) => Ok(report),
         other => Err(unexpected_reply(&other)),
     }

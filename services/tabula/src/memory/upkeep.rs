@@ -38,7 +38,7 @@ fn unexpected_answer(outcome: JobOutcome) -> Failure {
 /// `tabula memory verify`: without a daemon it reads a copy and changes nothing.
 pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let mut memory = if let Some(client) = connect_if_running(common)? {
-        client.into()
+        MemoryClient::of_daemon(common, client)
     } else {
         local_memory_folder(common)?;
         MemoryClient::open_offline(common)?

@@ -212,7 +212,8 @@ pub enum Reply {
     Snapshot(SnapshotPage),
     /// Reply to [`Command::Changes`].
     Changes(ChangesPage),
-    /// Refusal: the command was not executed and nothing was changed.
+    /// Refusal: the command was not executed and nothing was changed, except perhaps with
+    /// [`RefusalKind::UnknownOutcome`].
     Refused(Refusal),
 }
 

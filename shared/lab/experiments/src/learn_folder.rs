@@ -78,7 +78,7 @@ pub fn run(
             renames: Vec::new(),
             prefix: String::new(),
         };
-        let mut memory = MemoryClient::from(connect(common)?);
+        let mut memory = MemoryClient::of_daemon(common, connect(common)?);
         let imported = import(&mut memory, &mut file, request, output);
         let imported = imported.map_err(|error| match error {
             ImportError::RefusedFile(reason) => Failure::general(reason),

@@ -124,7 +124,10 @@ impl MemoryRequestHandler {
                     self.store
                         .lease_track_ids(u64::from(count), |first| reply.send(first));
                 };
-                wait(lease).await.map(|first| Reply::TrackIds { first })
+                let leased = wait(lease).await;
+                leased
+                    .map(|first| Reply::TrackIds { first })
+                    .map_err(|error| translate::refusal(&error))
             }
             Command::StoreViews { id, views } => match translate::store_views(views) {
                 Ok(change) => {
@@ -230,7 +233,8 @@ impl MemoryRequestHandler {
         let ask = |reply: ReplySender<MutationReceipt>| {
             self.store.mutate(mutation, |done| reply.send(done));
         };
-        let answer = wait(ask).await?;
+        let changed = wait(ask).await;
+        let answer = changed.map_err(|error| translate::change_refusal(&error))?;
         publish_position(&self.position, self.store.position());
         Ok(answer)
     }
@@ -239,7 +243,8 @@ impl MemoryRequestHandler {
         &self,
         read: impl FnOnce(&mut PerceptualMemory) -> Result<T, Error> + Send + 'static,
     ) -> Result<T, Refusal> {
-        wait(|reply: ReplySender<T>| self.store.read(read, |done| reply.send(done))).await
+        let answer = wait(|reply: ReplySender<T>| self.store.read(read, |done| reply.send(done)));
+        answer.await.map_err(|error| translate::refusal(&error))
     }
 }
 
@@ -266,11 +271,8 @@ impl<T> ReplySender<T> {
     }
 }
 
-async fn wait<T>(ask: impl FnOnce(ReplySender<T>)) -> Result<T, Refusal> {
+async fn wait<T>(ask: impl FnOnce(ReplySender<T>)) -> Result<T, Error> {
     let (sender, answer) = oneshot::channel();
     ask(ReplySender(sender));
-    answer
-        .await
-        .unwrap_or(Err(Error::Stopped))
-        .map_err(|error| translate::refusal(&error))
+    answer.await.unwrap_or(Err(Error::Stopped))
 }

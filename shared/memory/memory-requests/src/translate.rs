@@ -172,9 +172,35 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
     Refusal::new(kind, error.to_string())
 }
 
+/// Wire refusal for a refusal or failure of a change. A write that has failed may be on disk or
+/// not.
+pub(crate) fn change_refusal(error: &Error) -> Refusal {
+    if !matches!(error, Error::Storage(_)) {
+        return refusal(error);
+    }
+    let sentence = format!(
+        "it is not known if the change was made ({error}); send it again with the same id until \
+         it is answered"
+    );
+    Refusal::new(RefusalKind::UnknownOutcome, sentence)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn failed_write_of_a_change_has_an_unknown_outcome_and_a_failed_read_has_not() {
+        let synced = perceptual_memory::StorageError::io("syncing", "database/000003.log");
+        let error = Error::Storage(synced(std::io::Error::other("Input/output error")));
+        let change = change_refusal(&error);
+        assert_eq!(change.kind, RefusalKind::UnknownOutcome);
+        assert!(change.sentence.contains("000003.log"), "{change}");
+        assert!(change.sentence.contains("same id"), "{change}");
+        assert_eq!(refusal(&error).kind, RefusalKind::Internal);
+        let full = Error::QueueFull { capacity: 4 };
+        assert_eq!(change_refusal(&full).kind, RefusalKind::Unavailable);
+    }
     use geometry::RigidTransform;
     use message::control::pack_cloud;
     use point_cloud::Point;

@@ -14,8 +14,12 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
 /// # Errors
 /// If no daemon runs or it refuses the connection.
 pub fn connect(common: &CommonArguments) -> Result<SocketClient, Failure> {
-    let connected = SocketClient::connect(&common.domain, &RunFolder::candidates(), ANSWER_TIMEOUT);
-    connected.map_err(|error| call_failure(&error))
+    try_connect(common).map_err(|error| call_failure(&error))
+}
+
+/// As [`connect`], with the error of the channel.
+pub(crate) fn try_connect(common: &CommonArguments) -> Result<SocketClient, CallError> {
+    SocketClient::connect(&common.domain, &RunFolder::candidates(), ANSWER_TIMEOUT)
 }
 
 /// Sends a command on a connection of its own and returns the reply; an urgent one is repeated
@@ -26,10 +30,7 @@ pub fn connect(common: &CommonArguments) -> Result<SocketClient, Failure> {
 pub fn call_once(common: &CommonArguments, command: &Command) -> Result<Reply, Failure> {
     let folders = RunFolder::candidates();
     let reply = SocketClient::call_once(&common.domain, &folders, ANSWER_TIMEOUT, command);
-    match reply.map_err(|error| call_failure(&error))? {
-        Reply::Refused(refusal) => Err(refusal_failure(refusal)),
-        reply => Ok(reply),
-    }
+    reply_or_failure(reply)
 }
 
 /// Sends a command and returns the reply; a refusal becomes a failure.
@@ -37,7 +38,12 @@ pub fn call_once(common: &CommonArguments, command: &Command) -> Result<Reply, F
 /// # Errors
 /// If the command is refused, or the daemon does not answer in time.
 pub fn call(client: &mut SocketClient, command: Command) -> Result<Reply, Failure> {
-    match client.call(command).map_err(|error| call_failure(&error))? {
+    reply_or_failure(client.call(command))
+}
+
+/// Reply of a call; a refusal becomes a failure.
+pub(crate) fn reply_or_failure(reply: Result<Reply, CallError>) -> Result<Reply, Failure> {
+    match reply.map_err(|error| call_failure(&error))? {
         Reply::Refused(refusal) => Err(refusal_failure(refusal)),
         reply => Ok(reply),
     }
@@ -47,6 +53,7 @@ pub fn call(client: &mut SocketClient, command: Command) -> Result<Reply, Failur
 pub fn refusal_failure(refusal: Refusal) -> Failure {
     let code = match refusal.kind {
         RefusalKind::Unavailable => exit_code::NO_DAEMON,
+        RefusalKind::UnknownOutcome => exit_code::TIMED_OUT,
         RefusalKind::Internal | RefusalKind::Version => exit_code::FAILURE,
         _ => exit_code::REFUSED,
     };

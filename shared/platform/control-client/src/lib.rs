@@ -1,7 +1,8 @@
 //! Client of the control protocol, for command-line programs.
 //!
 //! [`connect`] reaches a daemon through its control socket and [`call`] turns a
-//! refusal into a failure with its exit code. [`MemoryClient`] asks the memory of a
+//! refusal into a failure with its exit code. [`change`] repeats a change until its outcome
+//! is known. [`MemoryClient`] asks the memory of a
 //! running daemon, or, without one, a child process that opens the stored memory.
 //!
 //! Invariants: this crate never opens a database itself and never names one.
@@ -16,12 +17,14 @@
 //! ```
 
 mod authorship;
+mod change;
 mod connection;
 mod history;
 mod import;
 mod memory_client;
 
 pub use authorship::{author_or_user, mutation_id};
+pub use change::change;
 pub use connection::{call, call_once, connect, refusal_failure, unexpected_reply};
 pub use history::read_history;
 pub use import::{ImportError, ImportRequest, import};

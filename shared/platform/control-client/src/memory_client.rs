@@ -1,7 +1,8 @@
 //! Client of the perceptual memory: connected to the daemon, or to a child process that opens
 //! the store.
 
-use crate::connection::{call, connect, unexpected_reply};
+use crate::change::{PATIENCE, until_known};
+use crate::connection::{call, connect, try_connect, unexpected_reply};
 use channel::control::SocketClient;
 use command_line::Output;
 use message::control::{Command, JobCommand, JobKind, JobOutcome, JobReport, Reply};
@@ -21,6 +22,8 @@ const OFFLINE_DEADLINE: Duration = Duration::from_secs(24 * 3600);
 #[derive(Debug)]
 pub struct MemoryClient {
     client: SocketClient,
+    /// Arguments to connect to the daemon again; `None` without a daemon.
+    daemon: Option<CommonArguments>,
     /// Child process, if any. Dropped after the connection, whose end makes the child close the
     /// store and exit.
     _offline: Option<OfflineProcess>,
@@ -74,23 +77,23 @@ pub fn connect_if_running(common: &CommonArguments) -> Result<Option<SocketClien
     }
 }
 
-impl From<SocketClient> for MemoryClient {
-    fn from(client: SocketClient) -> Self {
+impl MemoryClient {
+    /// Client of a daemon over an open connection to it.
+    pub fn of_daemon(common: &CommonArguments, client: SocketClient) -> Self {
         Self {
             client,
+            daemon: Some(common.clone()),
             _offline: None,
         }
     }
-}
 
-impl MemoryClient {
     /// Connects to the daemon, or starts `tabula-memory --offline` if no daemon runs.
     ///
     /// # Errors
     /// If there is neither a daemon nor a memory, or the program cannot be started.
     pub fn open(common: &CommonArguments, output: &Output) -> Result<Self, Failure> {
         if let Some(client) = connect_if_running(common)? {
-            return Ok(client.into());
+            return Ok(Self::of_daemon(common, client));
         }
         let folder = local_memory_folder(common)?;
         output.print_status(&format!(
@@ -129,6 +132,7 @@ impl MemoryClient {
             SocketClient::from_stream(socket, OFFLINE_DEADLINE).map_err(Failure::general)?;
         Ok(Self {
             client,
+            daemon: None,
             _offline: Some(offline),
         })
     }
@@ -139,6 +143,23 @@ impl MemoryClient {
     /// If the request is refused or the connection ends.
     pub fn call(&mut self, command: Command) -> Result<Reply, Failure> {
         call(&mut self.client, command)
+    }
+
+    /// Sends a change, again and again until its outcome is known, as
+    /// [`change`](crate::change) does.
+    ///
+    /// # Errors
+    /// As [`change`](crate::change).
+    pub fn change(&mut self, command: &Command) -> Result<Reply, Failure> {
+        let mut is_repeated = false;
+        until_known(PATIENCE, || {
+            if std::mem::replace(&mut is_repeated, true)
+                && let Some(common) = &self.daemon
+            {
+                self.client = try_connect(common)?;
+            }
+            self.client.call(command.clone())
+        })
     }
 
     /// Sends a request about a job.

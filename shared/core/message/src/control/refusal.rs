@@ -21,6 +21,9 @@ pub enum RefusalKind {
     Version,
     /// Internal failure.
     Internal,
+    /// Failure of a change after which it may be on disk or not. The same mutation id is to be
+    /// sent again until its outcome is known.
+    UnknownOutcome,
 }
 
 /// Refusal of a command: kind for scripts, sentence for people.
