@@ -9,10 +9,12 @@ use control_client::{
 use message::control::{
     Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
 };
+use rustix::fs::OFlags;
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::fs::File;
 use std::io::{self, Write};
+use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -107,6 +109,25 @@ fn write_export(
     Ok(report)
 }
 
+/// Opens a regular file for reading. A pipe is refused: opening it waits for a writer, and the
+/// size of its content is unknown.
+fn open_file(path: &Path) -> Result<File, Failure> {
+    let failed = |error: io::Error| file_failed("opened", path, &error);
+    let opened = File::options()
+        .read(true)
+        .custom_flags(OFlags::NONBLOCK.bits().cast_signed())
+        .open(path);
+    let file = opened.map_err(failed)?;
+    if file.metadata().map_err(failed)?.is_file() {
+        return Ok(file);
+    }
+    let sentence = format!(
+        "{} is not a regular file; write the export into a file, and name that",
+        path.display()
+    );
+    Err(Failure::usage(sentence))
+}
+
 /// Runs `tabula memory import`.
 pub(super) fn import(
     common: &CommonArguments,
@@ -122,8 +143,7 @@ pub(super) fn import(
         })
     });
     let renames = renames.collect::<Result<Vec<_>, _>>()?;
-    let mut file = File::open(&arguments.file)
-        .map_err(|error| file_failed("opened", &arguments.file, &error))?;
+    let mut file = open_file(&arguments.file)?;
     let mut memory = MemoryClient::open(common, output)?;
     let source = arguments.file.file_name().unwrap_or_default();
     let request = ImportRequest {
@@ -153,4 +173,28 @@ pub(super) fn import(
         )
     });
     Ok(ExitCode::SUCCESS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rustix::fs::{CWD, FileType, Mode, mknodat};
+
+    #[test]
+    fn pipe_or_folder_is_no_file_to_import() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        mknodat(CWD, &pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).unwrap();
+        for path in [pipe.as_path(), folder.path()] {
+            let failure = open_file(path).unwrap_err();
+            assert_eq!(failure.code, exit_code::USAGE);
+            assert!(
+                failure.sentence.contains("is not a regular file"),
+                "{failure}"
+            );
+        }
+        let file = folder.path().join("file");
+        fs::write(&file, "x").unwrap();
+        assert!(open_file(&file).is_ok());
+    }
 }
