@@ -53,7 +53,7 @@ fn check_refused_start(sandbox: &Sandbox, arguments: &[&str], code: i32, words: 
 }
 
 /// One scene of the synthetic table as a PCD file.
-fn good_scene() -> Vec<u8> {
+pub(crate) fn good_scene() -> Vec<u8> {
     let table = SyntheticTable::new(0);
     let camera = table.camera();
     let (width, height) = (camera.width as usize, camera.height as usize);
@@ -121,7 +121,11 @@ fn unusable_sources_are_refused_at_the_start() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let check = |name: &str, words: &[&str]| {
-        check_refused_start(&sandbox, &["--source", &path(name)], USAGE, words);
+        let source = path(name);
+        for arguments in [&["--check-config"][..], &[]] {
+            let arguments = [&["--source", &source], arguments].concat();
+            check_refused_start(&sandbox, &arguments, USAGE, words);
+        }
     };
     check("missing", &["missing"]);
     std::fs::create_dir(path("empty")).unwrap();
@@ -570,7 +574,6 @@ fn as_root_shared_memory_that_is_too_small_is_refused_with_a_sentence() {
     for mounts in [
         "mount -t tmpfs -o size=16m tmpfs /dev/shm",
         "mount -t tmpfs -o size=300m tmpfs /dev/shm && fallocate -l 290M /dev/shm/full",
-        "mount -t tmpfs -o size=300m tmpfs /dev/shm && truncate -s 290M /dev/shm/promised",
     ] {
         let mut command = with_mounts(sandbox.command("tabula").arg("run").args(TABLE), mounts);
         let output = run_to_end(&mut command, WATCHDOG);

@@ -27,6 +27,8 @@ mod language;
 mod latency;
 /// Crates name only crates of lower layers; foreign libraries have owners.
 mod layering;
+/// Liveness of sensor and scene: age, staleness, outages in place, backed shared memory.
+mod liveness;
 /// Bitwise determinism of lockstep runs.
 mod lockstep;
 /// Memory maintenance: history, export, import, verification, repair.
