@@ -41,19 +41,16 @@ impl Outage {
     /// Notes a failed attempt, and waits before the next one or until shutdown is requested.
     pub fn wait(&mut self, sentence: &str) {
         self.health.set_state(ProcessState::Degraded, sentence);
-        let delay = match &mut self.ongoing {
-            Some(ongoing) => {
-                ongoing.delay = (2 * ongoing.delay).min(LONGEST_DELAY);
-                ongoing.delay
-            }
-            None => {
-                tracing::warn!("{sentence}; trying again until it works");
-                self.ongoing = Some(Ongoing {
-                    began_ns: monotonic_ns(),
-                    delay: FIRST_DELAY,
-                });
-                FIRST_DELAY
-            }
+        let delay = if let Some(ongoing) = &mut self.ongoing {
+            ongoing.delay = (2 * ongoing.delay).min(LONGEST_DELAY);
+            ongoing.delay
+        } else {
+            tracing::warn!("{sentence}; trying again until it works");
+            self.ongoing = Some(Ongoing {
+                began_ns: monotonic_ns(),
+                delay: FIRST_DELAY,
+            });
+            FIRST_DELAY
         };
         let end_ns = monotonic_ns() + delay.as_nanos() as u64;
         while monotonic_ns() < end_ns && !self.shutdown.is_requested() {
