@@ -240,7 +240,7 @@ fn segments_of_a_running_daemon_are_backed() {
         let Ok(file) = std::fs::metadata(format!("/dev/shm/{name}")) else {
             continue;
         };
-        if name.ends_with(".data") {
+        if Path::new(&name).extension() == Some("data".as_ref()) {
             n_segments += 1;
             assert!(
                 file.blocks() * 512 >= file.len(),

@@ -17,7 +17,7 @@ pub(crate) fn teach(
     label: &LabelArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let report = learn(common, Command::Teach(labelling(label)?))?;
+    let report = learn(common, &Command::Teach(labelling(label)?))?;
     output.answer(&report, || learned_text(label.track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
@@ -28,7 +28,7 @@ pub(crate) fn correct(
     label: &LabelArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let report = learn(common, Command::Correct(labelling(label)?))?;
+    let report = learn(common, &Command::Correct(labelling(label)?))?;
     output.answer(&report, || learned_text(label.track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
@@ -56,7 +56,7 @@ pub(crate) fn forget(
         author: author_or_user(author),
         category: category.clone(),
     };
-    let report = learn(common, command)?;
+    let report = learn(common, &command)?;
     output.answer(&report, || {
         format!(
             "forgot {}: {} view(s) are now unlabelled",
@@ -85,7 +85,7 @@ pub(crate) fn revise(
     };
     let report = learn(
         common,
-        Command::Revise(Revision {
+        &Command::Revise(Revision {
             id: mutation_id()?,
             author: author_or_user(author),
             change,
@@ -134,8 +134,8 @@ fn categories_text(categories: &[CategoryReport]) -> String {
     format_table(&["category", "views", "bytes"], &rows)
 }
 
-fn learn(common: &CommonArguments, command: Command) -> Result<LearningReport, Failure> {
-    match change(common, &command)? {
+fn learn(common: &CommonArguments, command: &Command) -> Result<LearningReport, Failure> {
+    match change(common, command)? {
         Reply::Learned(report) => Ok(report),
         other => Err(unexpected_reply(&other)),
     }

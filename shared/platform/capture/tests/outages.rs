@@ -45,7 +45,7 @@ impl ScriptedSource {
 }
 
 impl Source for ScriptedSource {
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         "the scripted source"
     }
 

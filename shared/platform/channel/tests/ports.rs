@@ -471,7 +471,7 @@ async fn segments_of_publishers_clients_and_servers_are_backed_when_they_are_mad
     let _client = Client::new(&domain, ProcessKind::Memory).unwrap();
     let data: Vec<_> = segments(&test_domain)
         .into_iter()
-        .filter(|(name, ..)| name.ends_with(".data"))
+        .filter(|(name, ..)| std::path::Path::new(name).extension() == Some("data".as_ref()))
         .collect();
     assert_eq!(data.len(), 3, "{data:?}");
     assert!(

@@ -81,8 +81,8 @@ mod tests {
     const NEVER: Duration = Duration::ZERO;
     const LONG: Duration = Duration::from_secs(3600);
 
-    fn refused(kind: RefusalKind) -> Result<Reply, CallError> {
-        Ok(Reply::Refused(Refusal::new(kind, "syncing failed")))
+    fn refused(kind: RefusalKind) -> Reply {
+        Reply::Refused(Refusal::new(kind, "syncing failed"))
     }
 
     /// Outcome of a change whose attempts have these answers, and the number of attempts.
@@ -102,8 +102,8 @@ mod tests {
     #[test]
     fn change_with_an_unknown_outcome_is_repeated_until_it_is_answered() {
         let answers = vec![
-            refused(RefusalKind::UnknownOutcome),
-            refused(RefusalKind::Unavailable),
+            Ok(refused(RefusalKind::UnknownOutcome)),
+            Ok(refused(RefusalKind::Unavailable)),
             Err(CallError::NoDaemon { domain: "x".into() }),
             Err(CallError::TimedOut { after: LONG }),
             Ok(Reply::Stored),
@@ -118,7 +118,7 @@ mod tests {
             RefusalKind::Conflict,
             RefusalKind::Invalid,
         ] {
-            let (outcome, n_attempts) = settle(LONG, vec![refused(kind)]);
+            let (outcome, n_attempts) = settle(LONG, vec![Ok(refused(kind))]);
             assert!(outcome.is_err() && n_attempts == 1, "{kind:?}");
         }
         let no_daemon = Err(CallError::NoDaemon { domain: "x".into() });
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn change_whose_outcome_stays_unknown_ends_with_a_sentence() {
         for answer in [
-            refused(RefusalKind::UnknownOutcome),
+            Ok(refused(RefusalKind::UnknownOutcome)),
             Err(CallError::NotThere { process: "memory" }),
         ] {
             let failure = settle(NEVER, vec![answer]).0.unwrap_err();
