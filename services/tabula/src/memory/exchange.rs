@@ -194,7 +194,7 @@ mod tests {
             );
         }
         let file = folder.path().join("file");
-        fs::write(&file, "x").unwrap();
+        std::fs::write(&file, "x").unwrap();
         assert!(open_file(&file).is_ok());
     }
 }
