@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use command_line::Output;
 use experiments::arguments::{
-    EvaluateVerb, LearnArguments, SimulateVerb, SweepArguments, TrainVerb,
+    AgeMemoryArguments, EvaluateVerb, LearnArguments, SimulateVerb, SweepArguments, TrainVerb,
 };
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
@@ -49,6 +49,8 @@ enum Verb {
     },
     /// Measure how sensitive scores are to tuned constants; needs the source tree and cargo
     Sweep(SweepArguments),
+    /// Make years of changes to a new perceptual memory in simulated time, and measure its opening
+    AgeMemory(AgeMemoryArguments),
 }
 
 fn main() -> ExitCode {
@@ -64,5 +66,6 @@ fn execute(arguments: &LabArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Evaluate { verb } => experiments::evaluate::run(verb, output),
         Verb::Train { verb } => experiments::train::run(verb, output),
         Verb::Sweep(sweep) => experiments::sweep::run(sweep, output),
+        Verb::AgeMemory(ageing) => experiments::age_memory::run(ageing, output),
     }
 }

@@ -221,3 +221,35 @@ pub struct SweepArguments {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
 }
+
+/// Arguments of `age-memory`.
+#[derive(Debug, Args)]
+pub struct AgeMemoryArguments {
+    /// Numbers of changes at which the opening is measured
+    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [100_000, 1_000_000])]
+    pub(crate) changes: Vec<u64>,
+    /// Number of categories that are taught
+    #[arg(long, value_name = "N", default_value_t = 180, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) categories: u32,
+    /// Retention limit of the views of a category
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    pub(crate) views_per_category: usize,
+    /// Retention limit of the unlabelled views
+    #[arg(long, value_name = "N", default_value_t = 20_000)]
+    pub(crate) unnamed_views: usize,
+    /// Seed of the changes; the same seed gives the same changes
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder of the aged store, which must not exist [default: `store` in the output folder]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) store: Option<PathBuf>,
+    /// Output folder for the figures and the table
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Only open the store in this folder and print the cost
+    #[arg(long, value_name = "DIR", hide = true)]
+    pub(crate) measure_opening: Option<PathBuf>,
+    /// Time of that opening, nanoseconds since 1970
+    #[arg(long, value_name = "NS", hide = true, default_value_t = 0)]
+    pub(crate) clock_ns: u64,
+}

@@ -1,0 +1,176 @@
+//! Ageing of a perceptual memory: years of changes through its own write path in simulated time,
+//! with opening time, peak memory and disk space at given numbers of changes.
+//!
+//! The simulated robot makes twenty changes a minute. Its clock is simulated, so that retention
+//! limits act as after years; its disk is real, and every group of changes is synced.
+
+mod opening;
+mod report;
+mod workload;
+
+use crate::arguments::AgeMemoryArguments;
+use crate::output_files::create_folder;
+use command_line::{Output, progress_bar};
+use opening::Opening;
+use perceptual_memory::{
+    Error, RetentionLimits, StoreConfig, StoreHandle, StoreThread, WRITE_BUFFER_BYTES,
+};
+use report::{AgeingReport, AgeingRow};
+use service::Failure;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+use workload::{CHANGE_PERIOD_NS, START_NS, Workload};
+
+/// Number of changes requested at once.
+const GROUP_CHANGES: u64 = 256;
+/// Number of track-ids leased at once.
+const LEASE_IDS: u64 = 4096;
+/// Simulated day, nanoseconds.
+const DAY_NS: u64 = 24 * 3600 * 1_000_000_000;
+
+/// Simulated clock of the store, nanoseconds since 1970.
+static CLOCK_NS: AtomicU64 = AtomicU64::new(START_NS);
+
+fn simulated_clock() -> u64 {
+    CLOCK_NS.load(Ordering::Relaxed)
+}
+
+/// Ages a new store in the output folder, or measures the opening of an old one.
+///
+/// # Errors
+/// When the store fails, or the output cannot be written.
+pub fn run(arguments: &AgeMemoryArguments, output: &Output) -> Result<ExitCode, Failure> {
+    if let Some(folder) = &arguments.measure_opening {
+        let opening = opening::measure(folder, arguments.clock_ns)?;
+        output.answer(&opening, || format!("opened in {:.3} s", opening.opening_s));
+        return Ok(ExitCode::SUCCESS);
+    }
+    let out = arguments.out.as_deref().ok_or_else(|| {
+        Failure::usage("the output folder is missing: name it with --out DIR")
+    })?;
+    create_folder(out)?;
+    let folder = arguments.store.clone().unwrap_or_else(|| out.join("store"));
+    if folder.join("database").exists() {
+        let sentence = format!("{} holds a store already: remove it", folder.display());
+        return Err(Failure::usage(sentence));
+    }
+    let mut ageing = Ageing::new(folder, arguments)?;
+    let mut report = AgeingReport::default();
+    let last = arguments.changes.iter().max().copied().unwrap_or(0);
+    let bar = progress_bar(last, "changes", output);
+    for n_changes in sorted(&arguments.changes) {
+        let row = ageing.row_at(n_changes, &bar)?;
+        report.push(row);
+        // Written after every row: a long run that is stopped has what it did.
+        report.write(out)?;
+    }
+    bar.finish_and_clear();
+    output.answer(&report, || report.text());
+    Ok(ExitCode::SUCCESS)
+}
+
+fn sorted(changes: &[u64]) -> Vec<u64> {
+    let mut sorted = changes.to_vec();
+    sorted.sort_unstable();
+    sorted
+}
+
+/// Store that ages, closed between two measurements.
+struct Ageing {
+    folder: PathBuf,
+    limits: RetentionLimits,
+    workload: Workload,
+    n_changes: u64,
+    ageing_s: f64,
+}
+
+impl Ageing {
+    fn new(folder: PathBuf, arguments: &AgeMemoryArguments) -> Result<Self, Failure> {
+        let workload = Workload::new(arguments.seed, arguments.categories);
+        Ok(Self {
+            folder,
+            limits: RetentionLimits {
+                max_views_per_category: arguments.views_per_category,
+                max_unnamed_views: arguments.unnamed_views,
+            },
+            workload: workload.map_err(Failure::general)?,
+            n_changes: 0,
+            ageing_s: 0.0,
+        })
+    }
+
+    /// Ages the store to a number of changes and measures its opening in a process of its own.
+    fn row_at(
+        &mut self,
+        n_changes: u64,
+        bar: &indicatif::ProgressBar,
+    ) -> Result<AgeingRow, Failure> {
+        let begun = Instant::now();
+        self.age(n_changes, bar).map_err(Failure::general)?;
+        self.ageing_s += begun.elapsed().as_secs_f64();
+        let opening = Opening::in_own_process(&self.folder, simulated_clock())?;
+        Ok(AgeingRow {
+            n_changes,
+            simulated_days: (simulated_clock() - START_NS) as f64 / DAY_NS as f64,
+            ageing_s: self.ageing_s,
+            disk_mb: size_mb(&self.folder)?,
+            opening,
+        })
+    }
+
+    fn age(&mut self, n_changes: u64, bar: &indicatif::ProgressBar) -> Result<(), Error> {
+        let (thread, handle, _) = StoreThread::start(StoreConfig {
+            folder: self.folder.clone(),
+            queue_capacity: 2 * GROUP_CHANGES as usize,
+            limits: self.limits,
+            write_buffer_bytes: WRITE_BUFFER_BYTES,
+            wall_clock: simulated_clock,
+            on_reopened: Box::new(|_| {}),
+        })?;
+        while self.n_changes < n_changes {
+            let n = GROUP_CHANGES.min(n_changes - self.n_changes);
+            self.change(&handle, n)?;
+            self.n_changes += n;
+            bar.set_position(self.n_changes);
+        }
+        thread.stop()
+    }
+
+    /// Requests a group of changes and waits until it is on disk.
+    fn change(&mut self, handle: &StoreHandle, n: u64) -> Result<(), Error> {
+        while self.workload.n_leased() < GROUP_CHANGES {
+            let first = handle.lease_track_ids_and_wait(LEASE_IDS)?;
+            self.workload.lease(first, LEASE_IDS);
+        }
+        for _ in 0..n {
+            let wall_ns = CLOCK_NS.fetch_add(CHANGE_PERIOD_NS, Ordering::Relaxed);
+            // A refusal is an answer, too: a track may have been pruned meanwhile.
+            handle.mutate(self.workload.next(wall_ns), |_| {});
+        }
+        if let Some(purge) = self.workload.purge_when_due(simulated_clock()) {
+            handle.mutate_and_wait(purge)?;
+        }
+        // A read waits for all changes requested before it.
+        handle.read_and_wait(|_| Ok(()))
+    }
+}
+
+/// Total size of the files in a folder and its subfolders, megabytes.
+fn size_mb(folder: &Path) -> Result<f64, Failure> {
+    let mut n_bytes = 0;
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).map_err(Failure::general)? {
+            let entry = entry.map_err(Failure::general)?;
+            let metadata = entry.metadata().map_err(Failure::general)?;
+            if metadata.is_dir() {
+                folders.push(entry.path());
+            } else {
+                n_bytes += metadata.len();
+            }
+        }
+    }
+    Ok(n_bytes as f64 / 1e6)
+}
