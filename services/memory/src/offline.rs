@@ -142,6 +142,7 @@ impl OfflineMemory {
             write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || wall_clock_ns().max(0) as u64,
             on_reopened: Box::new(|_| {}),
+            on_notice: Box::new(|_| {}),
         })
         .map_err(|error| Refusal::new(RefusalKind::Internal, error.to_string()))?;
         eprintln!("{report}");

@@ -103,6 +103,7 @@ fn open_store(
                 Err(error) => tracing::error!("the memory could not be opened again: {error}"),
             }
         }),
+        on_notice: Box::new(|notice| tracing::warn!("{notice}")),
     })
     .map_err(Failure::general)
 }

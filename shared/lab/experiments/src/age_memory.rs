@@ -43,13 +43,15 @@ fn simulated_clock() -> u64 {
 /// When the store fails, or the output cannot be written.
 pub fn run(arguments: &AgeMemoryArguments, output: &Output) -> Result<ExitCode, Failure> {
     if let Some(folder) = &arguments.measure_opening {
-        let opening = opening::measure(folder, arguments.clock_ns)?;
+        CLOCK_NS.store(arguments.clock_ns, Ordering::Relaxed);
+        let opening = opening::measure(folder, arguments.limits())?;
         output.answer(&opening, || format!("opened in {:.3} s", opening.opening_s));
         return Ok(ExitCode::SUCCESS);
     }
-    let out = arguments.out.as_deref().ok_or_else(|| {
-        Failure::usage("the output folder is missing: name it with --out DIR")
-    })?;
+    let out = arguments
+        .out
+        .as_deref()
+        .ok_or_else(|| Failure::usage("the output folder is missing: name it with --out DIR"))?;
     create_folder(out)?;
     let folder = arguments.store.clone().unwrap_or_else(|| out.join("store"));
     if folder.join("database").exists() {
@@ -91,10 +93,7 @@ impl Ageing {
         let workload = Workload::new(arguments.seed, arguments.categories);
         Ok(Self {
             folder,
-            limits: RetentionLimits {
-                max_views_per_category: arguments.views_per_category,
-                max_unnamed_views: arguments.unnamed_views,
-            },
+            limits: arguments.limits(),
             workload: workload.map_err(Failure::general)?,
             n_changes: 0,
             ageing_s: 0.0,
@@ -110,7 +109,7 @@ impl Ageing {
         let begun = Instant::now();
         self.age(n_changes, bar).map_err(Failure::general)?;
         self.ageing_s += begun.elapsed().as_secs_f64();
-        let opening = Opening::in_own_process(&self.folder, simulated_clock())?;
+        let opening = Opening::in_own_process(&self.folder, simulated_clock(), &self.limits)?;
         Ok(AgeingRow {
             n_changes,
             simulated_days: (simulated_clock() - START_NS) as f64 / DAY_NS as f64,
@@ -121,14 +120,7 @@ impl Ageing {
     }
 
     fn age(&mut self, n_changes: u64, bar: &indicatif::ProgressBar) -> Result<(), Error> {
-        let (thread, handle, _) = StoreThread::start(StoreConfig {
-            folder: self.folder.clone(),
-            queue_capacity: 2 * GROUP_CHANGES as usize,
-            limits: self.limits,
-            write_buffer_bytes: WRITE_BUFFER_BYTES,
-            wall_clock: simulated_clock,
-            on_reopened: Box::new(|_| {}),
-        })?;
+        let (thread, handle, _) = StoreThread::start(store_config(&self.folder, self.limits))?;
         while self.n_changes < n_changes {
             let n = GROUP_CHANGES.min(n_changes - self.n_changes);
             self.change(&handle, n)?;
@@ -154,6 +146,19 @@ impl Ageing {
         }
         // A read waits for all changes requested before it.
         handle.read_and_wait(|_| Ok(()))
+    }
+}
+
+/// Configuration of a store with the simulated clock.
+fn store_config(folder: &Path, limits: RetentionLimits) -> StoreConfig {
+    StoreConfig {
+        folder: folder.to_owned(),
+        queue_capacity: 2 * GROUP_CHANGES as usize,
+        limits,
+        write_buffer_bytes: WRITE_BUFFER_BYTES,
+        wall_clock: simulated_clock,
+        on_reopened: Box::new(|_| {}),
+        on_notice: Box::new(|_| {}),
     }
 }
 

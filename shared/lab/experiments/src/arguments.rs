@@ -8,6 +8,7 @@ pub use recognition::{
 };
 
 use clap::{Args, Subcommand, ValueEnum};
+use perceptual_memory::{HistoryLimits, RetentionLimits};
 use simulated_world::ModelSource;
 use std::path::{Path, PathBuf};
 
@@ -252,4 +253,15 @@ pub struct AgeMemoryArguments {
     /// Time of that opening, nanoseconds since 1970
     #[arg(long, value_name = "NS", hide = true, default_value_t = 0)]
     pub(crate) clock_ns: u64,
+}
+
+impl AgeMemoryArguments {
+    /// Retention limits of the aged store; those of the history as configured by default.
+    pub(crate) fn limits(&self) -> RetentionLimits {
+        RetentionLimits {
+            max_views_per_category: self.views_per_category,
+            max_unnamed_views: self.unnamed_views,
+            history: HistoryLimits::CONFIGURED,
+        }
+    }
 }

@@ -17,6 +17,7 @@ use std::sync::Arc;
 use rusty_leveldb::{DB, DBIterator, LdbIterator, Options, StatusCode, WriteBatch};
 
 use crate::durable_env::DurableEnv;
+use crate::durable_file::DurableFile;
 use crate::env_health::{EnvHealth, FileOperation, Observer};
 use crate::error::Error;
 
@@ -175,6 +176,15 @@ impl Database {
             iter,
             health: Arc::clone(&self.health),
         })
+    }
+
+    /// Creates a file beside the database that appears only whole; see [`DurableFile`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`].
+    pub fn create_file(&self, path: &Path) -> Result<DurableFile, Error> {
+        DurableFile::create(path, Arc::clone(&self.health))
     }
 
     /// Error for a failure that rusty-leveldb did not report.

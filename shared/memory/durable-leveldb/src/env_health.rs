@@ -189,7 +189,8 @@ impl EnvHealth {
         self.state.lock().n_damages
     }
 
-    fn observe(&self, change: &FileOperation<'_>) -> io::Result<()> {
+    /// Calls the observer, which may make the operation fail.
+    pub(crate) fn observe(&self, change: &FileOperation<'_>) -> io::Result<()> {
         self.state
             .lock()
             .observer

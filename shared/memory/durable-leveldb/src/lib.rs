@@ -39,6 +39,7 @@
 mod crc32c;
 mod database;
 mod durable_env;
+mod durable_file;
 mod env_health;
 mod error;
 mod mutation_id;
@@ -51,6 +52,7 @@ mod verified_files;
 pub mod record;
 
 pub use database::{Database, Reader, WRITE_BUFFER_BYTES};
+pub use durable_file::DurableFile;
 pub use env_health::{FileOperation, Observer};
 pub use error::{Error, StorageFailure};
 pub use mutation_id::{MutationId, random_id};

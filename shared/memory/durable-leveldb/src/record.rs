@@ -6,8 +6,8 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// Version of the record format. A change of the fields of any record needs a
-/// new version and a new schema.
+/// Version of the record format. Records whose fields change get a table of their own, so that
+/// the digests of the others stay.
 pub const VERSION: u8 = 2;
 const HEADER_BYTES: usize = 5;
 

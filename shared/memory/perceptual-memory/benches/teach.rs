@@ -100,6 +100,7 @@ fn start(folder: &TempDir) -> (StoreThread, StoreHandle) {
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock,
         on_reopened: Box::new(|_| {}),
+        on_notice: Box::new(|_| {}),
     };
     let (thread, handle, _) = StoreThread::start(config).expect("a store");
     handle

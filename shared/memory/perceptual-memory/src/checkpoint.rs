@@ -1,14 +1,17 @@
 //! Checkpoints: consistent copies of the database, on which exports and verifications run in their
 //! own thread.
 //!
-//! Table files are immutable and shared by hard links; log and manifest are copied.
+//! Table files are immutable and shared by hard links; log and manifest are copied. Archive segments
+//! are read where they are, and none is dropped meanwhile.
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use durable_leveldb::{Database, StoreFolder, WRITE_BUFFER_BYTES};
 use learning::ViewId;
 
+use crate::archive::{self, HistoryArchive};
 use crate::consistency_check::{ConsistencyReport, check_consistency, schema};
 use crate::digest::Digest;
 use crate::document::{DocumentContent, MemoryDocument};
@@ -16,20 +19,27 @@ use crate::document_key::DocumentKey;
 use crate::error::{Error, StorageError};
 use crate::exchange::{ForeignDocument, ForeignView};
 use crate::findings::Findings;
+use crate::history_verification::verify_history;
+use crate::index_row::IndexedView;
 use crate::keys;
-use crate::label_status::LabelStatus;
+use crate::label_status::{DecisionStamp, LabelStatus};
 use crate::meta::{SCHEMA, StoreId};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::queries::Position;
 use crate::record_reader::{read_content, read_parts};
-use crate::store_index::{IndexedView, StoreIndex};
+use crate::store_index::StoreIndex;
 use crate::view_phrase::view_phrase;
+use crate::view_record::ViewMetadata;
 use crate::watermark::{self, Watermark, WatermarkRecord};
 
 /// Copy of the database files; dropping it removes them.
 #[derive(Debug)]
 pub struct Checkpoint {
     folder: PathBuf,
+    /// Folder of the archived history.
+    history: PathBuf,
+    /// Keeps the archive segments from being dropped.
+    _pin: Arc<()>,
     /// History position of the copy.
     pub position: Position,
 }
@@ -49,16 +59,18 @@ impl PerceptualMemory {
     /// [`StorageError::Io`] when the disk has no room for a copy of the log.
     pub fn checkpoint(&self) -> Result<Checkpoint, Error> {
         self.usable()?;
-        make(&self.folder, self.position())
+        make(&self.folder, self.position(), self.archive.pin())
     }
 }
 
-fn make(folder: &StoreFolder, position: Position) -> Result<Checkpoint, Error> {
+fn make(folder: &StoreFolder, position: Position, pin: Arc<()>) -> Result<Checkpoint, Error> {
     let path = folder.new_checkpoint();
     fs::create_dir(&path).map_err(StorageError::io("creating", &path))?;
     // From here on, an error removes the folder again.
     let checkpoint = Checkpoint {
         folder: path,
+        history: archive::path(folder),
+        _pin: pin,
         position,
     };
     let database = folder.database();
@@ -83,6 +95,7 @@ fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
 /// Checkpoint opened for reading.
 pub struct CheckpointReader {
     engine: Database,
+    archive: HistoryArchive,
     index: StoreIndex,
     findings: Findings,
     /// Checkpoint files; the last field, so that the database is closed before they are removed.
@@ -126,7 +139,7 @@ pub fn verify_folder(
         store_id: StoreId(0),
         sequence: 0,
     };
-    let checkpoint = make(&folder, nowhere)?;
+    let checkpoint = make(&folder, nowhere, Arc::default())?;
     let mut reader = match checkpoint.open_marked(mark.ok().flatten().as_ref()) {
         Ok(reader) => reader,
         Err(Error::Storage(StorageError::Damaged { what })) => {
@@ -172,6 +185,7 @@ impl Checkpoint {
             index,
             findings,
             meta,
+            archived,
             ..
         } = check_consistency(&mut engine, mark)?;
         if let Some(meta) = meta {
@@ -182,6 +196,7 @@ impl Checkpoint {
         }
         Ok(CheckpointReader {
             engine,
+            archive: HistoryArchive::open(self.history.clone(), archived)?,
             index,
             findings,
             checkpoint: self,
@@ -215,16 +230,19 @@ impl CheckpointReader {
         self.index.n_all()
     }
 
-    /// Reads all content and compares it with its digests. `progress` gets the number of views
-    /// read.
+    /// Reads the whole history and compares the records with it, then all content, and compares it
+    /// with its digests. `progress` gets the number of views read.
     ///
     /// # Errors
     ///
     /// [`StorageError::Io`] when the system is short of something; damage is a finding.
     pub fn verify(mut self, mut progress: impl FnMut(u64)) -> Result<Verification, Error> {
         let position = self.position();
+        let mut reader = self.engine.reader()?;
+        let n_history =
+            verify_history(&self.archive, &mut reader, &self.index, &mut self.findings)?;
         let mut found = Verification {
-            n_history: position.sequence.saturating_sub(self.index.n_lost()),
+            n_history,
             ..Verification::of(position)
         };
         let views: Vec<ViewId> = self.index.all().map(|(view, _)| view).collect();
@@ -254,6 +272,11 @@ impl CheckpointReader {
     fn verify_view(&mut self, view: ViewId) -> Result<Option<u64>, Error> {
         let mut reader = self.engine.reader()?;
         match read_parts(&mut reader, view) {
+            Ok(parts) if !self.matches_row(view, &parts.metadata) => {
+                let finding = || format!("the index row of {} is another's", view_phrase(view));
+                self.findings.add(finding);
+                Ok(None)
+            }
             Ok(parts) if parts.is_what_it_says() => {
                 let n_points = parts.points.as_ref().map_or(0, Vec::len);
                 Ok(Some((parts.descriptor.len() + n_points) as u64))
@@ -270,6 +293,11 @@ impl CheckpointReader {
             }
             Err(error) => Err(error),
         }
+    }
+
+    fn matches_row(&self, view: ViewId, metadata: &ViewMetadata) -> bool {
+        let row = self.index.get(view);
+        row.is_some_and(|row| row.matches(metadata))
     }
 
     fn verify_document(&mut self, document: &DocumentKey, digest: Digest) -> Result<(), Error> {
@@ -307,7 +335,7 @@ impl CheckpointReader {
         };
         let exported = self.index.all().filter(|(_, entry)| is_exported(entry));
         let mut identities: Vec<_> = exported.map(|(_, entry)| entry.identity).collect();
-        identities.extend(self.index.tombstones.keys());
+        identities.extend(self.index.tombstones().map(|(identity, _)| identity));
         identities.sort_unstable();
         for identity in identities {
             take_view(self.foreign_view(identity)?)?;
@@ -335,15 +363,20 @@ impl CheckpointReader {
 
     fn foreign_view(&mut self, identity: Digest) -> Result<ForeignView, Error> {
         let known = self.index.by_identity(identity);
+        // Who forgot a view is in the history of the robot on which it was forgotten.
+        let forgotten = |stamp_ns| ForeignView::Forgotten {
+            identity,
+            decided: DecisionStamp {
+                author: "".into(),
+                stamp_ns,
+            },
+        };
         let Some((view, entry)) = known else {
-            let decided = self.index.tombstones.get(&identity).cloned();
-            let decided = decided.unwrap_or_default();
-            return Ok(ForeignView::Forgotten { identity, decided });
+            return Ok(forgotten(self.index.tombstone(identity).unwrap_or(0)));
         };
         let register = &entry.register;
         if register.standing == LabelStatus::Forgotten {
-            let decided = register.decided.clone();
-            return Ok(ForeignView::Forgotten { identity, decided });
+            return Ok(forgotten(register.decided.stamp_ns));
         }
         let parts = read_parts(&mut self.engine.reader()?, view)?;
         let is_decided = register.decided.stamp_ns > 0;

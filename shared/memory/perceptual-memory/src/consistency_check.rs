@@ -1,23 +1,30 @@
-//! Consistency check: loads the index of a database and compares it with its history.
+//! Consistency check of an opening: loads the index and compares it with the digest of all records
+//! in the metadata; reads the history from its checkpoint on, and checks its chain.
+//!
+//! [`crate::history_verification`] compares the records with the whole history.
+
+use std::ops::ControlFlow;
 
 use durable_leveldb::{
     Database, Reader,
     record::{unseal, unseal_any},
 };
-use learning::ViewId;
+use serde::de::DeserializeOwned;
 
+use crate::archive::ArchiveRecord;
+use crate::digest::Digest;
 use crate::document::DocumentVersion;
 use crate::error::{Error, StorageError};
 use crate::findings::Findings;
 use crate::history::HistoryEntry;
-use crate::history_projection::HistoryProjection;
+use crate::history_chain::HistoryChain;
+use crate::index_row::IndexedView;
 use crate::keys;
-use crate::label_status::{DecisionStamp, LwwRegister};
 use crate::meta::{Meta, SCHEMA};
+use crate::set_digest::record_digest;
 use crate::store_index::StoreIndex;
+use crate::tombstone::unseal_tombstone;
 use crate::track_id_counter;
-use crate::view_phrase::view_phrase;
-use crate::view_record::ViewMetadata;
 use crate::watermark::WatermarkRecord;
 
 /// Loaded index and detected inconsistencies.
@@ -25,8 +32,13 @@ use crate::watermark::WatermarkRecord;
 pub(crate) struct ConsistencyReport {
     /// Metadata record; `None` for a database that was just created.
     pub(crate) meta: Option<Meta>,
+    /// Checkpoint of the history.
+    pub(crate) archived: ArchiveRecord,
     pub(crate) index: StoreIndex,
-    pub(crate) n_history: u64,
+    /// Number of history entries in the database.
+    pub(crate) n_recent: u64,
+    /// Sequence number and digest of the last history entry.
+    pub(crate) head: (u64, Digest),
     /// Time of the last history entry, nanoseconds since 1970, UTC.
     pub(crate) last_wall_ns: u64,
     /// Detected inconsistencies; empty for an intact database.
@@ -37,7 +49,8 @@ impl ConsistencyReport {
     /// `true` if nothing was ever committed to the database.
     pub(crate) fn is_empty(&self) -> bool {
         self.meta.is_none()
-            && self.n_history == 0
+            && self.n_recent == 0
+            && self.archived.sequence == 0
             && self.index.n_all() == 0
             && self.findings.is_empty()
     }
@@ -70,7 +83,8 @@ pub(crate) fn schema_of(meta: &[u8]) -> Result<Option<u32>, Error> {
     }
 }
 
-/// Loads and checks everything except descriptors, point clouds and document content.
+/// Loads and checks everything except metadata of views, descriptors, point clouds, document
+/// content and archived entries.
 ///
 /// # Errors
 ///
@@ -81,70 +95,75 @@ pub(crate) fn check_consistency(
 ) -> Result<ConsistencyReport, Error> {
     let mut reader = engine.reader()?;
     let mut found = ConsistencyReport::default();
-    read_meta(&mut reader, &mut found)?;
-    read_views(&mut reader, &mut found)?;
-    let mut projection = HistoryProjection::default();
-    read_history(&mut reader, &mut found, &mut projection)?;
-    read_registers(&mut reader, &mut found, &projection)?;
+    if let Some(meta) = read_single(&mut reader, keys::META, &mut found.findings)? {
+        found.meta = meta;
+    }
+    if let Some(archived) = read_single(&mut reader, keys::ARCHIVE, &mut found.findings)? {
+        found.archived = archived;
+    }
+    read_rows(&mut reader, &mut found)?;
+    read_history(&mut reader, &mut found)?;
     read_documents(&mut reader, &mut found)?;
     read_tombstones(&mut reader, &mut found)?;
-    projection.check_chain(&mut found.findings);
-    projection.compare(&found.index, &mut found.findings);
-    found.index.lost = projection.lost().to_vec();
-    found.n_history = projection.n_entries();
-    check_counts(&mut found, &projection, mark);
+    check_counts(&mut found, mark);
     let (n_damages, damages) = engine.damages();
     found.findings.extend(n_damages, damages);
     Ok(found)
 }
 
-fn read_meta(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
-    let Some(record) = reader.get(&[keys::META])? else {
-        return Ok(());
-    };
-    match unseal::<Meta>(&[keys::META], &record) {
-        Ok(meta) => found.meta = Some(meta),
-        Err(wrong) => found
-            .findings
-            .add(|| format!("the record about the store: {wrong}")),
-    }
-    Ok(())
+/// Reads the record of a table with one record; `None` if it is missing or damaged.
+fn read_single<T: DeserializeOwned>(
+    reader: &mut Reader,
+    table: u8,
+    findings: &mut Findings,
+) -> Result<Option<T>, Error> {
+    let record = reader.get(&[table])?;
+    Ok(match record.map(|record| unseal(&[table], &record)) {
+        Some(Ok(value)) => Some(value),
+        Some(Err(wrong)) => {
+            findings.add(|| format!("{}: {wrong}", keys::in_words(&[table])));
+            None
+        }
+        None => None,
+    })
 }
 
-fn read_views(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
-    reader.scan_prefix(&[keys::VIEW], |key, record| {
-        match (keys::view_of(key), unseal::<ViewMetadata>(key, record)) {
-            (Some(view), Ok(metadata)) => {
-                let register = LwwRegister::untouched(0);
-                found.index.insert(view, &metadata, register);
-            }
-            (Some(view), Err(wrong)) => found
+fn read_rows(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
+    reader.scan_prefix(&[keys::ROW], |key, record| {
+        match (keys::view_of(key), IndexedView::unseal(key, record)) {
+            (Some(view), Ok(row)) => found.index.load(view, row, record_digest(key, record)),
+            (Some(_), Err(wrong)) => found
                 .findings
-                .add(|| format!("{}: {wrong}", view_phrase(view))),
+                .add(|| format!("{}: {wrong}", keys::in_words(key))),
             (None, _) => found
                 .findings
-                .add(|| format!("a view's key is none: {key:?}")),
+                .add(|| format!("an index row's key is none: {key:?}")),
         }
     })?;
     Ok(())
 }
 
-fn read_history(
-    reader: &mut Reader,
-    found: &mut ConsistencyReport,
-    projection: &mut HistoryProjection,
-) -> Result<(), Error> {
-    reader.scan_prefix(&[keys::HISTORY], |key, record| {
+/// Reads the entries after the archived ones.
+fn read_history(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
+    let archived = &found.archived;
+    let mut chain = HistoryChain::after(archived.sequence, archived.head);
+    found.index.add_lost(&archived.lost);
+    let first = keys::history_key(archived.sequence + 1);
+    reader.scan(&first, |key, record| {
+        if !key.starts_with(&[keys::HISTORY]) {
+            return ControlFlow::Break(());
+        }
         let Some(sequence) = keys::sequence_of(key) else {
             found
                 .findings
                 .add(|| format!("a history entry's key is none: {key:?}"));
-            return;
+            return ControlFlow::Continue(());
         };
         match HistoryEntry::unseal(sequence, record) {
             Ok((entry, digest)) => {
-                projection.apply(&entry, digest);
+                chain.add(&entry, digest);
                 found.last_wall_ns = entry.wall_ns;
+                found.n_recent += 1;
                 if let Some(id) = entry.mutation {
                     found.index.answered.insert(id, sequence);
                 }
@@ -153,51 +172,12 @@ fn read_history(
                 .findings
                 .add(|| format!("history entry {sequence}: {wrong}")),
         }
+        ControlFlow::Continue(())
     })?;
+    found.index.add_lost(chain.newly_lost());
+    chain.report(found.index.lost(), &mut found.findings);
+    found.head = chain.head();
     Ok(())
-}
-
-/// Loads the label registers, after the history, which dates views without one.
-fn read_registers(
-    reader: &mut Reader,
-    found: &mut ConsistencyReport,
-    projection: &HistoryProjection,
-) -> Result<(), Error> {
-    for (&view, projected) in &projection.views {
-        let register = LwwRegister::untouched(projected.sequence);
-        found.index.set(view, register);
-    }
-    reader.scan_prefix(&[keys::REGISTER], |key, record| {
-        let register = unseal::<LwwRegister>(key, record);
-        match (keys::view_of(key), register) {
-            (Some(view), Ok(_)) if found.index.get(view).is_none() => found
-                .findings
-                .add(|| format!("{} is missing, though it has a standing", view_phrase(view))),
-            (Some(view), Ok(register)) => check_register(found, projection, view, register),
-            (Some(view), Err(wrong)) => found
-                .findings
-                .add(|| format!("the standing of {}: {wrong}", view_phrase(view))),
-            (None, _) => found
-                .findings
-                .add(|| format!("a standing's key is none: {key:?}")),
-        }
-    })?;
-    Ok(())
-}
-
-fn check_register(
-    found: &mut ConsistencyReport,
-    projection: &HistoryProjection,
-    view: ViewId,
-    register: LwwRegister,
-) {
-    let projected = projection.views.get(&view);
-    if projected.is_some_and(|projected| projected.sequence != register.sequence) {
-        found
-            .findings
-            .add(|| format!("the standing of {} is an older one", view_phrase(view)));
-    }
-    found.index.set(view, register);
 }
 
 fn read_documents(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
@@ -220,13 +200,11 @@ fn read_documents(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<
 
 fn read_tombstones(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
     reader.scan_prefix(&[keys::TOMBSTONE], |key, record| {
-        match (keys::digest_of(key), unseal::<DecisionStamp>(key, record)) {
-            (Some(identity), Ok(decided)) => {
-                found.index.tombstones.insert(identity, decided);
-            }
-            (Some(identity), Err(wrong)) => found
+        match (keys::digest_of(key), unseal_tombstone(key, record)) {
+            (Some(identity), Ok(forgotten_ns)) => found.index.bury(identity, forgotten_ns),
+            (Some(_), Err(wrong)) => found
                 .findings
-                .add(|| format!("the note of the forgotten view {identity}: {wrong}")),
+                .add(|| format!("{}: {wrong}", keys::in_words(key))),
             (None, _) => found
                 .findings
                 .add(|| format!("a forgotten view's key is none: {key:?}")),
@@ -235,28 +213,29 @@ fn read_tombstones(reader: &mut Reader, found: &mut ConsistencyReport) -> Result
     Ok(())
 }
 
-/// Compares counts and the track-id counter with the metadata record and the watermark.
-fn check_counts(
-    found: &mut ConsistencyReport,
-    projection: &HistoryProjection,
-    mark: Option<&WatermarkRecord>,
-) {
+/// Compares the records, counts and the track-id counter with the metadata record and the
+/// watermark.
+fn check_counts(found: &mut ConsistencyReport, mark: Option<&WatermarkRecord>) {
     let n_views = found.index.n_all() as u64;
     let findings = &mut found.findings;
     let Some(meta) = &found.meta else {
-        if found.n_history > 0 || n_views > 0 {
+        if found.n_recent > 0 || found.archived.sequence > 0 || n_views > 0 {
             findings.add(|| "the record about the store is missing".to_owned());
         }
         return;
     };
-    let (sequence, head) = projection.head();
-    if (meta.sequence, meta.head) != (sequence, head) {
-        let last = meta.sequence;
+    if (meta.sequence, meta.head) != found.head {
+        let (sequence, last) = (found.head.0, meta.sequence);
         findings.add(|| format!("the history ends with entry {sequence}, not {last}"));
     }
     if meta.n_views != n_views {
         let n = meta.n_views;
-        findings.add(|| format!("{n_views} of {n} views are whole"));
+        findings.add(|| format!("{n_views} of {n} index rows are whole"));
+    } else if meta.records != found.index.records_digest() {
+        findings.add(|| {
+            "the records of views, documents and forgotten views do not match their digest"
+                .to_owned()
+        });
     }
     if !track_id_counter::is_plausible(meta.next_track_id) {
         let next = meta.next_track_id;

@@ -12,12 +12,13 @@ use crate::document::MemoryDocument;
 use crate::document_key::DocumentKey;
 use crate::error::StoreRefusal;
 use crate::importing;
+use crate::index_row::IndexedView;
 use crate::label_status::LabelStatus;
 use crate::meta::Meta;
 use crate::model::{Contradiction, Effect, Operation, Target};
 use crate::mutation::StoreChange;
 use crate::purge;
-use crate::store_index::{IndexedView, StoreIndex};
+use crate::store_index::StoreIndex;
 use crate::view::{CapturedView, Origin};
 use crate::view_record::ViewParts;
 

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use learning::ViewId;
 
 use crate::digest::Digest;
+use crate::index_row::IndexedView;
 use crate::label_status::LabelStatus;
 use crate::model::{Contradiction, Effect, Operation};
-use crate::store_index::IndexedView;
 use crate::view_record::ViewParts;
 
 /// Operation and effects for the history, with the content they insert.

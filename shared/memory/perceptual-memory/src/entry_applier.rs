@@ -1,8 +1,6 @@
 //! Application of a history entry to index and database; shared by new mutations, replay and
 //! rebuild.
 
-use std::sync::Arc;
-
 use learning::ViewId;
 use serde_bytes::Bytes;
 
@@ -11,12 +9,14 @@ use crate::digest::Digest;
 use crate::document::{DocumentContent, DocumentVersion};
 use crate::document_key::DocumentKey;
 use crate::history::HistoryEntry;
+use crate::index_row::IndexedView;
 use crate::keys;
 use crate::label_status::{DecisionStamp, LabelStatus, LwwRegister};
 use crate::meta::Meta;
 use crate::model::Effect;
 use crate::record_batch::RecordBatch;
 use crate::store_index::StoreIndex;
+use crate::tombstone::seal_tombstone;
 use crate::view_record::ViewParts;
 
 /// Target of the application: index, metadata and pending writes.
@@ -47,7 +47,7 @@ impl EntryApplier<'_> {
         match effect {
             Effect::Stored { view, identity } => {
                 if let Some(parts) = contents.views.get(identity) {
-                    self.store(*view, parts, entry.sequence);
+                    self.store(*view, parts, LwwRegister::untouched(entry.sequence));
                 }
             }
             Effect::Changed {
@@ -57,7 +57,9 @@ impl EntryApplier<'_> {
                 ..
             } => self.change(entry, *view, after, decided.as_ref()),
             Effect::Purged { view } => self.purge(*view),
-            Effect::Tombstone { identity, decided } => self.bury(*identity, decided.as_ref()),
+            Effect::Tombstone { identity, decided } => {
+                self.bury(*identity, decided.as_ref().map(|decided| decided.stamp_ns));
+            }
             Effect::Document {
                 document,
                 after,
@@ -70,7 +72,8 @@ impl EntryApplier<'_> {
         }
     }
 
-    fn store(&mut self, view: ViewId, parts: &ViewParts, sequence: u64) {
+    /// Stores a view with a label register.
+    pub(crate) fn store(&mut self, view: ViewId, parts: &ViewParts, register: LwwRegister) {
         let metadata = &parts.metadata;
         if !self.index.has_descriptor(metadata.descriptor.digest) {
             let key = keys::digest_key(keys::DESCRIPTOR, metadata.descriptor.digest);
@@ -80,8 +83,10 @@ impl EntryApplier<'_> {
             self.put_blob(extent.digest, points);
         }
         self.writes.put(&keys::view_key(keys::VIEW, view), metadata);
-        let register = LwwRegister::untouched(sequence);
-        self.index.insert(view, metadata, register);
+        let row = IndexedView::of(metadata, register);
+        self.writes
+            .put_sealed(&keys::view_key(keys::ROW, view), &row.seal(view));
+        self.index.insert(view, row);
         self.meta.n_views += 1;
     }
 
@@ -106,11 +111,15 @@ impl EntryApplier<'_> {
             standing: after.clone(),
             decided: decided
                 .cloned()
-                .unwrap_or_else(|| later(entry, known.register.decided.stamp_ns)),
+                .unwrap_or_else(|| entry.decided_after(known.register.decided.stamp_ns)),
             sequence: entry.sequence,
         };
+        let row = IndexedView {
+            register: register.clone(),
+            ..known.clone()
+        };
         self.writes
-            .put(&keys::view_key(keys::REGISTER, view), &register);
+            .put_sealed(&keys::view_key(keys::ROW, view), &row.seal(view));
         self.index.set(view, register);
     }
 
@@ -120,7 +129,7 @@ impl EntryApplier<'_> {
         };
         self.meta.n_views -= 1;
         self.writes.delete(&keys::view_key(keys::VIEW, view));
-        self.writes.delete(&keys::view_key(keys::REGISTER, view));
+        self.writes.delete(&keys::view_key(keys::ROW, view));
         let digest = gone.descriptor.digest;
         if !self.index.has_descriptor(digest) {
             self.writes
@@ -137,14 +146,16 @@ impl EntryApplier<'_> {
         }
     }
 
-    fn bury(&mut self, identity: Digest, decided: Option<&DecisionStamp>) {
+    /// Sets the tombstone of a purged view, or clears it.
+    pub(crate) fn bury(&mut self, identity: Digest, forgotten_ns: Option<u64>) {
         let key = keys::digest_key(keys::TOMBSTONE, identity);
-        if let Some(decided) = decided {
-            self.writes.put(&key, decided);
-            self.index.tombstones.insert(identity, decided.clone());
+        if let Some(forgotten_ns) = forgotten_ns {
+            self.writes
+                .put_sealed(&key, &seal_tombstone(identity, forgotten_ns));
+            self.index.bury(identity, forgotten_ns);
         } else {
             self.writes.delete(&key);
-            self.index.tombstones.remove(&identity);
+            self.index.unbury(identity);
         }
     }
 
@@ -156,24 +167,41 @@ impl EntryApplier<'_> {
         decided: Option<&DecisionStamp>,
         contents: &NewContent,
     ) {
-        if let Some(content) = after
-            && !self.index.has_blob(content.digest)
-        {
-            let Some(bytes) = contents.documents.get(&content.digest) else {
-                return;
-            };
-            self.put_blob(content.digest, bytes);
-        }
         let last_stamp_ns = self.index.document_stamp_ns(document);
         let version = DocumentVersion {
             content: after.cloned(),
             decided: decided
                 .cloned()
-                .unwrap_or_else(|| later(entry, last_stamp_ns)),
+                .unwrap_or_else(|| entry.decided_after(last_stamp_ns)),
         };
-        let key = keys::document_key(document, entry.sequence);
-        self.writes.put(&key, &version);
-        self.index.insert_version(document, entry.sequence, version);
+        let content = after.and_then(|content| contents.documents.get(&content.digest));
+        self.put_version(
+            document,
+            entry.sequence,
+            version,
+            content.map(Vec::as_slice),
+        );
+    }
+
+    /// Stores a version of a document; ignored when its content is neither given nor stored.
+    pub(crate) fn put_version(
+        &mut self,
+        document: &DocumentKey,
+        sequence: u64,
+        version: DocumentVersion,
+        content: Option<&[u8]>,
+    ) {
+        if let Some(summary) = &version.content
+            && !self.index.has_blob(summary.digest)
+        {
+            let Some(content) = content else {
+                return;
+            };
+            self.put_blob(summary.digest, content);
+        }
+        self.writes
+            .put(&keys::document_key(document, sequence), &version);
+        self.index.insert_version(document, sequence, version);
     }
 
     fn purge_version(&mut self, document: &DocumentKey, sequence: u64) {
@@ -185,9 +213,4 @@ impl EntryApplier<'_> {
             self.release_blob(content.digest);
         }
     }
-}
-
-/// Decision stamp by the entry's author, later than all stamps of the store so far.
-fn later(entry: &HistoryEntry, last_stamp_ns: u64) -> DecisionStamp {
-    DecisionStamp::after(last_stamp_ns, Arc::clone(&entry.author), entry.wall_ns)
 }

@@ -1,5 +1,6 @@
 //! Errors of the perceptual memory, as sentences that say what to do next.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use learning::{CategoryName, ViewId};
@@ -27,6 +28,18 @@ pub enum Error {
     Failed {
         /// Error of the earlier failed write.
         source: Arc<Error>,
+    },
+    /// Damaged file of the archived history. The store itself goes on without its entries.
+    #[error(
+        "the archived history in {} is damaged: {what}; the memory is sound without it; to note \
+         its entries as lost: tabula memory repair",
+        .path.display()
+    )]
+    ArchiveDamaged {
+        /// Path of the damaged file.
+        path: PathBuf,
+        /// Description of the damage.
+        what: String,
     },
     /// Full request queue of the store thread.
     #[error("{capacity} requests are waiting for the store already; send this one again later")]

@@ -27,6 +27,11 @@ impl Findings {
         self.n += n_omitted;
     }
 
+    /// Adds all findings of another check.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.extend(other.n, other.sentences.clone());
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.n == 0
     }

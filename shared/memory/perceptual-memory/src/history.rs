@@ -17,6 +17,7 @@ use serde_bytes::ByteArray;
 
 use crate::digest::{Digest, Hasher};
 use crate::keys;
+use crate::label_status::DecisionStamp;
 use crate::model::{Contradiction, Effect, MutationReceipt, Operation};
 
 /// Entry of the store's history.
@@ -102,6 +103,11 @@ impl HistoryEntry {
             .update(&sequence.to_le_bytes())
             .update(record)
             .finish()
+    }
+
+    /// Stamp of a decision by the entry's author, later than the stamp that it replaces.
+    pub(crate) fn decided_after(&self, last_stamp_ns: u64) -> DecisionStamp {
+        DecisionStamp::after(last_stamp_ns, Arc::clone(&self.author), self.wall_ns)
     }
 
     /// Receipt for the mutation that made the entry.

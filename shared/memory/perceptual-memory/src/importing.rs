@@ -100,9 +100,9 @@ impl Import<'_> {
             }
             return;
         }
-        if let Some(forgotten) = self.index.tombstones.get(&identity) {
+        if let Some(forgotten_ns) = self.index.tombstone(identity) {
             let stamp_ns = decided.map_or(0, |decided| decided.stamp_ns);
-            if (stamp_ns, standing) <= (forgotten.stamp_ns, &LabelStatus::Forgotten) {
+            if (stamp_ns, standing) <= (forgotten_ns, &LabelStatus::Forgotten) {
                 return;
             }
             self.decision.effects.push(Effect::Tombstone {
@@ -175,8 +175,8 @@ impl Import<'_> {
         if self.index.by_identity(identity).is_some() {
             return self.change_known(identity, &LabelStatus::Forgotten, decided);
         }
-        let known = self.index.tombstones.get(&identity);
-        if known.is_none_or(|known| known.stamp_ns < decided.stamp_ns) {
+        let known_ns = self.index.tombstone(identity);
+        if known_ns.is_none_or(|known_ns| known_ns < decided.stamp_ns) {
             self.decision.effects.push(Effect::Tombstone {
                 identity,
                 decided: Some(decided.clone()),

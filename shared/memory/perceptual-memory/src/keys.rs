@@ -8,20 +8,26 @@ use crate::document_key::{DocumentKey, DocumentKind};
 use crate::error::{Error, StorageError};
 use crate::view_phrase::view_phrase;
 
+/// Record about the archived part of the history: `a`.
+pub(crate) const ARCHIVE: u8 = b'a';
 /// Table of point clouds and documents: `b`, content digest.
 pub(crate) const BLOB: u8 = b'b';
 /// Database table of descriptors: `d`, content digest.
 pub(crate) const DESCRIPTOR: u8 = b'd';
 /// Table of history entries: `h`, sequence number.
 pub(crate) const HISTORY: u8 = b'h';
-/// Table of label registers, only for views with a decision: `l`, track-id, view id.
-pub(crate) const REGISTER: u8 = b'l';
+/// Table of index rows: `i`, track-id, view id.
+pub(crate) const ROW: u8 = b'i';
+/// Table of label registers of schema 2, only for views with a decision: `l`, track-id, view id.
+pub(crate) const REGISTER_2: u8 = b'l';
 /// Metadata record: `m`.
 pub(crate) const META: u8 = b'm';
 /// Table of document versions: `o`, kind, length and bytes of the name, sequence number.
 pub(crate) const DOCUMENT: u8 = b'o';
-/// Table of tombstones of purged views: `t`, content digest.
-pub(crate) const TOMBSTONE: u8 = b't';
+/// Table of tombstones of purged views: `n`, content digest.
+pub(crate) const TOMBSTONE: u8 = b'n';
+/// Table of tombstones of schema 2: `t`, content digest.
+pub(crate) const TOMBSTONE_2: u8 = b't';
 /// Table of view metadata: `v`, track-id, view id.
 pub(crate) const VIEW: u8 = b'v';
 
@@ -98,7 +104,7 @@ pub(crate) fn in_words(key: &[u8]) -> String {
     let digest = digest_of(key);
     match (table, view, digest, sequence_of(key), document_of(key)) {
         (VIEW, Some(view), ..) => view,
-        (REGISTER, Some(view), ..) => format!("the standing of {view}"),
+        (ROW, Some(view), ..) => format!("the index row of {view}"),
         (DESCRIPTOR, _, Some(digest), ..) => format!("the descriptor {digest}"),
         (BLOB, _, Some(digest), ..) => format!("the cloud or document {digest}"),
         (TOMBSTONE, _, Some(digest), ..) => format!("the note of the forgotten view {digest}"),
@@ -107,6 +113,7 @@ pub(crate) fn in_words(key: &[u8]) -> String {
             format!("{document}, as of entry {sequence}")
         }
         (META, ..) => "the record about the store".to_owned(),
+        (ARCHIVE, ..) => "the record about the archived history".to_owned(),
         _ => format!("the record {}", key.escape_ascii()),
     }
 }
@@ -129,7 +136,7 @@ mod tests {
     proptest! {
         #[test]
         fn keys_keep_content_and_order(a in views(), b in views(), s in any::<u64>(), t in any::<u64>()) {
-            prop_assert_eq!(view_of(&view_key(REGISTER, a)), Some(a));
+            prop_assert_eq!(view_of(&view_key(ROW, a)), Some(a));
             prop_assert_eq!(view_key(VIEW, a).cmp(&view_key(VIEW, b)), a.cmp(&b));
             prop_assert_eq!(sequence_of(&history_key(s)), Some(s));
             prop_assert_eq!(history_key(s).cmp(&history_key(t)), s.cmp(&t));

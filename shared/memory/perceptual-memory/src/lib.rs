@@ -40,6 +40,8 @@
 //! # }
 //! ```
 
+mod archive;
+mod archiving;
 mod checkpoint;
 mod consistency_check;
 mod decide;
@@ -52,8 +54,11 @@ mod error;
 mod exchange;
 mod findings;
 mod history;
+mod history_chain;
 mod history_projection;
+mod history_verification;
 mod importing;
+mod index_row;
 mod keys;
 mod label_status;
 mod maintenance;
@@ -74,8 +79,10 @@ mod requester;
 mod retention_limits;
 mod salvage;
 mod schema_1;
+mod set_digest;
 mod store_index;
 mod store_thread;
+mod tombstone;
 mod track_id_counter;
 mod undo;
 mod view;
@@ -87,6 +94,7 @@ mod watermark;
 #[cfg(test)]
 mod tests;
 
+pub use archiving::{ArchivingStep, HistoryLimits};
 pub use checkpoint::{Checkpoint, CheckpointReader, Verification, verify_folder};
 pub use digest::Digest;
 pub use document::{DocumentContent, DocumentSummary, MAX_DOCUMENT_BYTES, MemoryDocument};
@@ -108,7 +116,7 @@ pub use portable::{PortableBatch, PortableCounts, PortableError, PortableReader,
 pub use queries::{ChangeEntry, Changes, LabelledView, NameChange, Position, SnapshotPage};
 pub use requester::Requester;
 pub use store_index::CategorySummary;
-pub use store_thread::{OnReopened, StoreConfig, StoreHandle, StoreThread};
+pub use store_thread::{OnNotice, OnReopened, StoreConfig, StoreHandle, StoreThread};
 pub use view::{
     CapturedView, MAX_DESCRIPTOR_VALUES, MAX_NAME_BYTES, MAX_POINTS_BYTES, Origin,
     StoredDescriptor, StoredView,

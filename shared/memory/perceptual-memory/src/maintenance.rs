@@ -14,7 +14,7 @@ const CONTENT_STEPS: usize = 64;
 const CONTENT_TABLES: [u8; 2] = [keys::BLOB, keys::DESCRIPTOR];
 const OTHER_TABLES: [u8; 6] = [
     keys::HISTORY,
-    keys::REGISTER,
+    keys::ROW,
     keys::META,
     keys::DOCUMENT,
     keys::TOMBSTONE,
@@ -34,6 +34,10 @@ pub struct Stats {
     pub sequence: u64,
     /// Number of history entries lost with a damaged store.
     pub n_lost_entries: u64,
+    /// Number of history entries in the archive.
+    pub n_archived_entries: u64,
+    /// Number of the oldest history entries that were dropped for the limit of the archive.
+    pub n_dropped_entries: u64,
     /// Number of labelled views.
     pub n_named: u64,
     /// Number of unlabelled views.
@@ -50,6 +54,8 @@ pub struct Stats {
     pub n_content_bytes: u64,
     /// Size of the database files, bytes.
     pub n_disk_bytes: u64,
+    /// Size of the archived history, bytes.
+    pub n_archive_bytes: u64,
     /// First track-id that was never leased.
     pub next_track_id: u64,
 }
@@ -83,6 +89,7 @@ impl PerceptualMemory {
     /// [`StorageError::Io`] when the folder cannot be listed.
     pub fn stats(&self) -> Result<Stats, Error> {
         let index = &self.index;
+        let archived = &self.archive.record;
         let database = self.folder.database();
         let files = fs::read_dir(&database).map_err(StorageError::io("listing", &database))?;
         let sizes = files.flatten().filter_map(|file| file.metadata().ok());
@@ -92,14 +99,17 @@ impl PerceptualMemory {
             schema: SCHEMA,
             sequence: self.sequence(),
             n_lost_entries: index.n_lost(),
+            n_archived_entries: archived.sequence - archived.dropped,
+            n_dropped_entries: archived.dropped,
             n_named: index.n_named() as u64,
             n_unnamed: index.n_unnamed() as u64,
             n_forgotten: index.n_forgotten() as u64,
             n_categories: index.n_categories() as u64,
             n_documents: index.documents().count() as u64,
-            n_tombstones: index.tombstones.len() as u64,
+            n_tombstones: index.n_tombstones() as u64,
             n_content_bytes: index.all().map(|(_, entry)| entry.n_bytes()).sum(),
             n_disk_bytes: sizes.map(|size| size.len()).sum(),
+            n_archive_bytes: archived.n_bytes,
             next_track_id: self.meta.next_track_id,
         })
     }

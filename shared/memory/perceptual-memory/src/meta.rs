@@ -1,6 +1,6 @@
 //! Metadata record of the store, written with every commit.
 
-use durable_leveldb::{random_id, record};
+use durable_leveldb::random_id;
 use serde::{Deserialize, Serialize};
 use serde_bytes::ByteArray;
 
@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::watermark::WatermarkRecord;
 
 /// Schema version of this program; older databases are migrated.
-pub(crate) const SCHEMA: u32 = record::VERSION as u32;
+pub(crate) const SCHEMA: u32 = 3;
 
 /// Id of a store. A rebuild after a loss changes it, so that readers load a new snapshot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -28,6 +28,9 @@ pub(crate) struct Meta {
     pub(crate) head: Digest,
     /// Number of views with content, including forgotten ones.
     pub(crate) n_views: u64,
+    /// Digest of all records of views, documents and tombstones; absent in schema 2.
+    #[serde(default)]
+    pub(crate) records: Digest,
 }
 
 impl Meta {
@@ -43,6 +46,7 @@ impl Meta {
             sequence: 0,
             head: Digest::default(),
             n_views: 0,
+            records: Digest::default(),
         })
     }
 
@@ -52,6 +56,7 @@ impl Meta {
             sequence: 0,
             head: Digest::default(),
             n_views: 0,
+            records: Digest::default(),
             ..self.clone()
         }
     }

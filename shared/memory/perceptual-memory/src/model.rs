@@ -6,6 +6,7 @@ use std::fmt;
 use learning::{CategoryName, ViewId};
 use serde::{Deserialize, Serialize};
 
+use crate::archiving::HistoryLimits;
 use crate::digest::Digest;
 use crate::document::DocumentContent;
 use crate::document_key::DocumentKey;
@@ -273,6 +274,8 @@ pub struct RetentionLimits {
     pub max_views_per_category: usize,
     /// Maximum number of unlabelled views.
     pub max_unnamed_views: usize,
+    /// Limits of the history.
+    pub history: HistoryLimits,
 }
 
 impl Default for RetentionLimits {
@@ -281,6 +284,7 @@ impl Default for RetentionLimits {
         Self {
             max_views_per_category: usize::MAX,
             max_unnamed_views: usize::MAX,
+            history: HistoryLimits::default(),
         }
     }
 }

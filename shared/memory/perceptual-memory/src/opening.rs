@@ -5,13 +5,15 @@ use std::path::{Path, PathBuf};
 
 use durable_leveldb::{Database, StoreFolder};
 
+use crate::archive::{self, ArchiveRecord, HistoryArchive};
 use crate::consistency_check::{self, ConsistencyReport, check_consistency};
 use crate::error::{Error, StorageError};
 use crate::meta::{Meta, SCHEMA};
-use crate::model::DataLoss;
+use crate::model::{DataLoss, RetentionLimits};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::record_batch::RecordBatch;
 use crate::salvage::{SalvageOutcome, salvage};
+use crate::store_index::StoreIndex;
 use crate::track_id_counter;
 use crate::watermark::{self, Watermark, WatermarkRecord};
 
@@ -154,14 +156,19 @@ impl PerceptualMemory {
     /// copied, the damaged database is renamed, and the report counts the losses. `wall_ns` is the
     /// present time, nanoseconds since 1970, UTC, for the history entry about a rebuild.
     ///
-    /// Reads the whole index, but no descriptors.
+    /// Reads the index rows, and the history from its checkpoint on.
     ///
     /// # Errors
     ///
     /// [`StorageError::InUse`], [`StorageError::NewerSchema`], or [`StorageError::Io`] when the
     /// folder cannot be read and written; nothing was renamed then.
     pub fn open(folder: &Path, wall_ns: u64) -> Result<(Self, OpenReport), Error> {
-        open(StoreFolder::hold(folder)?, wall_ns, false)
+        open(
+            StoreFolder::hold(folder)?,
+            wall_ns,
+            RetentionLimits::default(),
+            false,
+        )
     }
 
     /// Opens the store like [`Self::open`], but also reads descriptors and point clouds and
@@ -171,7 +178,12 @@ impl PerceptualMemory {
     ///
     /// As [`Self::open`].
     pub fn open_and_rebuild(folder: &Path, wall_ns: u64) -> Result<(Self, OpenReport), Error> {
-        open(StoreFolder::hold(folder)?, wall_ns, true)
+        open(
+            StoreFolder::hold(folder)?,
+            wall_ns,
+            RetentionLimits::default(),
+            true,
+        )
     }
 }
 
@@ -179,6 +191,7 @@ impl PerceptualMemory {
 pub(crate) fn open(
     folder: StoreFolder,
     wall_ns: u64,
+    limits: RetentionLimits,
     must_rebuild: bool,
 ) -> Result<(PerceptualMemory, OpenReport), Error> {
     folder.clean_up()?;
@@ -199,7 +212,9 @@ pub(crate) fn open(
         }));
     };
     notes.extend(clock_note(wall_ns, examination.last_wall_ns));
-    let index = examination.index;
+    let mut index = examination.index;
+    let archive = open_archive(&folder, examination.archived, &mut notes)?;
+    let archive = load_answered(archive, wall_ns, &limits, &mut index, &mut notes);
     // The watermark records a lease before it is answered, so that it stays unique even if
     // the database lost it.
     let next_by_mark = mark.map(|mark| mark.next_track_id);
@@ -216,10 +231,41 @@ pub(crate) fn open(
         n_history: meta.sequence,
         notes,
     };
-    Ok((
-        PerceptualMemory::new(engine, index, meta, watermark, folder),
-        report,
-    ))
+    let mut memory = PerceptualMemory::new((engine, archive), index, meta, watermark, folder);
+    memory.set_limits(limits);
+    memory.last_wall_ns = wall_ns;
+    Ok((memory, report))
+}
+
+/// Opens the archive of the history; missing segments are noted.
+fn open_archive(
+    folder: &StoreFolder,
+    record: ArchiveRecord,
+    notes: &mut Vec<String>,
+) -> Result<HistoryArchive, Error> {
+    let archive = HistoryArchive::open(archive::path(folder), record)?;
+    archive.clean_up()?;
+    for (first, last) in archive.missing() {
+        notes.push(format!(
+            "history entries {first} to {last} are missing in {}; restore that folder, or note \
+             them as lost: tabula memory repair",
+            archive::path(folder).display()
+        ));
+    }
+    Ok(archive)
+}
+
+/// Loads the idempotency keys of the archived entries for as long as they are kept.
+fn load_answered(
+    mut archive: HistoryArchive,
+    wall_ns: u64,
+    limits: &RetentionLimits,
+    index: &mut StoreIndex,
+    notes: &mut Vec<String>,
+) -> HistoryArchive {
+    let after_ns = wall_ns.saturating_sub(limits.history.answered_kept_ns);
+    notes.extend(archive.load_answered(after_ns, &mut index.answered));
+    archive
 }
 
 /// Note about a clock behind the last history entry. Entries are ordered by sequence number, so a
@@ -350,7 +396,7 @@ fn rebuild(
 ) -> Result<Opened, Error> {
     let mut copy = folder.open_rebuilding()?;
     copy.accept()?;
-    let salvaged = salvage(&folder.database(), &mut copy, mark, wall_ns)?;
+    let salvaged = salvage(folder, &mut copy, mark, wall_ns)?;
     let Some(SalvageOutcome {
         loss,
         migrated_from,
@@ -399,11 +445,12 @@ mod tests {
         drop(memory);
         for must_rebuild in [false, true] {
             let held = StoreFolder::hold(folder.path()).unwrap();
-            let refused = open(held, 2, must_rebuild).map(|_| ()).unwrap_err();
+            let limits = RetentionLimits::default();
+            let refused = open(held, 2, limits, must_rebuild).map(|_| ()).unwrap_err();
             assert!(
                 matches!(
                     refused,
-                    Error::Storage(StorageError::NewerSchema { found: 3, known: 2 })
+                    Error::Storage(StorageError::NewerSchema { found: 4, known: 3 })
                 ),
                 "{refused}"
             );

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use durable_leveldb::{Database, MutationId, Reader, StoreFolder};
 
+use crate::archive::{ArchiveRecord, HistoryArchive, SegmentWriter};
 use crate::decide::decide;
 use crate::decision::{Decision, NewContent};
 use crate::entry_applier::EntryApplier;
@@ -37,6 +38,11 @@ pub struct PerceptualMemory {
     pub(crate) limits: RetentionLimits,
     /// Wall-clock time of the last mutation, for entries that the store writes itself.
     pub(crate) last_wall_ns: u64,
+    pub(crate) archive: HistoryArchive,
+    /// Archive segment that is being written.
+    pub(crate) segment: Option<SegmentWriter>,
+    /// Checkpoint behind a segment that is complete, to be committed.
+    pub(crate) completed_segment: Option<ArchiveRecord>,
     watermark: Watermark,
     staged: Staged,
     failure: Option<Arc<Error>>,
@@ -54,21 +60,23 @@ struct Staged {
 
 impl PerceptualMemory {
     pub(crate) fn new(
-        engine: Database,
+        (engine, archive): (Database, HistoryArchive),
         index: StoreIndex,
         meta: Meta,
         watermark: Watermark,
         folder: StoreFolder,
     ) -> Self {
-        let staged = Staged::default();
         Self {
             engine,
             index,
             meta,
             limits: RetentionLimits::default(),
             last_wall_ns: 0,
+            archive,
+            segment: None,
+            completed_segment: None,
             watermark,
-            staged,
+            staged: Staged::default(),
             failure: None,
             folder,
         }
@@ -251,8 +259,8 @@ impl PerceptualMemory {
         Err(StoreRefusal::NothingToUndo.into())
     }
 
-    /// History entry by sequence number, staged or on disk.
-    fn entry(&mut self, sequence: u64) -> Result<HistoryEntry, Error> {
+    /// History entry by sequence number: staged, in the database, or archived.
+    pub(crate) fn entry(&mut self, sequence: u64) -> Result<HistoryEntry, Error> {
         if let Some(entry) = self.staged.entries.get(&sequence) {
             return Ok(entry.clone());
         }
@@ -260,7 +268,11 @@ impl PerceptualMemory {
         if !is_known || self.index.is_lost(sequence) {
             return Err(StoreRefusal::UnknownEntry { sequence }.into());
         }
-        self.read(|reader| read_entry(reader, sequence))
+        if sequence > self.archive.record.sequence {
+            return self.read(|reader| read_entry(reader, sequence));
+        }
+        let archived = self.archive.entry(sequence)?;
+        archived.ok_or_else(|| StoreRefusal::UnknownEntry { sequence }.into())
     }
 
     /// Stages a lease; [`Self::commit`] makes it durable.
@@ -299,13 +311,16 @@ impl PerceptualMemory {
         if staged.writes.is_empty() {
             return Ok(());
         }
-        let written = staged
-            .writes
-            .commit(&mut self.engine, &self.meta)
-            .and_then(|()| {
-                let marked = self.watermark.write(&self.meta.mark());
-                Ok(marked.map_err(StorageError::io("writing", "acknowledged"))?)
-            });
+        self.write(staged.writes)
+    }
+
+    /// Writes a batch with the metadata record, then the watermark.
+    pub(crate) fn write(&mut self, batch: RecordBatch) -> Result<(), Error> {
+        self.meta.records = self.index.records_digest();
+        let written = batch.commit(&mut self.engine, &self.meta).and_then(|()| {
+            let marked = self.watermark.write(&self.meta.mark());
+            Ok(marked.map_err(StorageError::io("writing", "acknowledged"))?)
+        });
         written.map_err(|error| self.fail(error))
     }
 

@@ -1,9 +1,10 @@
 //! Purge: permanent deletion of content that was forgotten or replaced before a time.
 
 use crate::decision::Decision;
+use crate::index_row::IndexedView;
 use crate::label_status::LabelStatus;
 use crate::model::{Effect, Operation};
-use crate::store_index::{IndexedView, StoreIndex};
+use crate::store_index::StoreIndex;
 
 /// Purges content that was forgotten or replaced before `before_ns`. A forgotten view leaves a
 /// tombstone that blocks its import, unless it only exceeded a retention limit.

@@ -11,12 +11,13 @@ use crate::document::{DocumentSummary, MemoryDocument};
 use crate::document_key::DocumentKey;
 use crate::error::{Error, StoreRefusal};
 use crate::history::HistoryEntry;
+use crate::index_row::IndexedView;
 use crate::keys;
 use crate::meta::StoreId;
 use crate::model::Effect;
 use crate::perceptual_memory::PerceptualMemory;
 use crate::record_reader::{read_content, read_entry, read_view};
-use crate::store_index::{CategorySummary, IndexedView, StoreIndex};
+use crate::store_index::{CategorySummary, StoreIndex};
 use crate::view::{StoredDescriptor, StoredView};
 use crate::view_record;
 
@@ -69,7 +70,7 @@ pub enum Changes {
         /// Sequence number of the last history entry. Request again until it is reached.
         last_sequence: u64,
     },
-    /// Position of another store: load a new snapshot.
+    /// Position of another store, or before the archived part of the history: load a new snapshot.
     Reload,
 }
 
@@ -151,7 +152,7 @@ impl PerceptualMemory {
         })
     }
 
-    /// Label changes after `since`: as many entries as fit into `max_bytes` of descriptors, at
+    /// Label changes after `since`, unless entries after it are archived: as many entries as fit into `max_bytes` of descriptors, at
     /// least one.
     ///
     /// # Errors
@@ -159,7 +160,8 @@ impl PerceptualMemory {
     /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`].
     pub fn changes(&mut self, since: Position, max_bytes: usize) -> Result<Changes, Error> {
         let now = self.position();
-        if since.store_id != now.store_id || since.sequence > now.sequence {
+        let is_known = (self.archive.record.sequence..=now.sequence).contains(&since.sequence);
+        if since.store_id != now.store_id || !is_known {
             return Ok(Changes::Reload);
         }
         let mut entries = Vec::new();
@@ -181,22 +183,30 @@ impl PerceptualMemory {
         })
     }
 
-    /// Up to `max` history entries from sequence number `from` on, without those lost with a
-    /// damaged store.
+    /// Up to `max` history entries from sequence number `from` on, archived or not, without those
+    /// lost with a damaged store or dropped for the limit of the archive.
     ///
     /// # Errors
     ///
+    /// [`Error::ArchiveDamaged`],
     /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`].
     pub fn history(&mut self, from: u64, max: usize) -> Result<Vec<HistoryEntry>, Error> {
-        let sequences: Vec<u64> = (from.max(1)..=self.sequence())
+        let first = from.max(self.archive.record.dropped + 1);
+        let mut sequences: Vec<u64> = (first..=self.sequence())
             .filter(|sequence| !self.index.is_lost(*sequence))
             .take(max)
             .collect();
+        let n_archived = sequences.partition_point(|s| *s <= self.archive.record.sequence);
+        let recent = sequences.split_off(n_archived);
+        let mut entries = Vec::new();
+        for sequence in sequences {
+            entries.extend(self.archive.entry(sequence)?);
+        }
         self.read(|reader| {
-            sequences
-                .into_iter()
-                .map(|sequence| read_entry(reader, sequence))
-                .collect()
+            for sequence in recent {
+                entries.push(read_entry(reader, sequence)?);
+            }
+            Ok(entries)
         })
     }
 

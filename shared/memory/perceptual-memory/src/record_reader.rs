@@ -7,8 +7,8 @@ use serde_bytes::ByteBuf;
 
 use crate::error::Error;
 use crate::history::HistoryEntry;
+use crate::index_row::IndexedView;
 use crate::keys;
-use crate::store_index::IndexedView;
 use crate::view::StoredView;
 use crate::view_record::{ViewMetadata, ViewParts};
 

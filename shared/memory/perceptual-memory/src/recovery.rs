@@ -2,13 +2,17 @@
 
 use durable_leveldb::{RawDatabase, record::unseal};
 
+use crate::archive::HistoryArchive;
 use crate::consistency_check::schema_of;
 use crate::error::{Error, StorageError};
 use crate::history::HistoryEntry;
+use crate::index_row::IndexedView;
 use crate::keys;
+use crate::label_status::DecisionStamp;
 use crate::meta::{Meta, SCHEMA};
 use crate::recovered_records::{RecordedTotals, RecoveredRecords};
 use crate::schema_1;
+use crate::tombstone::unseal_tombstone;
 use crate::view_record::ViewMetadata;
 use crate::watermark::WatermarkRecord;
 
@@ -19,11 +23,12 @@ use crate::watermark::WatermarkRecord;
 /// [`StorageError::NewerSchema`].
 pub(crate) fn recover(
     raw: &RawDatabase,
+    archive: &HistoryArchive,
     mark: Option<&WatermarkRecord>,
 ) -> Result<Option<RecoveredRecords>, Error> {
     let record = raw.get(&[keys::META]);
     let totals = record.as_deref().map_or(Ok(None), schema_of)?;
-    let Some(schema) = totals.or(raw.version().map(u32::from)) else {
+    let Some(schema) = totals.or_else(|| schema_of_tables(raw)) else {
         return Ok(None);
     };
     if schema > SCHEMA {
@@ -33,7 +38,8 @@ pub(crate) fn recover(
         }));
     }
     let mut recovered = RecoveredRecords::default();
-    let counts = if schema == SCHEMA {
+    recovered.migrated_from = (schema < SCHEMA).then_some(schema);
+    let counts = if schema > 1 {
         read_records(raw, &mut recovered);
         let meta = record.and_then(|record| unseal::<Meta>(&[keys::META], &record).ok());
         meta.map(|meta| RecordedTotals {
@@ -43,14 +49,23 @@ pub(crate) fn recover(
             n_views: meta.n_views,
         })
     } else {
-        recovered.migrated_from = Some(schema);
         schema_1::read_records(raw, &mut recovered)
     };
+    recovered.read_history(archive);
     recovered.derive_totals(counts.as_ref(), mark)?;
     Ok(Some(recovered))
 }
 
-/// Reads all intact records of the present schema.
+/// Schema version without a record that states it: the present one has index rows.
+fn schema_of_tables(raw: &RawDatabase) -> Option<u32> {
+    if raw.table(keys::ROW).next().is_some() {
+        return Some(SCHEMA);
+    }
+    raw.version().map(u32::from)
+}
+
+/// Reads all intact records of the present schema, or of schema 2, which has label registers and
+/// tombstones of another format instead of index rows and tombstones.
 fn read_records(raw: &RawDatabase, recovered: &mut RecoveredRecords) {
     for (key, record) in raw.table(keys::HISTORY) {
         if let Some(sequence) = keys::sequence_of(key)
@@ -72,7 +87,12 @@ fn read_records(raw: &RawDatabase, recovered: &mut RecoveredRecords) {
             recovered.metadata.insert(identity, metadata);
         }
     }
-    for (key, record) in raw.table(keys::REGISTER) {
+    for (key, record) in raw.table(keys::ROW) {
+        if let (Some(view), Ok(row)) = (keys::view_of(key), IndexedView::unseal(key, &record)) {
+            recovered.registers.insert(view, row.register);
+        }
+    }
+    for (key, record) in raw.table(keys::REGISTER_2) {
         if let (Some(view), Ok(register)) = (keys::view_of(key), unseal(key, &record)) {
             recovered.registers.insert(view, register);
         }
@@ -83,8 +103,15 @@ fn read_records(raw: &RawDatabase, recovered: &mut RecoveredRecords) {
         }
     }
     for (key, record) in raw.table(keys::TOMBSTONE) {
-        if let (Some(identity), Ok(decided)) = (keys::digest_of(key), unseal(key, &record)) {
-            recovered.tombstones.insert(identity, decided);
+        let forgotten_ns = unseal_tombstone(key, &record);
+        if let (Some(identity), Ok(forgotten_ns)) = (keys::digest_of(key), forgotten_ns) {
+            recovered.tombstones.insert(identity, forgotten_ns);
+        }
+    }
+    for (key, record) in raw.table(keys::TOMBSTONE_2) {
+        let decided = unseal::<DecisionStamp>(key, &record);
+        if let (Some(identity), Ok(decided)) = (keys::digest_of(key), decided) {
+            recovered.tombstones.insert(identity, decided.stamp_ns);
         }
     }
 }

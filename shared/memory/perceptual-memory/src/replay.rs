@@ -9,7 +9,7 @@ use crate::keys;
 use crate::model::Effect;
 use crate::opening::OpenReport;
 use crate::perceptual_memory::PerceptualMemory;
-use crate::record_reader::{read_content, read_entry, read_parts};
+use crate::record_reader::{read_content, read_parts};
 
 impl PerceptualMemory {
     /// Replays the history into an empty `folder`. Only the content of views and documents is
@@ -30,7 +30,7 @@ impl PerceptualMemory {
             if self.index.is_lost(sequence) {
                 continue;
             }
-            let entry = self.read(|reader| read_entry(reader, sequence))?;
+            let entry = self.entry(sequence)?;
             let contents = self.contents_of(&entry)?;
             copy.stage_entry(entry, &contents);
             copy.commit()?;

@@ -18,6 +18,7 @@ impl PerceptualMemory {
         let RetentionLimits {
             max_views_per_category,
             max_unnamed_views,
+            ..
         } = self.limits;
         let mut is_staged = false;
         for name in self.index.larger_categories(max_views_per_category) {

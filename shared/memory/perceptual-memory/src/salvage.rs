@@ -1,21 +1,22 @@
 //! Rebuild of a damaged or older database from its intact records, with an account of the losses.
 //!
-//! The intact history entries are replayed in order on an empty store. The effects of lost entries
-//! are inferred from the other intact records. One final entry records the losses and the inferred
+//! What the archived history entries imply is stored first, and the intact entries behind them are
+//! replayed on it in order. The effects of lost entries are inferred from the other intact records. One final entry records the losses and the inferred
 //! effects.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
-use durable_leveldb::{Database, RawDatabase};
+use durable_leveldb::{Database, RawDatabase, StoreFolder, record::unseal};
 use learning::ViewId;
 
+use crate::archive::{self, HistoryArchive};
 use crate::decision::NewContent;
 use crate::document_key::DocumentKey;
 use crate::entry_applier::EntryApplier;
 use crate::error::Error;
 use crate::history::HistoryEntry;
-use crate::label_status::LabelStatus;
+use crate::keys;
+use crate::label_status::{DecisionStamp, LabelStatus};
 use crate::meta::Meta;
 use crate::model::{DataLoss, Effect, Operation};
 use crate::record_batch::RecordBatch;
@@ -47,13 +48,14 @@ pub(crate) struct SalvageOutcome {
 /// [`StorageError::Io`](crate::StorageError::Io) when the folder cannot be read or the copy cannot
 /// be written.
 pub(crate) fn salvage(
-    damaged: &Path,
+    folder: &StoreFolder,
     copy: &mut Database,
     mark: Option<&WatermarkRecord>,
     wall_ns: u64,
 ) -> Result<Option<SalvageOutcome>, Error> {
-    let raw = RawDatabase::read(damaged)?;
-    let Some(recovered) = recovery::recover(&raw, mark)? else {
+    let raw = RawDatabase::read(&folder.database())?;
+    let archive = open_archive(folder, &raw)?;
+    let Some(recovered) = recovery::recover(&raw, &archive, mark)? else {
         return Ok(None);
     };
     let meta = Meta::new(Some(recovered.memory_id), recovered.next_track_id)?;
@@ -65,6 +67,7 @@ pub(crate) fn salvage(
         meta,
         writes: RecordBatch::default(),
     };
+    rebuild.restore_base()?;
     for entry in recovered.history.values() {
         rebuild.replay_entry(entry)?;
     }
@@ -73,6 +76,16 @@ pub(crate) fn salvage(
         loss,
         migrated_from: recovered.migrated_from,
     }))
+}
+
+/// Opens the archive up to the checkpoint in the database; if that is lost, all of it counts.
+fn open_archive(folder: &StoreFolder, raw: &RawDatabase) -> Result<HistoryArchive, Error> {
+    let path = archive::path(folder);
+    let key = [keys::ARCHIVE];
+    match raw.get(&key).and_then(|record| unseal(&key, &record).ok()) {
+        Some(record) => HistoryArchive::open(path, record),
+        None => HistoryArchive::open_all(path),
+    }
 }
 
 struct Rebuilder<'a> {
@@ -85,10 +98,41 @@ struct Rebuilder<'a> {
 }
 
 impl Rebuilder<'_> {
-    /// Replays an intact history entry. The hash chain of a migrated history is computed again.
+    /// Stores the content that the archived entries imply, as far as it is intact. The archive
+    /// itself stays as it is.
+    fn restore_base(&mut self) -> Result<(), Error> {
+        let recovered = self.recovered;
+        self.meta.sequence = recovered.archived.sequence;
+        self.meta.head = recovered.archived.head;
+        if recovered.archived.sequence > 0 {
+            self.writes.put(&[keys::ARCHIVE], &recovered.archived);
+        }
+        for (view, projected) in &recovered.base.views {
+            let parts = recovered.parts(self.raw, projected.identity);
+            if let Some(parts) = parts.filter(ViewParts::are_complete) {
+                self.applier()
+                    .store(*view, &parts, projected.register.clone());
+                self.flush_when_full()?;
+            }
+        }
+        for ((document, sequence), version) in &recovered.base.versions {
+            let content = version.content.as_ref();
+            let content = content.and_then(|c| recovered.blob(self.raw, c.digest));
+            self.applier()
+                .put_version(document, *sequence, version.clone(), content.as_deref());
+            self.flush_when_full()?;
+        }
+        for (identity, forgotten_ns) in &recovered.base.tombstones {
+            self.applier().bury(*identity, Some(*forgotten_ns));
+        }
+        Ok(())
+    }
+
+    /// Replays an intact history entry. The hash chain of a history of schema 1, which had none, is
+    /// computed.
     fn replay_entry(&mut self, entry: &HistoryEntry) -> Result<(), Error> {
         let mut entry = entry.clone();
-        if self.recovered.migrated_from.is_some() {
+        if self.recovered.migrated_from == Some(1) {
             entry.previous = self.meta.head;
         }
         let contents = self.contents_of(&entry.effects);
@@ -96,12 +140,19 @@ impl Rebuilder<'_> {
     }
 
     fn apply(&mut self, entry: &HistoryEntry, contents: &NewContent) -> Result<(), Error> {
-        let mut target = EntryApplier {
+        self.applier().apply(entry, contents);
+        self.flush_when_full()
+    }
+
+    fn applier(&mut self) -> EntryApplier<'_> {
+        EntryApplier {
             index: &mut self.index,
             meta: &mut self.meta,
             writes: &mut self.writes,
-        };
-        target.apply(entry, contents);
+        }
+    }
+
+    fn flush_when_full(&mut self) -> Result<(), Error> {
         if self.writes.n_bytes() < WRITE_BYTES {
             return Ok(());
         }
@@ -156,6 +207,7 @@ impl Rebuilder<'_> {
             contradiction: None,
         };
         self.apply(&entry, &contents)?;
+        self.meta.records = self.index.records_digest();
         self.writes.commit(self.copy, &self.meta)?;
         Ok(loss)
     }
@@ -185,11 +237,14 @@ impl Rebuilder<'_> {
                 });
             }
         }
-        for (identity, decided) in &self.recovered.tombstones {
-            if !self.index.tombstones.contains_key(identity) {
+        for (identity, forgotten_ns) in &self.recovered.tombstones {
+            if self.index.tombstone(*identity).is_none() {
                 last_entry.effects.push(Effect::Tombstone {
                     identity: *identity,
-                    decided: Some(decided.clone()),
+                    decided: Some(DecisionStamp {
+                        author: AUTHOR.into(),
+                        stamp_ns: *forgotten_ns,
+                    }),
                 });
             }
         }

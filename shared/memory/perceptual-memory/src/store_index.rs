@@ -1,44 +1,23 @@
 //! In-memory index of the store: views with their label status, answered mutations, documents.
 //! Descriptors, point clouds and document content stay on disk.
 
-use std::collections::btree_map::Entry as Slot;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Bound;
 use std::sync::Arc;
 
-use durable_leveldb::MutationId;
+use durable_leveldb::{MutationId, record::seal};
 use learning::{CategoryName, ViewId, ViewLabel};
 
 use crate::digest::Digest;
 use crate::document::{DocumentSummary, DocumentVersion};
 use crate::document_key::DocumentKey;
-use crate::label_status::{DecisionStamp, LabelStatus, LwwRegister};
+use crate::index_row::IndexedView;
+use crate::keys;
+use crate::label_status::{LabelStatus, LwwRegister};
 use crate::model::is_among;
+use crate::set_digest::{SetDigest, record_digest};
+use crate::tombstone;
 use crate::view::Origin;
-use crate::view_record::{ContentRef, ViewMetadata};
-
-/// View in the index with its properties.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct IndexedView {
-    pub(crate) identity: Digest,
-    pub(crate) descriptor: ContentRef,
-    pub(crate) points: Option<ContentRef>,
-    pub(crate) descriptor_kind: Arc<str>,
-    pub(crate) captured_ns: u64,
-    pub(crate) origin: Origin,
-    pub(crate) register: LwwRegister,
-}
-
-impl IndexedView {
-    pub(crate) fn n_bytes(&self) -> u64 {
-        let points = self.points.map_or(0, |extent| extent.n_bytes);
-        self.descriptor.n_bytes as u64 + points as u64
-    }
-
-    fn is_forgotten(&self) -> bool {
-        self.register.standing == LabelStatus::Forgotten
-    }
-}
 
 /// Statistics of a learned category.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,23 +39,44 @@ pub(crate) struct StoreIndex {
     categories: BTreeMap<CategoryName, BTreeSet<ViewId>>,
     n_forgotten: usize,
     identities: HashMap<Digest, ViewId>,
-    /// Local track-ids, by memory and track-id of the origin.
-    tracks_of_origins: HashMap<(u128, u64), u64>,
+    /// Number of views by memory and track-id of their origin, and local track-id.
+    tracks_of_origins: BTreeMap<(u128, u64, u64), u32>,
     /// Views by the digest of their descriptor (deduplication).
-    descriptors: BTreeMap<Digest, BTreeSet<ViewId>>,
+    descriptors: BTreeSet<(Digest, ViewId)>,
     /// Reference counts of point clouds and document content, by digest.
     blobs: HashMap<Digest, u32>,
     documents: BTreeMap<DocumentKey, BTreeMap<u64, DocumentVersion>>,
-    pub(crate) tombstones: BTreeMap<Digest, DecisionStamp>,
+    /// Times at which purged views were forgotten, nanoseconds since 1970, UTC.
+    tombstones: BTreeMap<Digest, u64>,
     /// Sequence numbers of answered mutations, by idempotency key.
     pub(crate) answered: HashMap<MutationId, u64>,
     kinds: BTreeSet<Arc<str>>,
+    /// Digest of all records that the index was made of.
+    records: SetDigest,
     /// First and last sequence numbers of the entries lost with a damaged store.
-    pub(crate) lost: Vec<(u64, u64)>,
+    lost: Vec<(u64, u64)>,
 }
 
-/// Queries about lost history entries.
+/// Lost history entries.
 impl StoreIndex {
+    /// Ranges of lost entries, in order and apart from each other.
+    pub(crate) fn lost(&self) -> &[(u64, u64)] {
+        &self.lost
+    }
+
+    /// Adds ranges of lost entries, which may be known already.
+    pub(crate) fn add_lost(&mut self, ranges: &[(u64, u64)]) {
+        let mut all = std::mem::take(&mut self.lost);
+        all.extend(ranges);
+        all.sort_unstable();
+        for (first, last) in all {
+            match self.lost.last_mut() {
+                Some((_, end)) if first <= *end + 1 => *end = last.max(*end),
+                _ => self.lost.push((first, last)),
+            }
+        }
+    }
+
     /// `true` if the entry was lost with a damaged store.
     pub(crate) fn is_lost(&self, sequence: u64) -> bool {
         is_among(&self.lost, sequence)
@@ -136,8 +136,11 @@ impl StoreIndex {
 
     /// Local track for a foreign track, and its next view id.
     pub(crate) fn track_of_origin(&self, origin: Origin) -> Option<(u64, u32)> {
-        let origin = (origin.memory_id, origin.view.track_id);
-        let track_id = *self.tracks_of_origins.get(&origin)?;
+        let of_origin = |track_id| (origin.memory_id, origin.view.track_id, track_id);
+        let mut tracks = self
+            .tracks_of_origins
+            .range(of_origin(0)..=of_origin(u64::MAX));
+        let (&(.., track_id), _) = tracks.next()?;
         let (last, _) = self.whole_track(track_id).next_back()?;
         Some((track_id, last.view_id.checked_add(1)?))
     }
@@ -205,18 +208,25 @@ impl StoreIndex {
     pub(crate) fn descriptors_from(
         &self,
         from: Digest,
-    ) -> impl Iterator<Item = (Digest, impl Iterator<Item = (ViewId, &IndexedView)>)> {
-        self.descriptors.range(from..).map(|(digest, views)| {
-            let views = views
-                .iter()
-                .filter_map(|view| Some((*view, self.views.get(view)?)));
-            (*digest, views)
+    ) -> impl Iterator<Item = (Digest, Vec<(ViewId, &IndexedView)>)> {
+        let pairs = self.descriptors.range((from, FIRST_VIEW)..);
+        let mut pairs = pairs.copied().peekable();
+        std::iter::from_fn(move || {
+            let (digest, view) = pairs.next()?;
+            let mut views = vec![view];
+            while let Some((_, view)) = pairs.next_if(|(next, _)| *next == digest) {
+                views.push(view);
+            }
+            let rows = views.into_iter();
+            let rows = rows.filter_map(|view| Some((view, self.views.get(&view)?)));
+            Some((digest, rows.collect()))
         })
     }
 
     /// `true` if a view has this descriptor.
     pub(crate) fn has_descriptor(&self, digest: Digest) -> bool {
-        self.descriptors.contains_key(&digest)
+        let mut views = self.descriptors.range((digest, FIRST_VIEW)..);
+        views.next().is_some_and(|(found, _)| *found == digest)
     }
 
     /// `true` if a view or document has this content.
@@ -224,48 +234,59 @@ impl StoreIndex {
         self.blobs.contains_key(&digest)
     }
 
-    pub(crate) fn insert(&mut self, view: ViewId, facts: &ViewMetadata, register: LwwRegister) {
-        let identity = facts.identity();
-        let origin = facts.origin();
-        let kind: Arc<str> = match self.kinds.get(facts.descriptor_kind.as_str()) {
-            Some(kind) => Arc::clone(kind),
-            None => facts.descriptor_kind.as_str().into(),
-        };
-        self.kinds.insert(Arc::clone(&kind));
-        self.identities.insert(identity, view);
-        self.tracks_of_origins
-            .entry((origin.memory_id, origin.view.track_id))
-            .or_insert(view.track_id);
-        let descriptor = facts.descriptor;
-        self.descriptors
-            .entry(descriptor.digest)
-            .or_default()
-            .insert(view);
-        if let Some(points) = &facts.points {
+    /// Inserts a view that is not in the index.
+    pub(crate) fn insert(&mut self, view: ViewId, row: IndexedView) {
+        let digest = digest_of(view, &row);
+        self.load(view, row, digest);
+    }
+
+    /// Inserts a view with the digest of its record.
+    pub(crate) fn load(&mut self, view: ViewId, mut row: IndexedView, record: Digest) {
+        match self.kinds.get(&row.descriptor_kind) {
+            Some(kind) => row.descriptor_kind = Arc::clone(kind),
+            None => drop(self.kinds.insert(Arc::clone(&row.descriptor_kind))),
+        }
+        self.records.add(record);
+        self.identities.insert(row.identity, view);
+        *self
+            .tracks_of_origins
+            .entry(origin_key(view, &row))
+            .or_default() += 1;
+        self.descriptors.insert((row.descriptor.digest, view));
+        if let Some(points) = &row.points {
             *self.blobs.entry(points.digest).or_default() += 1;
         }
-        let entry = IndexedView {
-            identity,
-            descriptor,
-            points: facts.points,
-            descriptor_kind: kind,
-            captured_ns: facts.captured_ns,
-            origin,
-            register: LwwRegister::untouched(register.sequence),
-        };
-        self.views.insert(view, entry);
-        self.set(view, register);
+        self.enlist(view, &row.register.standing);
+        self.views.insert(view, row);
     }
 
     /// Sets the label register of a view; a missing view is ignored.
     pub(crate) fn set(&mut self, view: ViewId, register: LwwRegister) {
-        let Some(entry) = self.views.get_mut(&view) else {
+        let Some(row) = self.views.get_mut(&view) else {
             return;
         };
-        let before = std::mem::replace(&mut entry.register, register);
-        self.n_forgotten += usize::from(entry.is_forgotten());
-        self.n_forgotten -= usize::from(before.standing == LabelStatus::Forgotten);
-        if let Some(name) = before.standing.category()
+        self.records.remove(digest_of(view, row));
+        let before = std::mem::replace(&mut row.register, register);
+        self.records.add(digest_of(view, row));
+        let after = row.register.standing.clone();
+        self.delist(view, &before.standing);
+        self.enlist(view, &after);
+    }
+
+    /// Counts a view under its label status.
+    fn enlist(&mut self, view: ViewId, standing: &LabelStatus) {
+        self.n_forgotten += usize::from(*standing == LabelStatus::Forgotten);
+        if let Some(name) = standing.category() {
+            match self.categories.get_mut(name) {
+                Some(views) => drop(views.insert(view)),
+                None => drop(self.categories.insert(name.clone(), BTreeSet::from([view]))),
+            }
+        }
+    }
+
+    fn delist(&mut self, view: ViewId, standing: &LabelStatus) {
+        self.n_forgotten -= usize::from(*standing == LabelStatus::Forgotten);
+        if let Some(name) = standing.category()
             && let Some(views) = self.categories.get_mut(name)
         {
             views.remove(&view);
@@ -273,27 +294,37 @@ impl StoreIndex {
                 self.categories.remove(name);
             }
         }
-        if let Some(name) = entry.register.standing.category() {
-            let name = name.clone();
-            self.categories.entry(name).or_default().insert(view);
-        }
     }
 
     /// Removes a view from the index and returns it.
     pub(crate) fn remove(&mut self, view: ViewId) -> Option<IndexedView> {
-        self.set(view, LwwRegister::untouched(0));
-        let entry = self.views.remove(&view)?;
-        self.identities.remove(&entry.identity);
-        if let Slot::Occupied(mut views) = self.descriptors.entry(entry.descriptor.digest) {
-            views.get_mut().remove(&view);
-            if views.get().is_empty() {
-                views.remove();
-            }
+        let row = self.views.remove(&view)?;
+        self.records.remove(digest_of(view, &row));
+        self.delist(view, &row.register.standing);
+        // A view stored again under another id has the identity.
+        if self.identities.get(&row.identity) == Some(&view) {
+            self.identities.remove(&row.identity);
         }
-        if let Some(points) = &entry.points {
+        self.descriptors.remove(&(row.descriptor.digest, view));
+        if let Some(points) = &row.points {
             self.release_blob(points.digest);
         }
-        Some(entry)
+        self.release_origin(origin_key(view, &row));
+        // One reference is the row's, one that of the set.
+        if Arc::strong_count(&row.descriptor_kind) == 2 {
+            self.kinds.remove(&row.descriptor_kind);
+        }
+        Some(row)
+    }
+
+    fn release_origin(&mut self, origin: (u128, u64, u64)) {
+        let left = self.tracks_of_origins.get_mut(&origin).map_or(0, |n| {
+            *n -= 1;
+            *n
+        });
+        if left == 0 {
+            self.tracks_of_origins.remove(&origin);
+        }
     }
 
     fn release_blob(&mut self, digest: Digest) {
@@ -375,6 +406,7 @@ impl StoreIndex {
         if let Some(content) = &version.content {
             *self.blobs.entry(content.digest).or_default() += 1;
         }
+        self.records.add(version_digest(key, sequence, &version));
         let versions = self.documents.entry(key.clone()).or_default();
         versions.insert(sequence, version);
     }
@@ -390,9 +422,73 @@ impl StoreIndex {
         if versions.is_empty() {
             self.documents.remove(key);
         }
+        self.records.remove(version_digest(key, sequence, &version));
         if let Some(content) = &version.content {
             self.release_blob(content.digest);
         }
         Some(version)
     }
+}
+
+/// Queries and updates of tombstones.
+impl StoreIndex {
+    /// Time at which a purged view was forgotten, nanoseconds since 1970, UTC.
+    pub(crate) fn tombstone(&self, identity: Digest) -> Option<u64> {
+        self.tombstones.get(&identity).copied()
+    }
+
+    /// All tombstones, in the order of the identities.
+    pub(crate) fn tombstones(&self) -> impl Iterator<Item = (Digest, u64)> {
+        self.tombstones
+            .iter()
+            .map(|(identity, ns)| (*identity, *ns))
+    }
+
+    pub(crate) fn n_tombstones(&self) -> usize {
+        self.tombstones.len()
+    }
+
+    pub(crate) fn bury(&mut self, identity: Digest, forgotten_ns: u64) {
+        self.unbury(identity);
+        self.records.add(tombstone::digest(identity, forgotten_ns));
+        self.tombstones.insert(identity, forgotten_ns);
+    }
+
+    /// Removes a tombstone; a missing one is ignored.
+    pub(crate) fn unbury(&mut self, identity: Digest) {
+        if let Some(forgotten_ns) = self.tombstones.remove(&identity) {
+            self.records
+                .remove(tombstone::digest(identity, forgotten_ns));
+        }
+    }
+}
+
+impl StoreIndex {
+    /// Digest of all records of views, documents and tombstones.
+    pub(crate) fn records_digest(&self) -> Digest {
+        self.records.value()
+    }
+}
+
+/// First of all view ids.
+const FIRST_VIEW: ViewId = ViewId {
+    track_id: 0,
+    view_id: 0,
+};
+
+fn origin_key(view: ViewId, row: &IndexedView) -> (u128, u64, u64) {
+    (
+        row.origin.memory_id,
+        row.origin.view.track_id,
+        view.track_id,
+    )
+}
+
+fn digest_of(view: ViewId, row: &IndexedView) -> Digest {
+    record_digest(&keys::view_key(keys::ROW, view), &row.seal(view))
+}
+
+fn version_digest(key: &DocumentKey, sequence: u64, version: &DocumentVersion) -> Digest {
+    let key = keys::document_key(key, sequence);
+    record_digest(&key, &seal(&key, version))
 }

@@ -4,7 +4,8 @@
 //! are therefore staged, written together, and answered together once they are on disk. A read sees
 //! all mutations requested before it.
 //!
-//! An idle store compacts its tables in small steps, so that compaction rarely delays a request.
+//! An idle store archives its old history and compacts its tables in small steps, so that neither
+//! delays a request for long. A store that is never idle archives between two groups.
 //!
 //! After a failure the pending callers get the error, and the thread reopens the store before the
 //! next request.
@@ -15,11 +16,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use durable_leveldb::StoreFolder;
 use parking_lot::Mutex;
 
+use crate::archiving::ArchivingStep;
 use crate::error::{Error, StorageError};
 use crate::model::{MutationReceipt, RetentionLimits};
 use crate::mutation::Mutation;
@@ -35,6 +37,16 @@ const GROUP_BYTES: usize = 4 << 20;
 const IDLE_TIMEOUT: Duration = Duration::from_millis(200);
 /// Number of filled write buffers that make a compaction worthwhile.
 const COMPACTION_BUFFERS: usize = 2;
+
+/// Number of segments by which archiving may fall behind before a busy store does it.
+const MAX_SEGMENTS_BEHIND: u64 = 2;
+/// Time without requests between two steps of archiving.
+const STEP_PAUSE: Duration = Duration::from_millis(2);
+/// Time until archiving is tried again after it failed, for example on a full disk.
+const ARCHIVING_RETRY: Duration = Duration::from_secs(60);
+
+/// Callback with a sentence for the log.
+pub type OnNotice = Box<dyn FnMut(&str) + Send>;
 
 /// Callback with the report of a store that was reopened after a failure.
 pub type OnReopened = Box<dyn FnMut(&Result<OpenReport, Error>) + Send>;
@@ -56,15 +68,16 @@ pub struct StoreConfig {
     pub wall_clock: fn() -> u64,
     /// Callback after each reopening, called on the store thread.
     pub on_reopened: OnReopened,
+    /// Callback for the log, called on the store thread: history that was dropped for the limit of
+    /// the archive, or cannot be archived.
+    pub on_notice: OnNotice,
 }
 
 impl StoreConfig {
     /// Opens the store, and rebuilds it if `must_rebuild` is set.
     fn open(&self, must_rebuild: bool) -> Result<(PerceptualMemory, OpenReport), Error> {
         let folder = StoreFolder::hold(&self.folder)?.with_write_buffer(self.write_buffer_bytes);
-        let (mut memory, report) = opening::open(folder, (self.wall_clock)(), must_rebuild)?;
-        memory.set_limits(self.limits);
-        Ok((memory, report))
+        opening::open(folder, (self.wall_clock)(), self.limits, must_rebuild)
     }
 }
 
@@ -256,6 +269,8 @@ impl StoreThread {
             waiting: Vec::new(),
             n_uncompacted_bytes: 0,
             compaction_step: 0,
+            has_archiving: true,
+            archiving_failed: None,
             position: Arc::clone(&position),
             is_opening: Arc::clone(&is_opening),
         };
@@ -316,6 +331,10 @@ struct StoreLoop {
     n_uncompacted_bytes: usize,
     /// Index of the running compaction's next step.
     compaction_step: usize,
+    /// `true` if the last step of archiving had work.
+    has_archiving: bool,
+    /// Time of the last failure of archiving.
+    archiving_failed: Option<Instant>,
     /// Position of the durable history, shared with all handles.
     position: Arc<Mutex<Position>>,
     /// `true` while the store is opened again, shared with all handles.
@@ -325,10 +344,15 @@ struct StoreLoop {
 impl StoreLoop {
     fn run(&mut self, requests: &Receiver<StoreRequest>) -> Result<(), Error> {
         loop {
-            let request = match requests.recv_timeout(IDLE_TIMEOUT) {
+            let pause = if self.has_archiving {
+                STEP_PAUSE
+            } else {
+                IDLE_TIMEOUT
+            };
+            let request = match requests.recv_timeout(pause) {
                 Ok(request) => request,
                 Err(RecvTimeoutError::Timeout) => {
-                    self.compact_when_idle();
+                    self.work_when_idle();
                     continue;
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
@@ -341,8 +365,58 @@ impl StoreLoop {
                 self.serve(request);
             }
             self.commit();
+            self.archive_when_behind();
         }
         self.stop()
+    }
+
+    /// Does one step of archiving, or else of compaction.
+    fn work_when_idle(&mut self) {
+        self.archive();
+        if !self.has_archiving {
+            self.compact_when_idle();
+        }
+    }
+
+    /// Does one step of archiving if a busy store has fallen behind with it.
+    fn archive_when_behind(&mut self) {
+        let limits = &self.config.limits.history;
+        let slack = limits.segment_entries.saturating_mul(MAX_SEGMENTS_BEHIND);
+        let most = limits.kept_entries.saturating_add(slack);
+        if let Some(memory) = &self.memory {
+            self.has_archiving |= memory.is_archiving_due();
+            if memory.n_recent_entries() > most {
+                self.archive();
+            }
+        }
+    }
+
+    fn archive(&mut self) {
+        self.has_archiving = false;
+        let is_pausing = |failed: Instant| failed.elapsed() < ARCHIVING_RETRY;
+        let Some(memory) = self.memory.as_mut().filter(|m| m.failure().is_none()) else {
+            return;
+        };
+        if self.archiving_failed.is_some_and(is_pausing) {
+            return;
+        }
+        match memory.archive_step() {
+            Ok(ArchivingStep::Idle) => {}
+            Ok(ArchivingStep::Done) => self.has_archiving = true,
+            Ok(ArchivingStep::Dropped { first, last }) => {
+                self.has_archiving = true;
+                (self.config.on_notice)(&format!(
+                    "history entries {first} to {last} were dropped, since the archive is larger \
+                     than [memory] history_archive_max_mb"
+                ));
+            }
+            Err(error) => {
+                self.archiving_failed = Some(Instant::now());
+                (self.config.on_notice)(&format!(
+                    "old history could not be archived and stays in the database: {error}"
+                ));
+            }
+        }
     }
 
     /// Runs one compaction step if enough was written since the last compaction.

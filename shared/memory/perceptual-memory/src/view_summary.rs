@@ -7,12 +7,12 @@ use learning::ViewId;
 
 use crate::digest::Digest;
 use crate::error::Error;
+use crate::index_row::IndexedView;
 use crate::keys;
 use crate::label_status::{DecisionStamp, LabelStatus};
 use crate::model::Target;
 use crate::perceptual_memory::PerceptualMemory;
 use crate::record_reader::read_record;
-use crate::store_index::IndexedView;
 use crate::view::Origin;
 use crate::view_record::ViewMetadata;
 

@@ -1,7 +1,8 @@
 //! Measurement of the opening of a store in a process of its own, so that its peak memory is that
 //! of the opening alone.
 
-use perceptual_memory::PerceptualMemory;
+use super::store_config;
+use perceptual_memory::{RetentionLimits, StoreThread};
 use serde::{Deserialize, Serialize};
 use service::Failure;
 use std::path::Path;
@@ -25,11 +26,19 @@ pub(super) struct Opening {
 
 impl Opening {
     /// Opens a store in a process of its own, closes it, and returns what it cost.
-    pub(super) fn in_own_process(folder: &Path, clock_ns: u64) -> Result<Self, Failure> {
+    pub(super) fn in_own_process(
+        folder: &Path,
+        clock_ns: u64,
+        limits: &RetentionLimits,
+    ) -> Result<Self, Failure> {
         let program = std::env::current_exe().map_err(Failure::general)?;
         let printed = Command::new(program)
             .args(["age-memory", "--json", "--clock-ns"])
             .arg(clock_ns.to_string())
+            .arg("--views-per-category")
+            .arg(limits.max_views_per_category.to_string())
+            .arg("--unnamed-views")
+            .arg(limits.max_unnamed_views.to_string())
             .arg("--measure-opening")
             .arg(folder)
             .output()
@@ -42,22 +51,24 @@ impl Opening {
 }
 
 /// Opens a store in this process and closes it.
-pub(super) fn measure(folder: &Path, clock_ns: u64) -> Result<Opening, Failure> {
+pub(super) fn measure(folder: &Path, limits: RetentionLimits) -> Result<Opening, Failure> {
     let begun = Instant::now();
-    let (memory, report) =
-        PerceptualMemory::open(folder, clock_ns).map_err(Failure::general)?;
+    let opened = StoreThread::start(store_config(folder, limits));
+    let (thread, handle, report) = opened.map_err(Failure::general)?;
     let opening_s = begun.elapsed().as_secs_f64();
+    let peak_rss_mb = peak_rss_mb()?;
     if report.is_damage() {
         return Err(Failure::general(report));
     }
+    let stats = handle.read_and_wait(|memory| memory.stats());
     let opening = Opening {
         opening_s,
-        peak_rss_mb: peak_rss_mb()?,
+        peak_rss_mb,
         n_views: report.n_views,
         n_history: report.n_history,
-        n_tombstones: memory.stats().map_err(Failure::general)?.n_tombstones,
+        n_tombstones: stats.map_err(Failure::general)?.n_tombstones,
     };
-    memory.close().map_err(Failure::general)?;
+    thread.stop().map_err(Failure::general)?;
     Ok(opening)
 }
 

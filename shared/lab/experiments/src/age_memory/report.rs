@@ -77,7 +77,10 @@ impl AgeingReport {
         unit: &'a str,
         value: impl Fn(&AgeingRow) -> f64,
     ) -> Diagram<'a> {
-        let points = self.rows.iter().map(|row| (row.n_changes as f64, value(row)));
+        let points = self
+            .rows
+            .iter()
+            .map(|row| (row.n_changes as f64, value(row)));
         let points: Vec<(f64, f64)> = points.collect();
         let largest = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).fold(1e-3, f64::max);
         let (n_most, most) = (largest(|point| point.0), largest(|point| point.1));

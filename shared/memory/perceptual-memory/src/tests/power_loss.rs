@@ -1,7 +1,7 @@
 //! Crash tests: power cuts and write errors at every file operation.
 //!
-//! The operations of the environment are recorded. For each prefix the test reconstructs the disk
-//! after a power cut: all synced bytes, and any part of the others.
+//! The operations on the database and the archive are recorded. For each prefix the test
+//! reconstructs the disk after a power cut: all synced bytes, and any part of the others.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,8 +16,10 @@ use nalgebra::{Isometry3, Vector3};
 use random::Random;
 use tempfile::TempDir;
 
+use crate::archiving::{ArchivingStep, HistoryLimits};
 use crate::consistency_check::check_consistency;
 use crate::error::{Error, StorageError};
+use crate::model::RetentionLimits;
 use crate::mutation::{Mutation, StoreChange as Asked};
 use crate::opening::{self, Condition, OpenReport};
 use crate::perceptual_memory::PerceptualMemory;
@@ -40,7 +42,8 @@ fn folder() -> TempDir {
 
 fn open(folder: &Path) -> (PerceptualMemory, OpenReport) {
     let folder = StoreFolder::hold(folder).unwrap();
-    opening::open(folder.with_write_buffer(WRITE_BUFFER_BYTES), 1, false).unwrap()
+    let folder = folder.with_write_buffer(WRITE_BUFFER_BYTES);
+    opening::open(folder, 1, RetentionLimits::default(), false).unwrap()
 }
 
 /// Mutation `n`: stores or teaches track `n / 2`.
@@ -146,99 +149,131 @@ fn synced_write_is_one_fdatasync() {
     assert_eq!(*counts.lock().unwrap(), [21, 0, 0]);
 }
 
-/// Recorded file operation, by file name.
+/// Recorded file operation, by path in the store folder.
 enum Event {
-    Create(String),
-    Write(String, Vec<u8>),
-    Sync(String),
-    Rename(String, String),
-    Delete(String),
-    SyncFolder,
+    Create(PathBuf),
+    Write(PathBuf, Vec<u8>),
+    Sync(PathBuf),
+    Rename(PathBuf, PathBuf),
+    Delete(PathBuf),
+    SyncFolder(PathBuf),
 }
 
 type Journal = Arc<Mutex<Vec<Event>>>;
 
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap().to_str().unwrap().to_owned()
-}
-
-fn journaling(journal: &Journal) -> Observer {
+/// Observer that records all operations in a store folder.
+fn journaling(store: &Path, journal: &Journal) -> Observer {
+    let store = store.canonicalize().unwrap();
     let journal = Arc::clone(journal);
     Box::new(move |change| {
+        let inner = |path: &Path| path.strip_prefix(&store).unwrap().to_owned();
         let event = match change {
-            FileOperation::Create(path) => Event::Create(file_name(path)),
-            FileOperation::Write(path, bytes) => Event::Write(file_name(path), bytes.to_vec()),
-            FileOperation::Sync(path) => Event::Sync(file_name(path)),
-            FileOperation::Rename(old, new) => Event::Rename(file_name(old), file_name(new)),
-            FileOperation::Delete(path) => Event::Delete(file_name(path)),
-            FileOperation::SyncFolder(_) => Event::SyncFolder,
+            FileOperation::Create(path) => Event::Create(inner(path)),
+            FileOperation::Write(path, bytes) => Event::Write(inner(path), bytes.to_vec()),
+            FileOperation::Sync(path) => Event::Sync(inner(path)),
+            FileOperation::Rename(old, new) => Event::Rename(inner(old), inner(new)),
+            FileOperation::Delete(path) => Event::Delete(inner(path)),
+            FileOperation::SyncFolder(folder) => Event::SyncFolder(inner(folder)),
         };
         journal.lock().unwrap().push(event);
         Ok(())
     })
 }
 
+/// Files of a folder, by path in the store folder.
+type FolderNames = BTreeMap<PathBuf, usize>;
+
 /// Simulated disk with a write cache.
 #[derive(Clone, Default)]
 struct Disk {
     /// Durable and unsynced content of each file.
     inodes: Vec<(Vec<u8>, Vec<u8>)>,
-    /// Directory contents since the last sync of the folder, the present one last.
-    names: Vec<BTreeMap<String, usize>>,
+    /// Contents of each folder since its last sync, the present one last.
+    folders: BTreeMap<PathBuf, Vec<FolderNames>>,
 }
 
 impl Disk {
-    /// Disk with the fully synced files of a folder.
-    fn of(folder: &Path) -> Self {
-        let mut disk = Self {
-            names: vec![BTreeMap::new()],
-            ..Self::default()
-        };
-        for entry in fs::read_dir(folder).unwrap().flatten() {
-            disk.names[0].insert(file_name(&entry.path()), disk.inodes.len());
-            disk.inodes
-                .push((fs::read(entry.path()).unwrap(), Vec::new()));
+    /// Disk with the fully synced files of database and archive.
+    fn of(store: &Path) -> Self {
+        let mut disk = Self::default();
+        for folder in ["database", "history"] {
+            let mut names = FolderNames::new();
+            for entry in fs::read_dir(store.join(folder)).into_iter().flatten() {
+                let path = entry.unwrap().path();
+                names.insert(
+                    path.strip_prefix(store).unwrap().to_owned(),
+                    disk.inodes.len(),
+                );
+                disk.inodes.push((fs::read(path).unwrap(), Vec::new()));
+            }
+            disk.folders.insert(folder.into(), vec![names]);
         }
         disk
     }
 
+    /// States of the folder of a file, the present one last.
+    fn folder_of(&mut self, path: &Path) -> &mut Vec<FolderNames> {
+        self.folders.get_mut(path.parent().unwrap()).unwrap()
+    }
+
+    fn inode(&mut self, path: &Path) -> &mut (Vec<u8>, Vec<u8>) {
+        let inode = self.folder_of(path).last().unwrap()[path];
+        &mut self.inodes[inode]
+    }
+
+    /// Changes the names in the folder of a file.
+    fn rename(&mut self, path: &Path, change: impl FnOnce(&mut FolderNames)) {
+        let states = self.folder_of(path);
+        let mut names = states.last().unwrap().clone();
+        change(&mut names);
+        states.push(names);
+    }
+
     fn make(&mut self, event: &Event) {
-        let mut names = self.names.last().unwrap().clone();
         match event {
-            Event::Create(name) if name == "LOCK" => return,
-            Event::Create(name) => {
-                names.insert(name.clone(), self.inodes.len());
+            Event::Create(path) if path.ends_with("LOCK") => {}
+            Event::Create(path) => {
+                let inode = self.inodes.len();
                 self.inodes.push(Default::default());
+                self.rename(path, |names| {
+                    names.insert(path.clone(), inode);
+                });
             }
-            Event::Write(name, bytes) => return self.inodes[names[name]].1.extend(bytes),
-            Event::Sync(name) => {
-                let (synced, written) = &mut self.inodes[names[name]];
-                return synced.append(written);
+            Event::Write(path, bytes) => self.inode(path).1.extend(bytes),
+            Event::Sync(path) => {
+                let (synced, written) = self.inode(path);
+                synced.append(written);
             }
-            Event::Rename(old, new) => {
+            Event::Rename(old, new) => self.rename(old, |names| {
                 let inode = names.remove(old).unwrap();
                 names.insert(new.clone(), inode);
+            }),
+            Event::Delete(path) => self.rename(path, |names| {
+                names.remove(path);
+            }),
+            Event::SyncFolder(folder) => {
+                // The store folder itself gets no names here.
+                if let Some(states) = self.folders.get_mut(folder) {
+                    states.drain(..states.len() - 1);
+                }
             }
-            Event::Delete(name) => {
-                names.remove(name);
-            }
-            Event::SyncFolder => self.names.clear(),
         }
-        self.names.push(names);
     }
 
     /// Writes one possible state after a power cut: the names of some moment since the last sync of
-    /// the folder, and a part of the unsynced bytes.
-    fn cut(&self, folder: &Path, random: &mut Random) {
-        fs::create_dir(folder).unwrap();
-        for (name, &inode) in &self.names[random.below(self.names.len())] {
-            let (synced, written) = &self.inodes[inode];
-            let n_kept = match random.below(3) {
-                0 => 0,
-                1 => written.len(),
-                _ => random.below(written.len() + 1),
-            };
-            fs::write(folder.join(name), [synced, &written[..n_kept]].concat()).unwrap();
+    /// each folder, and a part of the unsynced bytes.
+    fn cut(&self, store: &Path, random: &mut Random) {
+        for (folder, states) in &self.folders {
+            fs::create_dir(store.join(folder)).unwrap();
+            for (path, &inode) in &states[random.below(states.len())] {
+                let (synced, written) = &self.inodes[inode];
+                let n_kept = match random.below(3) {
+                    0 => 0,
+                    1 => written.len(),
+                    _ => random.below(written.len() + 1),
+                };
+                fs::write(store.join(path), [synced, &written[..n_kept]].concat()).unwrap();
+            }
         }
     }
 }
@@ -248,19 +283,21 @@ fn check_cuts_while_teaching(step: usize) {
     let folder = folder();
     let (mut memory, _) = open(folder.path());
     memory.lease_track_ids(N_TRACKS).unwrap();
-    let mut disk = Disk::of(&folder.path().join("database"));
+    let mut disk = Disk::of(folder.path());
     let journal = Journal::default();
-    memory.engine.set_observer(journaling(&journal));
+    memory
+        .engine
+        .set_observer(journaling(folder.path(), &journal));
     let mut acknowledged_at = Vec::new();
     for n in 0..2 * N_TRACKS {
         memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
         acknowledged_at.push(journal.lock().unwrap().len());
     }
     let journal = journal.lock().unwrap();
-    let is_table = |name: &str| Path::new(name).extension().is_some_and(|e| e == "ldb");
+    let is_table = |path: &Path| path.extension().is_some_and(|e| e == "ldb");
     let n_tables = journal
         .iter()
-        .filter(|e| matches!(e, Event::Delete(n) if is_table(n)));
+        .filter(|e| matches!(e, Event::Delete(path) if is_table(path)));
     assert!(n_tables.count() >= 4, "tables were merged");
     let mut random = Random::from_seed(1);
     for (i, event) in journal.iter().enumerate() {
@@ -271,7 +308,7 @@ fn check_cuts_while_teaching(step: usize) {
             || is_rare && random.below(step.min(8)) == 0
         {
             let left = self::folder();
-            disk.cut(&left.path().join("database"), &mut random);
+            disk.cut(left.path(), &mut random);
             let n = acknowledged_at.partition_point(|&at| at <= i + 1) as u64;
             check_holds(left.path(), n, &format!("cut after change {i}"));
         }
@@ -289,6 +326,105 @@ fn long_power_cut_loses_nothing_acknowledged() {
     check_cuts_while_teaching(13);
 }
 
+/// Cuts the power after every `step`-th operation while a store is taught and archives.
+fn check_cuts_while_archiving(step: usize) {
+    const N_ARCHIVING_TRACKS: u64 = 40;
+    let folder = folder();
+    let (mut memory, _) = open(folder.path());
+    memory.set_limits(archiving_limits());
+    memory.lease_track_ids(N_TRACKS).unwrap();
+    let mut disk = Disk::of(folder.path());
+    let journal = Journal::default();
+    memory
+        .engine
+        .set_observer(journaling(folder.path(), &journal));
+    let mut acknowledged_at = Vec::new();
+    for n in 0..2 * N_ARCHIVING_TRACKS {
+        memory.apply(&mutation(n, 100)).unwrap();
+        acknowledged_at.push(journal.lock().unwrap().len());
+        memory.archive_step().unwrap();
+    }
+    let journal = journal.lock().unwrap();
+    let segments = journal.iter();
+    let segments =
+        segments.filter(|e| matches!(e, Event::Rename(_, to) if to.starts_with("history")));
+    assert!(segments.count() >= 8, "segments were written");
+    let mut random = Random::from_seed(3);
+    for (i, event) in journal.iter().enumerate() {
+        disk.make(event);
+        if (i + random.below(step)).is_multiple_of(step) {
+            let left = self::folder();
+            disk.cut(left.path(), &mut random);
+            let n = acknowledged_at.partition_point(|&at| at <= i + 1) as u64;
+            let what = format!("cut after change {i} while archiving");
+            check_holds(left.path(), n, &what);
+            check_history(left.path(), &what);
+        }
+    }
+}
+
+fn archiving_limits() -> RetentionLimits {
+    RetentionLimits {
+        history: HistoryLimits {
+            kept_entries: 8,
+            segment_entries: 4,
+            ..HistoryLimits::default()
+        },
+        ..RetentionLimits::default()
+    }
+}
+
+/// Checks that the history is complete and sound, and that archiving goes on.
+fn check_history(folder: &Path, what: &str) {
+    let (mut memory, _) = open(folder);
+    memory.set_limits(archiving_limits());
+    for _ in 0..2 {
+        let history = memory.history(1, usize::MAX).unwrap();
+        let sequences = history.iter().map(|entry| entry.sequence);
+        assert!(sequences.eq(1..=memory.sequence()), "{what}");
+        let found = memory.checkpoint().unwrap().open().unwrap();
+        assert_eq!(found.verify(|_| {}).unwrap().findings, [""; 0], "{what}");
+        while memory.archive_step().unwrap() != ArchivingStep::Idle {}
+    }
+}
+
+#[test]
+fn power_cut_while_archiving_loses_nothing() {
+    check_cuts_while_archiving(17);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_power_cut_while_archiving_loses_nothing() {
+    check_cuts_while_archiving(1);
+}
+
+#[test]
+fn archive_that_cannot_be_written_leaves_the_store_usable() {
+    let folder = folder();
+    let (mut memory, _) = open(folder.path());
+    memory.set_limits(archiving_limits());
+    memory.lease_track_ids(N_TRACKS).unwrap();
+    for n in 0..40 {
+        memory.apply(&mutation(n, 100)).unwrap();
+    }
+    memory.engine.set_observer(Box::new(|change| match change {
+        FileOperation::Write(path, _) if path.extension().is_some_and(|e| e == "partial") => {
+            Err(io::Error::from(io::ErrorKind::StorageFull))
+        }
+        _ => Ok(()),
+    }));
+    let failed = memory.archive_step().unwrap_err();
+    assert!(matches!(failed, Error::Storage(StorageError::Io { .. })));
+    memory.apply(&mutation(40, 100)).unwrap();
+    memory.engine.set_observer(Box::new(|_| Ok(())));
+    while memory.archive_step().unwrap() != ArchivingStep::Idle {}
+    assert!(memory.stats().unwrap().n_archived_entries > 0);
+    drop(memory);
+    check_holds(folder.path(), 41, "after a full disk");
+    check_history(folder.path(), "after a full disk");
+}
+
 /// Cuts the power after random operations of an opening.
 fn check_cuts_while_opening(n_cuts: usize) {
     let folder = folder();
@@ -299,9 +435,9 @@ fn check_cuts_while_opening(n_cuts: usize) {
     }
     drop(memory);
     let database = folder.path().join("database");
-    let before = Disk::of(&database);
+    let before = Disk::of(folder.path());
     let journal = Journal::default();
-    let observer = journaling(&journal);
+    let observer = journaling(folder.path(), &journal);
     let mut engine = Database::open_observed(&database, WRITE_BUFFER_BYTES, observer).unwrap();
     assert!(
         check_consistency(&mut engine, None)
@@ -323,7 +459,7 @@ fn check_cuts_while_opening(n_cuts: usize) {
         let n_made = random.below(journal.len() + 1);
         journal[..n_made].iter().for_each(|event| disk.make(event));
         let left = self::folder();
-        disk.cut(&left.path().join("database"), &mut random);
+        disk.cut(left.path(), &mut random);
         check_holds(
             left.path(),
             40,
@@ -419,7 +555,7 @@ fn failed_store_is_reopened_by_its_thread() {
     let config = StoreConfig {
         folder: folder.path().to_owned(),
         queue_capacity: 8,
-        limits: crate::RetentionLimits::default(),
+        limits: RetentionLimits::default(),
         write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: || 7,
         on_reopened: Box::new(move |report| {
@@ -427,6 +563,7 @@ fn failed_store_is_reopened_by_its_thread() {
                 .unwrap()
                 .push(report.as_ref().unwrap().condition.clone());
         }),
+        on_notice: Box::new(|_| {}),
     };
     let (thread, handle, _) = StoreThread::start(config).unwrap();
     handle.mutate_and_wait(mutation(0, 10)).unwrap();

@@ -10,6 +10,7 @@ use std::time::Duration;
 use perceptual_memory::{Condition, PerceptualMemory, StoreConfig, StoreThread};
 use random::Random;
 
+use crate::archiving;
 use crate::builders::{correct, folder, name_of, open, store, teach, view};
 
 /// Environment variable with the folder of the child process.
@@ -47,10 +48,11 @@ fn child_teaches_until_killed() {
     let config = StoreConfig {
         folder: folder.into(),
         queue_capacity: 16,
-        limits: perceptual_memory::RetentionLimits::default(),
+        limits: archiving::limits(),
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| {}),
+        on_notice: Box::new(|_| {}),
     };
     let (_thread, handle, report) = StoreThread::start(config).unwrap();
     assert!(!report.is_loss(), "{report}");
@@ -120,9 +122,18 @@ fn teach_and_kill(folder: &Path, random: &mut Random) -> BTreeMap<u64, usize> {
     acknowledged
 }
 
-/// Checks that the store holds each acknowledged step, or one more: a line is printed after the
+/// Checks that the history is complete, archived or not, and the store holds each acknowledged step, or one more: a line is printed after the
 /// step.
 fn check(memory: &mut PerceptualMemory, acknowledged: &BTreeMap<u64, usize>) {
+    let history = memory.history(1, usize::MAX).unwrap();
+    assert!(
+        history
+            .iter()
+            .map(|entry| entry.sequence)
+            .eq(1..=memory.sequence())
+    );
+    let found = memory.checkpoint().unwrap().open().unwrap();
+    assert_eq!(found.verify(|_| {}).unwrap().findings, [""; 0]);
     for (&track, &step) in acknowledged {
         let stored = memory.views_of_track(track).unwrap();
         assert_eq!(stored.len(), VIEWS_PER_TRACK as usize, "track {track}");

@@ -102,6 +102,7 @@ fn retention_limit_frees_disk_space() {
         write_buffer_bytes: 256 << 10,
         wall_clock: || 1,
         on_reopened: Box::new(|report| panic!("opened again: {report:?}")),
+        on_notice: Box::new(|notice| panic!("{notice}")),
     })
     .unwrap();
     for track in 1..=500_u64 {

@@ -9,6 +9,7 @@
     reason = "the helpers of tests fail, and the children of tests talk, as tests do"
 )]
 
+mod archiving;
 mod builders;
 mod damage;
 mod importing;

@@ -1,7 +1,9 @@
 //! Migration tests: stores of released versions are converted completely.
 //!
-//! The fixture was written by version 0.1.0 (schema 1): five tracks of three views, taught,
-//! corrected and forgotten as below, reopened before the fourth.
+//! The fixture of schema 1 was written by version 0.1.0: five tracks of three views, taught,
+//! corrected and forgotten as below, reopened before the fourth. That of schema 2 was written by the
+//! last version before schema 3: the same, then two versions of a document, another one that was
+//! removed, a forgotten view that was purged, and the undo of a forgetting.
 
 use std::fs;
 use std::path::Path;
@@ -11,9 +13,11 @@ use tempfile::TempDir;
 
 use crate::builders::{NOW_NS, apply, counts, fast_folder, name_of, open, store, teach, view};
 
-fn fixture() -> TempDir {
+fn fixture(schema: &str) -> TempDir {
     let folder = fast_folder();
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/schema-1");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/fixtures")
+        .join(schema);
     fs::create_dir(folder.path().join("database")).unwrap();
     for sub in ["", "database"] {
         for entry in fs::read_dir(source.join(sub)).unwrap().flatten() {
@@ -43,7 +47,7 @@ fn check_content(memory: &mut PerceptualMemory) {
 
 #[test]
 fn migration_of_schema_1_is_complete() {
-    let folder = fixture();
+    let folder = fixture("schema-1");
     let (mut memory, report) = open(&folder);
     let Condition::Migrated {
         schema: 1,
@@ -72,7 +76,7 @@ fn migration_of_schema_1_is_complete() {
 
 #[test]
 fn migration_of_a_damaged_schema_1_recovers_intact_records() {
-    let folder = fixture();
+    let folder = fixture("schema-1");
     let log = folder.path().join("database/000006.log");
     let mut bytes = fs::read(&log).unwrap();
     let middle = bytes.len() / 2;
@@ -82,4 +86,48 @@ fn migration_of_a_damaged_schema_1_recovers_intact_records() {
     assert_eq!(report.loss().n_history, 1, "{report}");
     assert_eq!(memory.views_of_track(1).unwrap().len(), 3);
     assert_eq!(memory.history(1, 100).unwrap().len(), 20);
+}
+
+#[test]
+fn migration_of_schema_2_is_complete() {
+    let folder = fixture("schema-2");
+    let (mut memory, report) = open(&folder);
+    let is_migrated = matches!(report.condition, Condition::Migrated { schema: 2, .. });
+    assert!(is_migrated, "{report}");
+    for reopened in [false, true] {
+        let stored = |memory: &mut PerceptualMemory, track| {
+            let stored = memory.views_of_track(track).unwrap();
+            stored
+                .iter()
+                .map(name_of)
+                .map(|n| n.map(str::to_owned))
+                .collect::<Vec<_>>()
+        };
+        let cup = Some("Cup".to_owned());
+        assert_eq!(stored(&mut memory, 4), [cup.clone(), cup.clone(), None]);
+        assert_eq!(
+            stored(&mut memory, 5),
+            [cup.clone(), cup],
+            "one view was purged"
+        );
+        assert_eq!(memory.stats().unwrap().n_tombstones, 1);
+        let documents = memory.documents();
+        assert_eq!(documents.len(), 1);
+        let document = memory.document(&documents[0].key).unwrap();
+        assert_eq!(document.content, b"second");
+        let history = memory.history(1, 100).unwrap();
+        assert_eq!(history.len(), 29, "28 entries, and the one about this");
+        // The digests that a person may have noted stay.
+        let noted = 0xb317_64c9_24e6_424e_6061_b2b1_553b_a0c1;
+        assert_eq!(history[28].previous.0, noted);
+        let found = memory.checkpoint().unwrap().open().unwrap();
+        assert_eq!(found.verify(|_| {}).unwrap().findings, [""; 0]);
+        if !reopened {
+            drop(memory);
+            let report;
+            (memory, report) = open(&folder);
+            assert_eq!(report.condition, Condition::Sound, "{report}");
+        }
+    }
+    assert_eq!(apply(&mut memory, &[teach(2, 1, "Mug")])[0].sequence, 2);
 }

@@ -26,6 +26,7 @@ fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) 
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| {}),
+        on_notice: Box::new(|_| {}),
     };
     let (thread, handle, _) = StoreThread::start(config).unwrap();
     handle.lease_track_ids_and_wait(N_LEASED).unwrap();

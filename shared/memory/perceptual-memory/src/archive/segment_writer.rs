@@ -1,0 +1,120 @@
+//! Writer of an archive segment: takes consecutive history entries and checks their chain.
+
+use durable_leveldb::record::seal;
+use durable_leveldb::{Database, DurableFile};
+use serde_bytes::{ByteArray, ByteBuf};
+use std::path::Path;
+
+use super::archive_record::ArchiveRecord;
+use super::segment::{HEADER_BYTES, MAGIC, SegmentIndex, index_key};
+use crate::digest::Digest;
+use crate::error::Error;
+use crate::history::HistoryEntry;
+use crate::keys;
+
+/// Segment that is being written; dropping it leaves nothing behind.
+pub(crate) struct SegmentWriter {
+    file: DurableFile,
+    n_bytes: u32,
+    index: SegmentIndex,
+    /// Sequence number of the next entry.
+    next: u64,
+}
+
+impl SegmentWriter {
+    /// Begins the segment that follows the archived entries.
+    pub(super) fn begin(
+        engine: &Database,
+        path: &Path,
+        archived: &ArchiveRecord,
+    ) -> Result<Self, Error> {
+        let first = archived.sequence + 1;
+        let mut writer = Self {
+            file: engine.create_file(path)?,
+            n_bytes: 0,
+            index: SegmentIndex {
+                first,
+                head: archived.head,
+                last_wall_ns: 0,
+                ends: ByteBuf::new(),
+                asked: Vec::new(),
+                mutations: Vec::new(),
+            },
+            next: first,
+        };
+        let mut header = [0; HEADER_BYTES];
+        header[..MAGIC.len()].copy_from_slice(&MAGIC);
+        header[MAGIC.len()..].copy_from_slice(&archived.head.0.to_be_bytes());
+        writer.write(&header)?;
+        Ok(writer)
+    }
+
+    /// Sequence number of the next entry.
+    pub(crate) fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Number of entries so far.
+    pub(crate) fn len(&self) -> u64 {
+        self.next - self.index.first
+    }
+
+    /// Appends the entries before `next`, with a gap for each lost one, and syncs them.
+    pub(crate) fn append(&mut self, entries: &[(u64, Vec<u8>)], next: u64) -> Result<(), Error> {
+        let mut bytes = Vec::new();
+        for (sequence, record) in entries {
+            let damaged = |wrong| keys::record_error(&keys::history_key(*sequence), wrong);
+            let (entry, digest) = HistoryEntry::unseal(*sequence, record).map_err(damaged)?;
+            self.skip_to(*sequence, bytes.len());
+            bytes.extend_from_slice(record);
+            self.note(&entry, digest, bytes.len());
+        }
+        self.skip_to(next, bytes.len());
+        self.write(&bytes)?;
+        Ok(self.file.sync()?)
+    }
+
+    /// Notes the entries before `sequence` as lost.
+    fn skip_to(&mut self, sequence: u64, n_pending_bytes: usize) {
+        while self.next < sequence {
+            self.end_entry(n_pending_bytes);
+        }
+    }
+
+    fn note(&mut self, entry: &HistoryEntry, digest: Digest, n_pending_bytes: usize) {
+        if let Some(id) = entry.mutation {
+            self.index
+                .asked
+                .push((entry.sequence - self.index.first) as u32);
+            self.index
+                .mutations
+                .push(ByteArray::new(id.0.to_be_bytes()));
+        }
+        self.index.head = digest;
+        self.index.last_wall_ns = entry.wall_ns;
+        self.end_entry(n_pending_bytes);
+    }
+
+    fn end_entry(&mut self, n_pending_bytes: usize) {
+        let end = self.n_bytes + n_pending_bytes as u32;
+        self.index.ends.extend(end.to_le_bytes());
+        self.next += 1;
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.file.write(bytes)?;
+        self.n_bytes += bytes.len() as u32;
+        Ok(())
+    }
+
+    /// Completes the file; it is durable on return. Returns digest and time of the last entry,
+    /// and the size of the file, bytes.
+    pub(super) fn finish(mut self) -> Result<(Digest, u64, u64), Error> {
+        let index = seal(&index_key(self.index.first), &self.index);
+        self.write(&index)?;
+        self.write(&(index.len() as u32).to_le_bytes())?;
+        self.file.commit()?;
+        let n_bytes = u64::from(self.n_bytes);
+        Ok((self.index.head, self.index.last_wall_ns, n_bytes))
+    }
+}
