@@ -13,7 +13,8 @@ use crate::output_files::create_folder;
 use command_line::{Output, progress_bar};
 use opening::Opening;
 use perceptual_memory::{
-    Error, RetentionLimits, StoreConfig, StoreHandle, StoreThread, WRITE_BUFFER_BYTES,
+    Error, PerceptualMemory, RetentionLimits, StoreConfig, StoreHandle, StoreThread,
+    WRITE_BUFFER_BYTES,
 };
 use report::{AgeingReport, AgeingRow};
 use service::Failure;
@@ -143,6 +144,10 @@ impl Ageing {
         }
         if let Some(purge) = self.workload.purge_when_due(simulated_clock()) {
             handle.mutate_and_wait(purge)?;
+            // The store of a robot does this when it is idle, which this one never is.
+            for step in 0..PerceptualMemory::N_RECORD_STEPS {
+                handle.read_and_wait(move |memory| memory.compact_step(step))?;
+            }
         }
         // A read waits for all changes requested before it.
         handle.read_and_wait(|_| Ok(()))

@@ -8,15 +8,17 @@
 //! A segment counts only up to the [checkpoint](ArchiveRecord) in the database; what a crash left
 //! beyond it is removed when the store is opened.
 
+mod answered_mutations;
 mod archive_record;
 mod segment;
 mod segment_writer;
 
+use answered_mutations::AnsweredMutations;
 pub(crate) use archive_record::ArchiveRecord;
 pub(crate) use segment::Segment;
 pub(crate) use segment_writer::SegmentWriter;
 
-use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -35,10 +37,17 @@ pub(crate) struct HistoryArchive {
     segments: BTreeMap<u64, u64>,
     /// Segment that was read last.
     open: Option<(u64, Segment)>,
-    /// Last entry and its time of each segment whose idempotency keys are kept, oldest first.
-    answered: VecDeque<(u64, u64)>,
+    /// Segments whose idempotency keys are kept, oldest first.
+    answered: VecDeque<AnsweredSegment>,
     /// Shared with the readers of checkpoints: while there are any, no segment is removed.
     readers: Arc<()>,
+}
+
+/// Idempotency keys of a segment.
+struct AnsweredSegment {
+    first: u64,
+    last_wall_ns: u64,
+    mutations: AnsweredMutations,
 }
 
 /// Folder of the archive in a store folder.
@@ -179,14 +188,18 @@ impl HistoryArchive {
         lost: &[(u64, u64)],
     ) -> Result<ArchiveRecord, Error> {
         let (first, last) = (self.record.sequence + 1, writer.next() - 1);
-        let (head, last_wall_ns, n_bytes) = writer.finish()?;
+        let (index, n_bytes) = writer.finish()?;
         self.segments.insert(first, last);
-        self.answered.push_back((last, last_wall_ns));
+        self.answered.push_back(AnsweredSegment {
+            first,
+            last_wall_ns: index.last_wall_ns,
+            mutations: index.answered,
+        });
         let is_archived = |range: &&(u64, u64)| range.0 <= last;
         let lost = lost.iter().filter(is_archived);
         Ok(ArchiveRecord {
             sequence: last,
-            head,
+            head: index.head,
             dropped: self.record.dropped,
             n_bytes: self.record.n_bytes + n_bytes,
             lost: lost.map(|(from, to)| (*from, last.min(*to))).collect(),
@@ -195,33 +208,34 @@ impl HistoryArchive {
 
     /// Loads the idempotency keys of the segments that end after a time; returns sentences about
     /// segments that cannot be read.
-    pub(crate) fn load_answered(
-        &mut self,
-        after_ns: u64,
-        answered: &mut HashMap<MutationId, u64>,
-    ) -> Vec<String> {
+    pub(crate) fn load_answered(&mut self, after_ns: u64) -> Vec<String> {
         let mut notes = Vec::new();
         for (first, last) in self.extents().into_iter().rev() {
             match self.open_segment(first, last) {
                 Ok(segment) if segment.last_wall_ns() < after_ns => break,
-                Ok(segment) => {
-                    answered.extend(segment.mutations());
-                    self.answered.push_front((last, segment.last_wall_ns()));
-                }
+                Ok(segment) => self.answered.push_front(AnsweredSegment {
+                    first,
+                    last_wall_ns: segment.last_wall_ns(),
+                    mutations: segment.into_answered(),
+                }),
                 Err(error) => notes.push(error.to_string()),
             }
         }
         notes
     }
 
-    /// Forgets which segments with idempotency keys end before a time; returns the last entry of
-    /// these.
-    pub(crate) fn expire_answered(&mut self, before_ns: u64) -> Option<u64> {
-        let mut expired = None;
-        while let Some((last, _)) = self.answered.pop_front_if(|(_, ns)| *ns < before_ns) {
-            expired = Some(last);
-        }
-        expired
+    /// Sequence number of the archived entry with an idempotency key, as long as it is kept.
+    pub(crate) fn answered(&self, id: MutationId) -> Option<u64> {
+        let newest_first = self.answered.iter().rev();
+        let mut found = newest_first
+            .filter_map(|segment| Some(segment.first + segment.mutations.offset_of(id)?));
+        found.next()
+    }
+
+    /// Forgets the idempotency keys of segments that end before a time.
+    pub(crate) fn expire_answered(&mut self, before_ns: u64) {
+        let is_expired = |segment: &mut AnsweredSegment| segment.last_wall_ns < before_ns;
+        while self.answered.pop_front_if(is_expired).is_some() {}
     }
 
     /// First and last entry of the oldest segment, and the checkpoint that gives it as dropped;
@@ -242,6 +256,7 @@ impl HistoryArchive {
     /// Removes the file of a segment that the checkpoint gives as dropped.
     pub(crate) fn remove_segment(&mut self, (first, last): (u64, u64)) -> Result<(), Error> {
         self.segments.remove(&first);
+        self.answered.retain(|segment| segment.first != first);
         self.open.take_if(|(open, _)| *open == first);
         remove(&self.segment_path(first, last))
     }

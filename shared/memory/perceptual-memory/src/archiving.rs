@@ -153,14 +153,13 @@ impl PerceptualMemory {
             batch.delete(&keys::history_key(sequence));
         }
         self.write(batch)?;
+        let last = record.sequence;
         self.archive.record = record;
+        // From now on the archive has their idempotency keys.
+        self.index.answered.retain(|_, sequence| *sequence > last);
         let kept_ns = self.limits.history.answered_kept_ns;
         let before_ns = self.last_wall_ns.saturating_sub(kept_ns);
-        if let Some(expired) = self.archive.expire_answered(before_ns) {
-            self.index
-                .answered
-                .retain(|_, sequence| *sequence > expired);
-        }
+        self.archive.expire_answered(before_ns);
         Ok(())
     }
 

@@ -18,10 +18,9 @@ use crate::error::{Error, StorageError};
 use crate::findings::Findings;
 use crate::history::HistoryEntry;
 use crate::history_chain::HistoryChain;
-use crate::index_row::IndexedView;
+use crate::index_loading::load_rows;
 use crate::keys;
 use crate::meta::{Meta, SCHEMA};
-use crate::set_digest::record_digest;
 use crate::store_index::StoreIndex;
 use crate::tombstone::unseal_tombstone;
 use crate::track_id_counter;
@@ -101,7 +100,9 @@ pub(crate) fn check_consistency(
     if let Some(archived) = read_single(&mut reader, keys::ARCHIVE, &mut found.findings)? {
         found.archived = archived;
     }
-    read_rows(&mut reader, &mut found)?;
+    let (index, damaged_rows) = load_rows(&mut reader)?;
+    found.index = index;
+    found.findings.merge(&damaged_rows);
     read_history(&mut reader, &mut found)?;
     read_documents(&mut reader, &mut found)?;
     read_tombstones(&mut reader, &mut found)?;
@@ -126,21 +127,6 @@ fn read_single<T: DeserializeOwned>(
         }
         None => None,
     })
-}
-
-fn read_rows(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
-    reader.scan_prefix(&[keys::ROW], |key, record| {
-        match (keys::view_of(key), IndexedView::unseal(key, record)) {
-            (Some(view), Ok(row)) => found.index.load(view, row, record_digest(key, record)),
-            (Some(_), Err(wrong)) => found
-                .findings
-                .add(|| format!("{}: {wrong}", keys::in_words(key))),
-            (None, _) => found
-                .findings
-                .add(|| format!("an index row's key is none: {key:?}")),
-        }
-    })?;
-    Ok(())
 }
 
 /// Reads the entries after the archived ones.

@@ -58,6 +58,7 @@ mod history_chain;
 mod history_projection;
 mod history_verification;
 mod importing;
+mod index_loading;
 mod index_row;
 mod keys;
 mod label_status;

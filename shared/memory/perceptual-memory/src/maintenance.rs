@@ -8,11 +8,8 @@ use crate::meta::{SCHEMA, StoreId};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::purge;
 
-/// Number of compaction steps per content table. Each step covers a part of the keys, so that no
-/// request waits long.
-const CONTENT_STEPS: usize = 64;
-const CONTENT_TABLES: [u8; 2] = [keys::BLOB, keys::DESCRIPTOR];
-const OTHER_TABLES: [u8; 6] = [
+/// Tables of small records, compacted first.
+const RECORD_TABLES: [u8; 6] = [
     keys::HISTORY,
     keys::ROW,
     keys::META,
@@ -20,6 +17,14 @@ const OTHER_TABLES: [u8; 6] = [
     keys::TOMBSTONE,
     keys::VIEW,
 ];
+const CONTENT_TABLES: [u8; 2] = [keys::BLOB, keys::DESCRIPTOR];
+/// Number of compaction steps per content table. Each step covers a part of the keys, so that no
+/// request waits long.
+const CONTENT_STEPS: usize = 64;
+/// Estimated size of the records of a view besides its content, bytes.
+const VIEW_RECORD_BYTES: u64 = 1000;
+/// Estimated size of a history entry, bytes.
+const ENTRY_BYTES: u64 = 300;
 
 /// Statistics of the perceptual memory: sizes and counts.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -62,7 +67,10 @@ pub struct Stats {
 
 impl PerceptualMemory {
     /// Number of steps of a full compaction; see [`Self::compact_step`].
-    pub const N_COMPACT_STEPS: usize = CONTENT_TABLES.len() * CONTENT_STEPS + OTHER_TABLES.len();
+    pub const N_COMPACT_STEPS: usize = Self::N_RECORD_STEPS + CONTENT_TABLES.len() * CONTENT_STEPS;
+
+    /// Number of the first steps, which leave out descriptors, point clouds and document content.
+    pub const N_RECORD_STEPS: usize = RECORD_TABLES.len();
 
     /// Compacts the tables of a part of the keys, which frees the space of deleted records. An
     /// incomplete compaction loses nothing.
@@ -82,6 +90,25 @@ impl PerceptualMemory {
         !purge::decide(&self.index, before_ns).effects.is_empty()
     }
 
+    /// `true` if more than a third of the database files is content of deleted records, beyond some
+    /// write buffers: compacting all of it pays.
+    pub(crate) fn has_much_garbage(&self, write_buffer_bytes: u64) -> bool {
+        let n_content: u64 = self.index.all().map(|(_, row)| row.n_bytes()).sum();
+        let n_live = n_content
+            + VIEW_RECORD_BYTES * self.index.n_all() as u64
+            + ENTRY_BYTES * self.n_recent_entries();
+        let n_disk = self.database_bytes().unwrap_or(0);
+        n_disk > n_live + n_live / 2 + 4 * write_buffer_bytes
+    }
+
+    /// Size of the database files, bytes.
+    fn database_bytes(&self) -> Result<u64, Error> {
+        let database = self.folder.database();
+        let files = fs::read_dir(&database).map_err(StorageError::io("listing", &database))?;
+        let sizes = files.flatten().filter_map(|file| file.metadata().ok());
+        Ok(sizes.map(|size| size.len()).sum())
+    }
+
     /// Statistics of the store.
     ///
     /// # Errors
@@ -90,9 +117,6 @@ impl PerceptualMemory {
     pub fn stats(&self) -> Result<Stats, Error> {
         let index = &self.index;
         let archived = &self.archive.record;
-        let database = self.folder.database();
-        let files = fs::read_dir(&database).map_err(StorageError::io("listing", &database))?;
-        let sizes = files.flatten().filter_map(|file| file.metadata().ok());
         Ok(Stats {
             store_id: self.store_id(),
             memory_id: self.memory_id(),
@@ -108,7 +132,7 @@ impl PerceptualMemory {
             n_documents: index.documents().count() as u64,
             n_tombstones: index.n_tombstones() as u64,
             n_content_bytes: index.all().map(|(_, entry)| entry.n_bytes()).sum(),
-            n_disk_bytes: sizes.map(|size| size.len()).sum(),
+            n_disk_bytes: self.database_bytes()?,
             n_archive_bytes: archived.n_bytes,
             next_track_id: self.meta.next_track_id,
         })
@@ -117,17 +141,14 @@ impl PerceptualMemory {
 
 /// First and last key of a compaction step.
 fn range_of(step: usize) -> (Vec<u8>, Vec<u8>) {
-    let n_content = CONTENT_TABLES.len() * CONTENT_STEPS;
-    if step < n_content {
-        let table = CONTENT_TABLES[step / CONTENT_STEPS];
-        let width = 256 / CONTENT_STEPS;
-        let first = step % CONTENT_STEPS * width;
-        let (first, last) = (first as u8, (first + width - 1) as u8);
-        return (
-            vec![table, first],
-            vec![table, last, 0xff, 0xff, 0xff, 0xff],
-        );
+    const LAST: [u8; 4] = [0xff; 4];
+    if let Some(&table) = RECORD_TABLES.get(step) {
+        return (vec![table], [&[table][..], &LAST].concat());
     }
-    let table = OTHER_TABLES[(step - n_content) % OTHER_TABLES.len()];
-    (vec![table], vec![table, 0xff, 0xff, 0xff, 0xff])
+    let part = step - RECORD_TABLES.len();
+    let table = CONTENT_TABLES[part / CONTENT_STEPS % CONTENT_TABLES.len()];
+    let width = 256 / CONTENT_STEPS;
+    let first = part % CONTENT_STEPS * width;
+    let (first, last) = (first as u8, (first + width - 1) as u8);
+    (vec![table, first], [&[table, last][..], &LAST].concat())
 }

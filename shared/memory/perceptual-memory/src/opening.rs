@@ -13,7 +13,6 @@ use crate::model::{DataLoss, RetentionLimits};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::record_batch::RecordBatch;
 use crate::salvage::{SalvageOutcome, salvage};
-use crate::store_index::StoreIndex;
 use crate::track_id_counter;
 use crate::watermark::{self, Watermark, WatermarkRecord};
 
@@ -212,9 +211,9 @@ pub(crate) fn open(
         }));
     };
     notes.extend(clock_note(wall_ns, examination.last_wall_ns));
-    let mut index = examination.index;
-    let archive = open_archive(&folder, examination.archived, &mut notes)?;
-    let archive = load_answered(archive, wall_ns, &limits, &mut index, &mut notes);
+    let index = examination.index;
+    let mut archive = open_archive(&folder, examination.archived, &mut notes)?;
+    notes.extend(archive.load_answered(wall_ns.saturating_sub(limits.history.answered_kept_ns)));
     // The watermark records a lease before it is answered, so that it stays unique even if
     // the database lost it.
     let next_by_mark = mark.map(|mark| mark.next_track_id);
@@ -253,19 +252,6 @@ fn open_archive(
         ));
     }
     Ok(archive)
-}
-
-/// Loads the idempotency keys of the archived entries for as long as they are kept.
-fn load_answered(
-    mut archive: HistoryArchive,
-    wall_ns: u64,
-    limits: &RetentionLimits,
-    index: &mut StoreIndex,
-    notes: &mut Vec<String>,
-) -> HistoryArchive {
-    let after_ns = wall_ns.saturating_sub(limits.history.answered_kept_ns);
-    notes.extend(archive.load_answered(after_ns, &mut index.answered));
-    archive
 }
 
 /// Note about a clock behind the last history entry. Entries are ordered by sequence number, so a

@@ -142,7 +142,8 @@ impl PerceptualMemory {
     /// see it.
     pub(crate) fn stage(&mut self, mutation: &Mutation) -> Result<MutationReceipt, Error> {
         self.usable()?;
-        if let Some(&sequence) = self.index.answered.get(&mutation.id) {
+        let recent = self.index.answered.get(&mutation.id).copied();
+        if let Some(sequence) = recent.or_else(|| self.archive.answered(mutation.id)) {
             return Ok(self.entry(sequence)?.answer());
         }
         mutation.check()?;

@@ -11,6 +11,7 @@ use learning::{CategoryName, ViewId, ViewLabel};
 use crate::digest::Digest;
 use crate::document::{DocumentSummary, DocumentVersion};
 use crate::document_key::DocumentKey;
+use crate::index_loading::DigestedRow;
 use crate::index_row::IndexedView;
 use crate::keys;
 use crate::label_status::{LabelStatus, LwwRegister};
@@ -48,7 +49,7 @@ pub(crate) struct StoreIndex {
     documents: BTreeMap<DocumentKey, BTreeMap<u64, DocumentVersion>>,
     /// Times at which purged views were forgotten, nanoseconds since 1970, UTC.
     tombstones: BTreeMap<Digest, u64>,
-    /// Sequence numbers of answered mutations, by idempotency key.
+    /// Sequence numbers of answered mutations that are not archived, by idempotency key.
     pub(crate) answered: HashMap<MutationId, u64>,
     kinds: BTreeSet<Arc<str>>,
     /// Digest of all records that the index was made of.
@@ -234,30 +235,49 @@ impl StoreIndex {
         self.blobs.contains_key(&digest)
     }
 
-    /// Inserts a view that is not in the index.
-    pub(crate) fn insert(&mut self, view: ViewId, row: IndexedView) {
-        let digest = digest_of(view, &row);
-        self.load(view, row, digest);
+    /// Index of rows in the order of their views, built at once.
+    pub(crate) fn of_rows(rows: Vec<DigestedRow>) -> Self {
+        let mut index = Self {
+            identities: HashMap::with_capacity(rows.len()),
+            descriptors: rows
+                .iter()
+                .map(|(view, row, _)| (row.descriptor.digest, *view))
+                .collect(),
+            ..Self::default()
+        };
+        let views = rows.into_iter().map(|(view, mut row, record)| {
+            index.records.add(record);
+            index.note(view, &mut row);
+            (view, row)
+        });
+        let views = views.collect();
+        index.views = views;
+        index
     }
 
-    /// Inserts a view with the digest of its record.
-    pub(crate) fn load(&mut self, view: ViewId, mut row: IndexedView, record: Digest) {
+    /// Inserts a view that is not in the index.
+    pub(crate) fn insert(&mut self, view: ViewId, mut row: IndexedView) {
+        self.records.add(digest_of(view, &row));
+        self.descriptors.insert((row.descriptor.digest, view));
+        self.note(view, &mut row);
+        self.views.insert(view, row);
+    }
+
+    /// Notes a new view under its label, identity, origin, content and kind of descriptor.
+    fn note(&mut self, view: ViewId, row: &mut IndexedView) {
         match self.kinds.get(&row.descriptor_kind) {
             Some(kind) => row.descriptor_kind = Arc::clone(kind),
             None => drop(self.kinds.insert(Arc::clone(&row.descriptor_kind))),
         }
-        self.records.add(record);
         self.identities.insert(row.identity, view);
         *self
             .tracks_of_origins
-            .entry(origin_key(view, &row))
+            .entry(origin_key(view, row))
             .or_default() += 1;
-        self.descriptors.insert((row.descriptor.digest, view));
         if let Some(points) = &row.points {
             *self.blobs.entry(points.digest).or_default() += 1;
         }
         self.enlist(view, &row.register.standing);
-        self.views.insert(view, row);
     }
 
     /// Sets the label register of a view; a missing view is ignored.

@@ -419,13 +419,15 @@ impl StoreLoop {
         }
     }
 
-    /// Runs one compaction step if enough was written since the last compaction.
+    /// Runs one compaction step if enough was written since the last compaction: of the small
+    /// records, and of all content if much of it is garbage.
     fn compact_when_idle(&mut self) {
         let Some(memory) = &mut self.memory else {
             return;
         };
-        let min_bytes = COMPACTION_BUFFERS * self.config.write_buffer_bytes;
-        if self.n_uncompacted_bytes < min_bytes || memory.failure().is_some() {
+        let buffer_bytes = self.config.write_buffer_bytes;
+        let is_due = self.n_uncompacted_bytes >= COMPACTION_BUFFERS * buffer_bytes;
+        if !is_due || memory.failure().is_some() {
             return;
         }
         // A failure makes the store unusable, which the next request finds.
@@ -433,7 +435,11 @@ impl StoreLoop {
             return;
         }
         self.compaction_step += 1;
-        if self.compaction_step == PerceptualMemory::N_COMPACT_STEPS {
+        let is_over = match self.compaction_step {
+            PerceptualMemory::N_RECORD_STEPS => !memory.has_much_garbage(buffer_bytes as u64),
+            step => step == PerceptualMemory::N_COMPACT_STEPS,
+        };
+        if is_over {
             (self.compaction_step, self.n_uncompacted_bytes) = (0, 0);
         }
     }

@@ -16,11 +16,11 @@ use std::io;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
-use durable_leveldb::MutationId;
 use durable_leveldb::record::unseal;
 use serde::{Deserialize, Serialize};
-use serde_bytes::{ByteArray, ByteBuf};
+use serde_bytes::ByteBuf;
 
+use super::answered_mutations::AnsweredMutations;
 use crate::digest::Digest;
 use crate::error::Error;
 use crate::history::HistoryEntry;
@@ -42,10 +42,8 @@ pub(super) struct SegmentIndex {
     /// End of each entry in the file, little-endian `u32`; that of a lost entry is the end of the
     /// one before.
     pub(super) ends: ByteBuf,
-    /// Offsets from `first` of the entries with an idempotency key.
-    pub(super) asked: Vec<u32>,
-    /// The keys of these entries.
-    pub(super) mutations: Vec<ByteArray<16>>,
+    /// Idempotency keys of the entries, in order.
+    pub(super) answered: AnsweredMutations,
 }
 
 /// Key of the index, for its checksum.
@@ -101,13 +99,9 @@ impl Segment {
         self.index.last_wall_ns
     }
 
-    /// Idempotency keys of the entries, with their sequence numbers.
-    pub(crate) fn mutations(&self) -> impl Iterator<Item = (MutationId, u64)> {
-        let ids = self.index.asked.iter().zip(&self.index.mutations);
-        ids.map(|(offset, id)| {
-            let id = u128::from_be_bytes(id.into_array());
-            (MutationId(id), self.index.first + u64::from(*offset))
-        })
+    /// Idempotency keys of the entries.
+    pub(super) fn into_answered(self) -> AnsweredMutations {
+        self.index.answered
     }
 
     /// Reads an entry; `None` for a lost one.

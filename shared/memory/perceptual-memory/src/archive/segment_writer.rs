@@ -1,10 +1,12 @@
 //! Writer of an archive segment: takes consecutive history entries and checks their chain.
 
-use durable_leveldb::record::seal;
-use durable_leveldb::{Database, DurableFile};
-use serde_bytes::{ByteArray, ByteBuf};
 use std::path::Path;
 
+use durable_leveldb::record::seal;
+use durable_leveldb::{Database, DurableFile, MutationId};
+use serde_bytes::ByteBuf;
+
+use super::answered_mutations::AnsweredMutations;
 use super::archive_record::ArchiveRecord;
 use super::segment::{HEADER_BYTES, MAGIC, SegmentIndex, index_key};
 use crate::digest::Digest;
@@ -17,6 +19,8 @@ pub(crate) struct SegmentWriter {
     file: DurableFile,
     n_bytes: u32,
     index: SegmentIndex,
+    /// Idempotency keys of the entries, with their offsets from the first.
+    mutations: Vec<(MutationId, u32)>,
     /// Sequence number of the next entry.
     next: u64,
 }
@@ -37,9 +41,9 @@ impl SegmentWriter {
                 head: archived.head,
                 last_wall_ns: 0,
                 ends: ByteBuf::new(),
-                asked: Vec::new(),
-                mutations: Vec::new(),
+                answered: AnsweredMutations::default(),
             },
+            mutations: Vec::new(),
             next: first,
         };
         let mut header = [0; HEADER_BYTES];
@@ -83,12 +87,8 @@ impl SegmentWriter {
 
     fn note(&mut self, entry: &HistoryEntry, digest: Digest, n_pending_bytes: usize) {
         if let Some(id) = entry.mutation {
-            self.index
-                .asked
-                .push((entry.sequence - self.index.first) as u32);
-            self.index
-                .mutations
-                .push(ByteArray::new(id.0.to_be_bytes()));
+            let offset = (entry.sequence - self.index.first) as u32;
+            self.mutations.push((id, offset));
         }
         self.index.head = digest;
         self.index.last_wall_ns = entry.wall_ns;
@@ -107,14 +107,15 @@ impl SegmentWriter {
         Ok(())
     }
 
-    /// Completes the file; it is durable on return. Returns digest and time of the last entry,
-    /// and the size of the file, bytes.
-    pub(super) fn finish(mut self) -> Result<(Digest, u64, u64), Error> {
+    /// Completes the file; it is durable on return. Returns its index, and its size,
+    /// bytes.
+    pub(super) fn finish(mut self) -> Result<(SegmentIndex, u64), Error> {
+        self.index.answered = AnsweredMutations::new(std::mem::take(&mut self.mutations));
         let index = seal(&index_key(self.index.first), &self.index);
         self.write(&index)?;
         self.write(&(index.len() as u32).to_le_bytes())?;
         self.file.commit()?;
         let n_bytes = u64::from(self.n_bytes);
-        Ok((self.index.head, self.index.last_wall_ns, n_bytes))
+        Ok((self.index, n_bytes))
     }
 }
