@@ -2,7 +2,7 @@
 
 use channel::control::RoleGroups;
 use memory_requests::UploadLimits;
-use perceptual_memory::{RetentionLimits, WRITE_BUFFER_BYTES};
+use perceptual_memory::{HistoryLimits, RetentionLimits, WRITE_BUFFER_BYTES};
 use serde::Deserialize;
 use service::{ConfigFile, Failure, check_rules};
 use std::time::Duration;
@@ -10,6 +10,9 @@ use working_memory::WorldConfig;
 
 /// Resolution on disk of the time at which an object was last seen, nanoseconds. Chosen.
 const SEEN_PERIOD_NS: u64 = 10_000_000_000;
+
+/// Nanoseconds of a day.
+const NS_PER_DAY: u64 = 24 * 3600 * 1_000_000_000;
 
 /// Section `[memory]` as written in TOML.
 #[derive(Debug, Clone, Deserialize)]
@@ -24,6 +27,10 @@ struct RawConfig {
     free_disk_min_mb: u64,
     teacher_group: String,
     administrator_group: String,
+    tombstones_kept_days: u64,
+    history_recent_entries: u64,
+    history_archive_max_mb: u64,
+    request_ids_kept_days: u64,
     world_period_ms: u64,
     world_move_min_m: f64,
     world_turn_min_deg: f64,
@@ -43,6 +50,10 @@ impl Default for RawConfig {
             free_disk_min_mb: 256,
             teacher_group: "tabula".into(),
             administrator_group: "tabula-admin".into(),
+            tombstones_kept_days: 400,
+            history_recent_entries: HistoryLimits::CONFIGURED.kept_entries,
+            history_archive_max_mb: HistoryLimits::CONFIGURED.archive_max_bytes >> 20,
+            request_ids_kept_days: HistoryLimits::CONFIGURED.answered_kept_ns / NS_PER_DAY,
             world_period_ms: 250,
             world_move_min_m: 0.02,
             world_turn_min_deg: 30.0,
@@ -68,6 +79,8 @@ pub(crate) struct Config {
     pub(crate) uploads: UploadLimits,
     /// Groups of teachers and administrators.
     pub(crate) groups: RoleGroups,
+    /// Retention time of the tombstones of purged views, during which no merge restores them.
+    pub(crate) tombstones_kept: Duration,
     /// Period of updates of the world model, and of its writes to disk.
     pub(crate) world_period: Duration,
     /// Retention limits of the working memory.
@@ -84,9 +97,14 @@ impl Config {
             limits: RetentionLimits {
                 max_views_per_category: raw.max_views_per_category,
                 max_unnamed_views: raw.max_unnamed_views,
+                history: HistoryLimits {
+                    kept_entries: raw.history_recent_entries,
+                    segment_entries: HistoryLimits::SEGMENT_ENTRIES,
+                    archive_max_bytes: raw.history_archive_max_mb << 20,
+                    answered_kept_ns: raw.request_ids_kept_days * NS_PER_DAY,
+                },
             },
             write_buffer_bytes: raw.write_buffer_mb << 20,
-            forgotten_kept: Duration::from_secs(raw.forgotten_kept_days * 24 * 3600),
             uploads: UploadLimits {
                 max_bytes: raw.import_max_mb << 20,
                 free_disk_min_bytes: raw.free_disk_min_mb << 20,
@@ -95,6 +113,8 @@ impl Config {
                 teachers: raw.teacher_group,
                 administrators: raw.administrator_group,
             },
+            forgotten_kept: Duration::from_nanos(raw.forgotten_kept_days * NS_PER_DAY),
+            tombstones_kept: Duration::from_nanos(raw.tombstones_kept_days * NS_PER_DAY),
             world_period: Duration::from_millis(raw.world_period_ms),
             world: WorldConfig {
                 move_min_m: raw.world_move_min_m,
@@ -141,6 +161,22 @@ impl RawConfig {
                 "[memory] free_disk_min_mb must lie between 0 and 1000000",
             ),
             (
+                (400..=36_500).contains(&self.tombstones_kept_days),
+                "[memory] tombstones_kept_days must lie between 400 and 36500",
+            ),
+            (
+                (1000..=1_000_000).contains(&self.history_recent_entries),
+                "[memory] history_recent_entries must lie between 1000 and 1000000",
+            ),
+            (
+                (16..=16_777_216).contains(&self.history_archive_max_mb),
+                "[memory] history_archive_max_mb must lie between 16 and 16777216",
+            ),
+            (
+                (1..=36_500).contains(&self.request_ids_kept_days),
+                "[memory] request_ids_kept_days must lie between 1 and 36500",
+            ),
+            (
                 (50..=60_000).contains(&self.world_period_ms),
                 "[memory] world_period_ms must lie between 50 and 60000",
             ),
@@ -183,6 +219,10 @@ mod tests {
         assert!(violates(&|raw| raw.forgotten_kept_days = 36_501));
         assert!(violates(&|raw| raw.import_max_mb = 0));
         assert!(violates(&|raw| raw.free_disk_min_mb = 1_000_001));
+        assert!(violates(&|raw| raw.tombstones_kept_days = 399));
+        assert!(violates(&|raw| raw.history_recent_entries = 999));
+        assert!(violates(&|raw| raw.history_archive_max_mb = 15));
+        assert!(violates(&|raw| raw.request_ids_kept_days = 0));
         assert!(violates(&|raw| raw.world_period_ms = 49));
         assert!(violates(&|raw| raw.world_move_min_m = f64::NAN));
         assert!(violates(&|raw| raw.world_turn_min_deg = 0.0));

@@ -1,7 +1,9 @@
-//! Daily purge: permanently deletes forgotten views when their retention time is over.
+//! Daily purge: permanently deletes forgotten views when their retention time is over, and old
+//! tombstones.
 
 use perceptual_memory::{
-    Error, Mutation, MutationId, MutationReceipt, Requester, StoreChange, StoreHandle,
+    Error, Mutation, MutationId, MutationReceipt, PerceptualMemory, Requester, StoreChange,
+    StoreHandle,
 };
 use service::wall_clock_ns;
 use std::time::Duration;
@@ -13,43 +15,71 @@ const PERIOD: Duration = Duration::from_secs(24 * 3600);
 const AUTHOR: &str = "upkeep";
 
 /// Purges periodically until the future is dropped.
-pub(crate) async fn run(store: StoreHandle, forgotten_kept: Duration) {
+pub(crate) async fn run(store: StoreHandle, forgotten_kept: Duration, tombstones_kept: Duration) {
     let mut period = tokio::time::interval(PERIOD);
     loop {
         period.tick().await;
-        match purge(&store, forgotten_kept).await {
-            Ok(MutationReceipt { n_views: 0, .. }) => {}
-            Ok(answer) => tracing::info!(
-                "{} view(s) were forgotten more than {} days ago and are permanently deleted",
-                answer.n_views,
+        match purge(&store, before_ns(forgotten_kept)).await {
+            Ok(0) => {}
+            Ok(n_views) => tracing::info!(
+                "{n_views} view(s) were forgotten more than {} days ago and are permanently deleted",
                 forgotten_kept.as_secs() / (24 * 3600)
             ),
             Err(error) => tracing::warn!("forgotten content is not purged today: {error}"),
         }
+        if let Err(error) = purge_tombstones(&store, before_ns(tombstones_kept)).await {
+            tracing::warn!("old notes of forgotten views are not purged today: {error}");
+        }
     }
 }
 
-async fn purge(store: &StoreHandle, forgotten_kept: Duration) -> Result<MutationReceipt, Error> {
+/// Time that lies `kept` before now, nanoseconds since 1970, UTC.
+fn before_ns(kept: Duration) -> u64 {
     let wall_ns = wall_clock_ns().max(0) as u64;
-    let before_ns = wall_ns.saturating_sub(forgotten_kept.as_nanos() as u64);
-    let (sender, is_due) = oneshot::channel();
+    wall_ns.saturating_sub(u64::try_from(kept.as_nanos()).unwrap_or(u64::MAX))
+}
+
+/// Purges all that is due, a part at a time; returns the number of views.
+async fn purge(store: &StoreHandle, before_ns: u64) -> Result<u64, Error> {
+    let mut n_views = 0;
+    while ask(store, move |memory| memory.has_purgeable(before_ns)).await? {
+        n_views += mutate(store, StoreChange::Purge { before_ns })
+            .await?
+            .n_views;
+    }
+    Ok(n_views)
+}
+
+async fn purge_tombstones(store: &StoreHandle, before_ns: u64) -> Result<(), Error> {
+    while ask(store, move |memory| {
+        memory.has_purgeable_tombstones(before_ns)
+    })
+    .await?
+    {
+        mutate(store, StoreChange::PurgeTombstones { before_ns }).await?;
+    }
+    Ok(())
+}
+
+async fn ask(
+    store: &StoreHandle,
+    question: impl FnOnce(&PerceptualMemory) -> bool + Send + 'static,
+) -> Result<bool, Error> {
+    let (sender, answer) = oneshot::channel();
     store.read(
-        move |memory| Ok(memory.has_purgeable(before_ns)),
+        move |memory| Ok(question(memory)),
         move |answer| drop(sender.send(answer)),
     );
-    if !is_due.await.unwrap_or(Err(Error::Stopped))? {
-        return Ok(MutationReceipt {
-            sequence: 0,
-            n_views: 0,
-            contradiction: None,
-        });
-    }
+    answer.await.unwrap_or(Err(Error::Stopped))
+}
+
+async fn mutate(store: &StoreHandle, change: StoreChange) -> Result<MutationReceipt, Error> {
     let mutation = Mutation {
         id: MutationId::random()?,
         author: AUTHOR.to_owned(),
         requester: Requester::default(),
-        wall_ns,
-        change: StoreChange::Purge { before_ns },
+        wall_ns: wall_clock_ns().max(0) as u64,
+        change,
     };
     let (sender, purged) = oneshot::channel();
     store.mutate(mutation, move |answer| drop(sender.send(answer)));

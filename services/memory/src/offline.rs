@@ -138,6 +138,7 @@ impl OfflineMemory {
         let (thread, store, report) = StoreThread::start(StoreConfig {
             folder: home.perceptual_memory(),
             queue_capacity: QUEUE_REQUESTS,
+            // Nothing is removed, or moved to the archive, without the daemon's configuration.
             limits: RetentionLimits::default(),
             write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || wall_clock_ns().max(0) as u64,

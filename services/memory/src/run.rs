@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Period of the liveness probe of the store.
 const PROBE: Duration = Duration::from_millis(500);
 /// Time after which a store that is still being opened again counts as hung. Chosen: opening
-/// takes 5 us for each entry of the history, a rebuild a multiple of that.
+/// takes a second, and a rebuild 5 us for each entry of the history.
 const LONGEST_OPENING: Duration = Duration::from_secs(600);
 
 /// Runs the service until shutdown.
@@ -73,7 +73,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     );
     tasks.spawn(
         "the daily purge",
-        daily_purge::run(store, config.forgotten_kept),
+        daily_purge::run(store, config.forgotten_kept, config.tombstones_kept),
     );
     let shutdown = async {
         context.shutdown.requested().await;

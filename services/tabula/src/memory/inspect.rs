@@ -43,14 +43,28 @@ fn stats_text(stats: &MemoryStats) -> String {
         row("documents", stats.n_documents.to_string()),
         row("bytes of content", stats.content_bytes.to_string()),
         row("bytes on disk", stats.disk_bytes.to_string()),
+        row("bytes of archived history", stats.archive_bytes.to_string()),
+        row("bytes of damaged copies", stats.damaged_bytes.to_string()),
+        row(
+            "bytes on disk in a year",
+            match stats.bytes_in_a_year {
+                Some(bytes) => format!("{bytes} by the growth so far"),
+                None => "known after a day".to_owned(),
+            },
+        ),
         row("history entries", stats.sequence.to_string()),
+        row("of them archived", stats.n_archived_entries.to_string()),
         row("next track", stats.next_track_id.to_string()),
         row("schema", stats.schema.to_string()),
         row("memory", format!("{:032x}", stats.memory_id)),
         row("store", format!("{:032x}", stats.store_id)),
     ];
     if stats.n_lost_entries > 0 {
-        rows.insert(8, row("lost entries", stats.n_lost_entries.to_string()));
+        rows.push(row("lost entries", stats.n_lost_entries.to_string()));
+    }
+    if stats.n_dropped_entries > 0 {
+        let n_dropped = stats.n_dropped_entries.to_string();
+        rows.push(row("dropped entries", n_dropped));
     }
     format_table(&["what", "how much"], &rows)
 }

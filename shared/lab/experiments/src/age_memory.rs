@@ -6,6 +6,8 @@
 
 mod opening;
 mod report;
+#[cfg(test)]
+mod tests;
 mod workload;
 
 use crate::arguments::AgeMemoryArguments;
@@ -13,7 +15,7 @@ use crate::output_files::create_folder;
 use command_line::{Output, progress_bar};
 use opening::Opening;
 use perceptual_memory::{
-    Error, PerceptualMemory, RetentionLimits, StoreConfig, StoreHandle, StoreThread,
+    Error, PerceptualMemory, RetentionLimits, StoreChange, StoreConfig, StoreHandle, StoreThread,
     WRITE_BUFFER_BYTES,
 };
 use report::{AgeingReport, AgeingRow};
@@ -30,6 +32,10 @@ const GROUP_CHANGES: u64 = 256;
 const LEASE_IDS: u64 = 4096;
 /// Simulated day, nanoseconds.
 const DAY_NS: u64 = 24 * 3600 * 1_000_000_000;
+
+/// Retention times of forgotten views and of tombstones, as configured by default.
+const FORGOTTEN_KEPT_NS: u64 = 30 * DAY_NS;
+const TOMBSTONES_KEPT_NS: u64 = 400 * DAY_NS;
 
 /// Simulated clock of the store, nanoseconds since 1970.
 static CLOCK_NS: AtomicU64 = AtomicU64::new(START_NS);
@@ -59,7 +65,9 @@ pub fn run(arguments: &AgeMemoryArguments, output: &Output) -> Result<ExitCode, 
         let sentence = format!("{} holds a store already: remove it", folder.display());
         return Err(Failure::usage(sentence));
     }
-    let mut ageing = Ageing::new(folder, arguments)?;
+    let workload = Workload::new(arguments.seed, arguments.categories);
+    let workload = workload.map_err(Failure::general)?;
+    let mut ageing = Ageing::new(folder, arguments.limits(), workload);
     let mut report = AgeingReport::default();
     let last = arguments.changes.iter().max().copied().unwrap_or(0);
     let bar = progress_bar(last, "changes", output);
@@ -85,20 +93,22 @@ struct Ageing {
     folder: PathBuf,
     limits: RetentionLimits,
     workload: Workload,
+    /// Simulated time between two changes, nanoseconds.
+    period_ns: u64,
     n_changes: u64,
     ageing_s: f64,
 }
 
 impl Ageing {
-    fn new(folder: PathBuf, arguments: &AgeMemoryArguments) -> Result<Self, Failure> {
-        let workload = Workload::new(arguments.seed, arguments.categories);
-        Ok(Self {
+    fn new(folder: PathBuf, limits: RetentionLimits, workload: Workload) -> Self {
+        Self {
             folder,
-            limits: arguments.limits(),
-            workload: workload.map_err(Failure::general)?,
+            limits,
+            workload,
+            period_ns: CHANGE_PERIOD_NS,
             n_changes: 0,
             ageing_s: 0.0,
-        })
+        }
     }
 
     /// Ages the store to a number of changes and measures its opening in a process of its own.
@@ -108,7 +118,8 @@ impl Ageing {
         bar: &indicatif::ProgressBar,
     ) -> Result<AgeingRow, Failure> {
         let begun = Instant::now();
-        self.age(n_changes, bar).map_err(Failure::general)?;
+        let aged = self.age(n_changes, |n| bar.set_position(n));
+        aged.map_err(Failure::general)?;
         self.ageing_s += begun.elapsed().as_secs_f64();
         let opening = Opening::in_own_process(&self.folder, simulated_clock(), &self.limits)?;
         Ok(AgeingRow {
@@ -120,13 +131,14 @@ impl Ageing {
         })
     }
 
-    fn age(&mut self, n_changes: u64, bar: &indicatif::ProgressBar) -> Result<(), Error> {
+    /// Ages the store to a number of changes; `progress` gets the number so far.
+    fn age(&mut self, n_changes: u64, progress: impl Fn(u64)) -> Result<(), Error> {
         let (thread, handle, _) = StoreThread::start(store_config(&self.folder, self.limits))?;
         while self.n_changes < n_changes {
             let n = GROUP_CHANGES.min(n_changes - self.n_changes);
             self.change(&handle, n)?;
             self.n_changes += n;
-            bar.set_position(self.n_changes);
+            progress(self.n_changes);
         }
         thread.stop()
     }
@@ -138,12 +150,12 @@ impl Ageing {
             self.workload.lease(first, LEASE_IDS);
         }
         for _ in 0..n {
-            let wall_ns = CLOCK_NS.fetch_add(CHANGE_PERIOD_NS, Ordering::Relaxed);
+            let wall_ns = CLOCK_NS.fetch_add(self.period_ns, Ordering::Relaxed);
             // A refusal is an answer, too: a track may have been pruned meanwhile.
             handle.mutate(self.workload.next(wall_ns), |_| {});
         }
-        if let Some(purge) = self.workload.purge_when_due(simulated_clock()) {
-            handle.mutate_and_wait(purge)?;
+        if self.workload.is_purge_due(simulated_clock()) {
+            self.purge(handle)?;
             // The store of a robot does this when it is idle, which this one never is.
             for step in 0..PerceptualMemory::N_RECORD_STEPS {
                 handle.read_and_wait(move |memory| memory.compact_step(step))?;
@@ -151,6 +163,24 @@ impl Ageing {
         }
         // A read waits for all changes requested before it.
         handle.read_and_wait(|_| Ok(()))
+    }
+}
+
+impl Ageing {
+    /// Purges all that is due, a part at a time.
+    fn purge(&mut self, handle: &StoreHandle) -> Result<(), Error> {
+        let now_ns = simulated_clock();
+        let before_ns = now_ns.saturating_sub(FORGOTTEN_KEPT_NS);
+        while handle.read_and_wait(move |memory| Ok(memory.has_purgeable(before_ns)))? {
+            let purge = StoreChange::Purge { before_ns };
+            handle.mutate_and_wait(self.workload.upkeep(now_ns, purge))?;
+        }
+        let before_ns = now_ns.saturating_sub(TOMBSTONES_KEPT_NS);
+        while handle.read_and_wait(move |memory| Ok(memory.has_purgeable_tombstones(before_ns)))? {
+            let purge = StoreChange::PurgeTombstones { before_ns };
+            handle.mutate_and_wait(self.workload.upkeep(now_ns, purge))?;
+        }
+        Ok(())
     }
 }
 

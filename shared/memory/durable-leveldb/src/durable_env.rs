@@ -18,6 +18,7 @@ use rusty_leveldb::env::{Env, FileLock, Logger, RandomAccess};
 use rusty_leveldb::{PosixDiskEnv, Result};
 
 use crate::env_health::{EnvHealth, FileOperation};
+use crate::read_retry::retried;
 use crate::verified_files::{VerifiedTable, check_log};
 
 /// Minimum length of a table file: its footer. rusty-leveldb subtracts the footer without checking.
@@ -98,7 +99,11 @@ impl Env for DurableEnv {
     /// Reads the whole file at once, since rusty-leveldb takes a short read for the end.
     fn open_sequential_file(&self, path: &Path) -> Result<Box<dyn Read>> {
         let is_current = path.file_name() == Some(OsStr::new("CURRENT"));
-        let bytes = match fs::read(path) {
+        let read = retried(|| {
+            self.health.observe(&FileOperation::Read(path))?;
+            fs::read(path)
+        });
+        let bytes = match read {
             // The sign of a new database.
             Err(error) if is_current && error.kind() == io::ErrorKind::NotFound => {
                 return Err(error.into());
@@ -113,7 +118,7 @@ impl Env for DurableEnv {
     }
 
     fn open_random_access_file(&self, path: &Path) -> Result<Box<dyn RandomAccess>> {
-        let table = VerifiedTable::open(path, Arc::clone(&self.health));
+        let table = retried(|| VerifiedTable::open(path, Arc::clone(&self.health)));
         Ok(Box::new(self.noted(path, table)?))
     }
 
@@ -144,7 +149,8 @@ impl Env for DurableEnv {
     }
 
     fn size_of(&self, path: &Path) -> Result<usize> {
-        let size = self.noted(path, fs::metadata(path))?.len() as usize;
+        let size = retried(|| fs::metadata(path));
+        let size = self.noted(path, size)?.len() as usize;
         if is_table(path) && size < MIN_TABLE_BYTES {
             let error = io::Error::new(io::ErrorKind::InvalidData, "it is too short for a table");
             self.health.note_read_error(path, &error);

@@ -36,9 +36,11 @@ struct HealthState {
 /// record or refuse operations.
 pub type Observer = Box<dyn FnMut(&FileOperation<'_>) -> io::Result<()> + Send>;
 
-/// Change of a file or folder of the database, as seen by an [`Observer`].
+/// Operation on a file or folder of the database, as seen by an [`Observer`].
 #[derive(Debug)]
 pub enum FileOperation<'a> {
+    /// Reading of a database file, once for each attempt.
+    Read(&'a Path),
     /// Creation of a database file.
     Create(&'a Path),
     /// Bytes appended to a database file.

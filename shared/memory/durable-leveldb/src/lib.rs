@@ -8,7 +8,9 @@
 //! - Corruption is never returned as data, nor as a missing key: every block and every log record
 //!   is verified while it is read, and the corruption is reported.
 //! - After a failed write or a detected corruption nothing in the folder is changed any more.
-//! - A damaged database is never deleted: it is renamed, and a rebuilt copy replaces it atomically.
+//! - One failed read is no damage: it is tried again through another descriptor.
+//! - A damaged database is renamed, and a rebuilt copy replaces it atomically. The two newest damaged
+//!   ones are kept.
 //! - A [`StoreFolder`] is open in one process at a time.
 //!
 //! The files are those of LevelDB, in both directions. The crate knows nothing of the content of
@@ -46,6 +48,7 @@ mod mutation_id;
 mod raw_database;
 mod raw_log;
 mod raw_table;
+mod read_retry;
 mod store_folder;
 mod verified_files;
 
@@ -58,4 +61,4 @@ pub use error::{Error, StorageFailure};
 pub use mutation_id::{MutationId, random_id};
 pub use raw_database::RawDatabase;
 pub use rusty_leveldb::WriteBatch;
-pub use store_folder::StoreFolder;
+pub use store_folder::{MAX_DAMAGED, StoreFolder};

@@ -3,7 +3,7 @@
 //! ```text
 //! lock                  locked while the store is open
 //! database/             rusty-leveldb
-//! database.damaged-1/   set aside, never modified again
+//! database.damaged-1/   set aside, never modified again; the two newest are kept
 //! database.rebuilding/  incomplete copy; removed when the store is opened
 //! database.rebuilt/     complete copy that is about to replace the database
 //! checkpoint-1/         copy of the database for a long read; removed after it, or
@@ -18,6 +18,12 @@ use std::path::{Path, PathBuf};
 use crate::database::{Database, WRITE_BUFFER_BYTES};
 use crate::durable_env::sync_folder;
 use crate::error::Error;
+
+/// Name prefix of databases that were set aside.
+const DAMAGED: &str = "database.damaged-";
+
+/// Number of databases that were set aside and are kept.
+pub const MAX_DAMAGED: usize = 2;
 
 /// Name prefix of checkpoint folders.
 const CHECKPOINT: &str = "checkpoint-";
@@ -171,22 +177,42 @@ impl StoreFolder {
         Ok(damaged)
     }
 
-    /// Renames the database to the first free `database.damaged-<n>`; returns the new path.
+    /// Renames the database to `database.damaged-<n>` with the next number, and removes all but the
+    /// [newest of these](MAX_DAMAGED); returns the new path.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] when the database cannot be renamed.
+    /// [`Error::Io`] when the database cannot be renamed, or an older one cannot be removed.
     pub fn set_aside(&self) -> Result<PathBuf, Error> {
-        let mut n = 1;
-        let aside = loop {
-            let path = self.path.join(format!("database.damaged-{n}"));
-            if !path.exists() {
-                break path;
-            }
-            n += 1;
-        };
+        let mut earlier = self.damaged()?;
+        let next = earlier.last().map_or(1, |(n, _)| n + 1);
+        let aside = self.path.join(format!("{DAMAGED}{next}"));
         self.rename(&self.database(), &aside)?;
+        earlier.truncate((earlier.len() + 1).saturating_sub(MAX_DAMAGED));
+        for (_, oldest) in earlier {
+            fs::remove_dir_all(&oldest).map_err(Error::io("removing", oldest))?;
+        }
         Ok(aside)
+    }
+
+    /// Databases that were set aside, with their numbers, oldest first.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] when the folder cannot be listed.
+    pub fn damaged(&self) -> Result<Vec<(u64, PathBuf)>, Error> {
+        let entries = fs::read_dir(&self.path).map_err(Error::io("listing", &self.path))?;
+        let mut damaged = Vec::new();
+        for entry in entries {
+            let entry = entry.map_err(Error::io("listing", &self.path))?;
+            let name = entry.file_name();
+            let number = name.to_str().and_then(|name| name.strip_prefix(DAMAGED));
+            if let Some(number) = number.and_then(|number| number.parse().ok()) {
+                damaged.push((number, entry.path()));
+            }
+        }
+        damaged.sort_unstable();
+        Ok(damaged)
     }
 
     /// `true` if the database has data but no CURRENT file. rusty-leveldb would create a new

@@ -15,7 +15,8 @@ use std::sync::Arc;
 use rusty_leveldb::env::RandomAccess;
 
 use crate::crc32c::{crc32c, unmask};
-use crate::env_health::EnvHealth;
+use crate::env_health::{EnvHealth, FileOperation};
+use crate::read_retry::retried;
 
 /// Length of a table footer: two block handles, padding, and the magic number.
 pub(crate) const FOOTER_BYTES: usize = 48;
@@ -53,9 +54,27 @@ impl VerifiedTable {
         })
     }
 
-    /// Reads `bytes`; returns a description of their corruption, if any.
+    /// Reads `bytes`; returns a description of their corruption, if any. After a failure it reads
+    /// again through another descriptor.
     fn read(&self, offset: u64, bytes: &mut [u8]) -> io::Result<Option<&'static str>> {
-        self.file.read_exact_at(bytes, offset)?;
+        let mut is_first = true;
+        retried(|| {
+            self.health.observe(&FileOperation::Read(&self.path))?;
+            if std::mem::take(&mut is_first) {
+                self.read_from(&self.file, offset, bytes)
+            } else {
+                self.read_from(&File::open(&self.path)?, offset, bytes)
+            }
+        })
+    }
+
+    fn read_from(
+        &self,
+        file: &File,
+        offset: u64,
+        bytes: &mut [u8],
+    ) -> io::Result<Option<&'static str>> {
+        file.read_exact_at(bytes, offset)?;
         if offset + bytes.len() as u64 == self.n_bytes && bytes.len() == FOOTER_BYTES {
             return Ok(check_footer(bytes, self.n_bytes));
         }
@@ -64,8 +83,7 @@ impl VerifiedTable {
         }
         // The filter block is read without its trailer.
         let mut trailer = [0; TRAILER_BYTES];
-        self.file
-            .read_exact_at(&mut trailer, offset + bytes.len() as u64)?;
+        file.read_exact_at(&mut trailer, offset + bytes.len() as u64)?;
         let expected = unmask(le_u32(&trailer[1..]));
         let is_valid = crc32c(&[bytes, &trailer[..1]]) == expected;
         Ok((!is_valid).then_some("the checksum of a block is wrong"))

@@ -20,6 +20,7 @@ pub(crate) fn describe_change(change: &StoreChange) -> String {
         StoreChange::PutDocument(document) => format!("store {}", document.key),
         StoreChange::RemoveDocument(key) => format!("remove {key}"),
         StoreChange::Purge { .. } => "permanently delete forgotten content".to_owned(),
+        StoreChange::PurgeTombstones { .. } => "delete old notes of forgotten content".to_owned(),
         StoreChange::Import { source, .. } => format!("import {source}"),
         _ => "unknown change".to_owned(),
     }

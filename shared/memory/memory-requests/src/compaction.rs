@@ -27,13 +27,15 @@ fn try_run(
     let store = &context.store;
     let before = store.read_and_wait(|memory| memory.stats())?;
     let before_ns = wall_ns().saturating_sub(forgotten_for_s.saturating_mul(NS_PER_S));
-    store.mutate_and_wait(Mutation {
-        id: MutationId::random()?,
-        author: AUTHOR.to_owned(),
-        requester,
-        wall_ns: wall_ns(),
-        change: StoreChange::Purge { before_ns },
-    })?;
+    while store.read_and_wait(move |memory| Ok(memory.has_purgeable(before_ns)))? {
+        store.mutate_and_wait(Mutation {
+            id: MutationId::random()?,
+            author: AUTHOR.to_owned(),
+            requester,
+            wall_ns: wall_ns(),
+            change: StoreChange::Purge { before_ns },
+        })?;
+    }
     publish_position(&context.position, store.position());
     let n_steps = PerceptualMemory::N_COMPACT_STEPS;
     for step in 0..n_steps {

@@ -1,5 +1,6 @@
 //! Read queries on the perceptual memory: statistics, views, history, documents.
 
+use crate::job_context::wall_ns;
 use crate::{history_page, revision, translate};
 use message::control::{
     DocumentReport, MemoryAnswer, MemoryQuery, MemoryStats, Refusal, RefusalKind, ViewReport,
@@ -15,7 +16,7 @@ pub(crate) fn answer(
     query: MemoryQuery,
 ) -> Result<Result<MemoryAnswer, Refusal>, Error> {
     match query {
-        MemoryQuery::Stats => Ok(Ok(MemoryAnswer::Stats(stats(&memory.stats()?)))),
+        MemoryQuery::Stats => Ok(Ok(MemoryAnswer::Stats(stats(&memory.stats_at(wall_ns())?)))),
         MemoryQuery::Views {
             category,
             track_id,
@@ -80,6 +81,11 @@ fn stats(stats: &Stats) -> MemoryStats {
         content_bytes: stats.n_content_bytes,
         disk_bytes: stats.n_disk_bytes,
         next_track_id: stats.next_track_id,
+        n_archived_entries: stats.n_archived_entries,
+        n_dropped_entries: stats.n_dropped_entries,
+        archive_bytes: stats.n_archive_bytes,
+        damaged_bytes: stats.n_damaged_bytes,
+        bytes_in_a_year: stats.n_bytes_in_a_year,
     }
 }
 

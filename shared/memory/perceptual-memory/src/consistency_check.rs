@@ -21,6 +21,7 @@ use crate::history_chain::HistoryChain;
 use crate::index_loading::load_rows;
 use crate::keys;
 use crate::meta::{Meta, SCHEMA};
+use crate::size_record::SizeRecord;
 use crate::store_index::StoreIndex;
 use crate::tombstone::unseal_tombstone;
 use crate::track_id_counter;
@@ -33,6 +34,7 @@ pub(crate) struct ConsistencyReport {
     pub(crate) meta: Option<Meta>,
     /// Checkpoint of the history.
     pub(crate) archived: ArchiveRecord,
+    pub(crate) sizes: SizeRecord,
     pub(crate) index: StoreIndex,
     /// Number of history entries in the database.
     pub(crate) n_recent: u64,
@@ -99,6 +101,9 @@ pub(crate) fn check_consistency(
     }
     if let Some(archived) = read_single(&mut reader, keys::ARCHIVE, &mut found.findings)? {
         found.archived = archived;
+    }
+    if let Some(sizes) = read_single(&mut reader, keys::SIZES, &mut found.findings)? {
+        found.sizes = sizes;
     }
     let (index, damaged_rows) = load_rows(&mut reader)?;
     found.index = index;

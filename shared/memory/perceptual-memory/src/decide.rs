@@ -43,6 +43,9 @@ pub(crate) fn decide(
         StoreChange::PutDocument(document) => Ok(put_document(index, document)),
         StoreChange::RemoveDocument(key) => remove_document(index, key),
         StoreChange::Purge { before_ns } => Ok(purge::decide(index, *before_ns)),
+        StoreChange::PurgeTombstones { before_ns } => {
+            Ok(purge::decide_tombstones(index, *before_ns))
+        }
         StoreChange::Undo { .. } => Err(StoreRefusal::NothingToUndo),
     }
 }

@@ -16,6 +16,8 @@ pub(crate) const BLOB: u8 = b'b';
 pub(crate) const DESCRIPTOR: u8 = b'd';
 /// Table of history entries: `h`, sequence number.
 pub(crate) const HISTORY: u8 = b'h';
+/// Record of the store's sizes: `s`.
+pub(crate) const SIZES: u8 = b's';
 /// Table of index rows: `i`, track-id, view id.
 pub(crate) const ROW: u8 = b'i';
 /// Table of label registers of schema 2, only for views with a decision: `l`, track-id, view id.
@@ -113,6 +115,7 @@ pub(crate) fn in_words(key: &[u8]) -> String {
             format!("{document}, as of entry {sequence}")
         }
         (META, ..) => "the record about the store".to_owned(),
+        (SIZES, ..) => "the record of the store's sizes".to_owned(),
         (ARCHIVE, ..) => "the record about the archived history".to_owned(),
         _ => format!("the record {}", key.escape_ascii()),
     }

@@ -81,6 +81,7 @@ mod retention_limits;
 mod salvage;
 mod schema_1;
 mod set_digest;
+mod size_record;
 mod store_index;
 mod store_thread;
 mod tombstone;

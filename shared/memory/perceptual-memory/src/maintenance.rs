@@ -1,6 +1,7 @@
 //! Maintenance: stepwise compaction, and statistics of the store.
 
 use std::fs;
+use std::path::Path;
 
 use crate::error::{Error, StorageError};
 use crate::keys;
@@ -61,6 +62,11 @@ pub struct Stats {
     pub n_disk_bytes: u64,
     /// Size of the archived history, bytes.
     pub n_archive_bytes: u64,
+    /// Size of damaged databases that were set aside, bytes.
+    pub n_damaged_bytes: u64,
+    /// Forecast of the size of database and archive in a year, bytes, from the growth of the last
+    /// month; `None` on the first day.
+    pub n_bytes_in_a_year: Option<u64>,
     /// First track-id that was never leased.
     pub next_track_id: u64,
 }
@@ -90,6 +96,13 @@ impl PerceptualMemory {
         !purge::decide(&self.index, before_ns).effects.is_empty()
     }
 
+    /// `true` if a tombstone, or the note of a removed document, is older than a time.
+    pub fn has_purgeable_tombstones(&self, before_ns: u64) -> bool {
+        !purge::decide_tombstones(&self.index, before_ns)
+            .effects
+            .is_empty()
+    }
+
     /// `true` if more than a third of the database files is content of deleted records, beyond some
     /// write buffers: compacting all of it pays.
     pub(crate) fn has_much_garbage(&self, write_buffer_bytes: u64) -> bool {
@@ -102,21 +115,31 @@ impl PerceptualMemory {
     }
 
     /// Size of the database files, bytes.
-    fn database_bytes(&self) -> Result<u64, Error> {
-        let database = self.folder.database();
-        let files = fs::read_dir(&database).map_err(StorageError::io("listing", &database))?;
-        let sizes = files.flatten().filter_map(|file| file.metadata().ok());
-        Ok(sizes.map(|size| size.len()).sum())
+    pub(crate) fn database_bytes(&self) -> Result<u64, Error> {
+        folder_bytes(&self.folder.database())
     }
 
-    /// Statistics of the store.
+    /// Statistics of the store at the time of the last mutation, or of the opening.
     ///
     /// # Errors
     ///
     /// [`StorageError::Io`] when the folder cannot be listed.
     pub fn stats(&self) -> Result<Stats, Error> {
+        self.stats_at(self.last_wall_ns)
+    }
+
+    /// Statistics of the store at a time, nanoseconds since 1970, UTC.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Io`] when the folder cannot be listed.
+    pub fn stats_at(&self, wall_ns: u64) -> Result<Stats, Error> {
         let index = &self.index;
         let archived = &self.archive.record;
+        let n_disk_bytes = self.database_bytes()?;
+        let n_bytes = n_disk_bytes + archived.n_bytes;
+        let damaged = self.folder.damaged()?;
+        let damaged = damaged.iter().map(|(_, path)| folder_bytes(path));
         Ok(Stats {
             store_id: self.store_id(),
             memory_id: self.memory_id(),
@@ -132,11 +155,20 @@ impl PerceptualMemory {
             n_documents: index.documents().count() as u64,
             n_tombstones: index.n_tombstones() as u64,
             n_content_bytes: index.all().map(|(_, entry)| entry.n_bytes()).sum(),
-            n_disk_bytes: self.database_bytes()?,
+            n_disk_bytes,
             n_archive_bytes: archived.n_bytes,
+            n_damaged_bytes: damaged.sum::<Result<u64, Error>>()?,
+            n_bytes_in_a_year: self.sizes.forecast(wall_ns, n_bytes),
             next_track_id: self.meta.next_track_id,
         })
     }
+}
+
+/// Total size of the files in a folder, bytes. A file that is removed meanwhile does not count.
+fn folder_bytes(folder: &Path) -> Result<u64, Error> {
+    let files = fs::read_dir(folder).map_err(StorageError::io("listing", folder))?;
+    let sizes = files.flatten().filter_map(|file| file.metadata().ok());
+    Ok(sizes.map(|size| size.len()).sum())
 }
 
 /// First and last key of a compaction step.

@@ -92,8 +92,17 @@ pub enum StoreChange {
     PutDocument(MemoryDocument),
     /// Remove a document.
     RemoveDocument(DocumentKey),
-    /// Permanently delete content that was forgotten or replaced before a time.
+    /// Permanently delete content that was forgotten or replaced before a time: up to a thousand
+    /// views and as many versions of documents. Repeat it while [something is due].
+    ///
+    /// [something is due]: crate::PerceptualMemory::has_purgeable
     Purge {
+        /// Cut-off time, nanoseconds since 1970, UTC.
+        before_ns: u64,
+    },
+    /// Delete up to a thousand tombstones of views that were forgotten, and notes of documents that
+    /// were removed, before a time. A merge can bring these back from then on.
+    PurgeTombstones {
         /// Cut-off time, nanoseconds since 1970, UTC.
         before_ns: u64,
     },

@@ -232,6 +232,7 @@ pub(crate) fn open(
     };
     let mut memory = PerceptualMemory::new((engine, archive), index, meta, watermark, folder);
     memory.set_limits(limits);
+    memory.sizes = examination.sizes;
     memory.last_wall_ns = wall_ns;
     Ok((memory, report))
 }

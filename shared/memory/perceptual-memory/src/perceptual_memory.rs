@@ -17,6 +17,7 @@ use crate::model::{Effect, MutationReceipt, RetentionLimits};
 use crate::mutation::{Mutation, StoreChange};
 use crate::record_batch::RecordBatch;
 use crate::record_reader::read_entry;
+use crate::size_record::SizeRecord;
 use crate::store_index::StoreIndex;
 use crate::undo;
 use crate::watermark::Watermark;
@@ -36,6 +37,7 @@ pub struct PerceptualMemory {
     pub(crate) index: StoreIndex,
     pub(crate) meta: Meta,
     pub(crate) limits: RetentionLimits,
+    pub(crate) sizes: SizeRecord,
     /// Wall-clock time of the last mutation, for entries that the store writes itself.
     pub(crate) last_wall_ns: u64,
     pub(crate) archive: HistoryArchive,
@@ -71,6 +73,7 @@ impl PerceptualMemory {
             index,
             meta,
             limits: RetentionLimits::default(),
+            sizes: SizeRecord::default(),
             last_wall_ns: 0,
             archive,
             segment: None,

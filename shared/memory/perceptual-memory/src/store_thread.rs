@@ -375,6 +375,7 @@ impl StoreLoop {
         self.archive();
         if !self.has_archiving {
             self.compact_when_idle();
+            self.record_size();
         }
     }
 
@@ -388,6 +389,14 @@ impl StoreLoop {
             if memory.n_recent_entries() > most {
                 self.archive();
             }
+        }
+    }
+
+    fn record_size(&mut self) {
+        let wall_ns = (self.config.wall_clock)();
+        if let Some(memory) = self.memory.as_mut().filter(|m| m.failure().is_none()) {
+            // A failure makes the store unusable, which the next request finds.
+            let _ = memory.record_size_when_due(wall_ns);
         }
     }
 

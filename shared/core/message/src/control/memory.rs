@@ -188,6 +188,21 @@ pub struct MemoryStats {
     pub disk_bytes: u64,
     /// Next track-id to be leased.
     pub next_track_id: u64,
+    /// Number of history entries in the archive.
+    #[serde(default)]
+    pub n_archived_entries: u64,
+    /// Number of the oldest history entries that were dropped for the limit of the archive.
+    #[serde(default)]
+    pub n_dropped_entries: u64,
+    /// Size of the archived history, bytes.
+    #[serde(default)]
+    pub archive_bytes: u64,
+    /// Size of damaged databases that were set aside, bytes.
+    #[serde(default)]
+    pub damaged_bytes: u64,
+    /// Forecast of the size of database and archive in a year, bytes; null on the first day.
+    #[serde(default)]
+    pub bytes_in_a_year: Option<u64>,
 }
 
 /// Metadata of a stored view.

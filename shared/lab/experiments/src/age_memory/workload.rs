@@ -16,8 +16,6 @@ pub(super) const START_NS: u64 = 1_700_000_000_000_000_000;
 pub(super) const CHANGE_PERIOD_NS: u64 = 3_000_000_000;
 
 const DAY_NS: u64 = 24 * 3600 * 1_000_000_000;
-/// Retention time of forgotten views before they are purged, as configured by default.
-const FORGOTTEN_KEPT_NS: u64 = 30 * DAY_NS;
 /// Number of recent tracks that teachers refer to.
 const N_RECENT_TRACKS: usize = 256;
 /// Length of a descriptor; a short one, since its length does not affect what ages.
@@ -80,15 +78,18 @@ impl Workload {
         self.mutation("anna", wall_ns, change)
     }
 
-    /// Daily purge of forgotten views, when it is due.
-    pub(super) fn purge_when_due(&mut self, wall_ns: u64) -> Option<Mutation> {
-        if wall_ns < self.next_purge_ns {
-            return None;
+    /// `true` once a simulated day, when purges are due.
+    pub(super) fn is_purge_due(&mut self, wall_ns: u64) -> bool {
+        let is_due = wall_ns >= self.next_purge_ns;
+        if is_due {
+            self.next_purge_ns = wall_ns + DAY_NS;
         }
-        self.next_purge_ns = wall_ns + DAY_NS;
-        let before_ns = wall_ns.saturating_sub(FORGOTTEN_KEPT_NS);
-        let purge = StoreChange::Purge { before_ns };
-        Some(self.mutation("upkeep", wall_ns, purge))
+        is_due
+    }
+
+    /// Change that the robot makes itself.
+    pub(super) fn upkeep(&mut self, wall_ns: u64, change: StoreChange) -> Mutation {
+        self.mutation("upkeep", wall_ns, change)
     }
 
     fn mutation(&mut self, author: &str, wall_ns: u64, change: StoreChange) -> Mutation {

@@ -127,7 +127,7 @@ fn synced_write_is_one_fdatasync() {
     let seen = Arc::clone(&counts);
     memory.engine.set_observer(Box::new(move |change| {
         let i = match change {
-            FileOperation::Write(..) => return Ok(()),
+            FileOperation::Write(..) | FileOperation::Read(_) => return Ok(()),
             FileOperation::Sync(_) => 0,
             FileOperation::SyncFolder(_) => 1,
             _ => 2,
@@ -168,6 +168,7 @@ fn journaling(store: &Path, journal: &Journal) -> Observer {
     Box::new(move |change| {
         let inner = |path: &Path| path.strip_prefix(&store).unwrap().to_owned();
         let event = match change {
+            FileOperation::Read(_) => return Ok(()),
             FileOperation::Create(path) => Event::Create(inner(path)),
             FileOperation::Write(path, bytes) => Event::Write(inner(path), bytes.to_vec()),
             FileOperation::Sync(path) => Event::Sync(inner(path)),
@@ -483,7 +484,10 @@ fn long_power_cut_while_opening_loses_nothing() {
 /// files.
 fn disk_full_after(n: usize) -> Observer {
     let mut n_asked = 0;
-    Box::new(move |_| {
+    Box::new(move |operation| {
+        if matches!(operation, FileOperation::Read(_)) {
+            return Ok(());
+        }
         n_asked += 1;
         if n_asked == n + 1 {
             Err(io::Error::from(io::ErrorKind::StorageFull))
@@ -601,4 +605,38 @@ fn failed_store_is_reopened_by_its_thread() {
         names.contains(&folder.path().join("database.damaged-1")),
         "{names:?}"
     );
+}
+
+/// Observer that makes every `n`-th read fail for the medium, or all of them.
+fn unreadable(n: u32) -> Observer {
+    /// Linux error code of a medium that could not be read.
+    const EIO: i32 = 5;
+    let mut n_reads = 0;
+    Box::new(move |operation| {
+        n_reads += u32::from(matches!(operation, FileOperation::Read(_)));
+        if matches!(operation, FileOperation::Read(_)) && n_reads % n == 0 {
+            return Err(io::Error::from_raw_os_error(EIO));
+        }
+        Ok(())
+    })
+}
+
+#[test]
+fn read_error_that_passes_is_no_damage() {
+    let folder = folder();
+    let (mut memory, _) = open(folder.path());
+    memory.lease_track_ids(N_TRACKS).unwrap();
+    for n in 0..40 {
+        memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
+    }
+    memory.close().unwrap();
+    let (mut memory, _) = open(folder.path());
+    memory.engine.set_observer(unreadable(2));
+    for track in 0..20 {
+        assert_eq!(memory.views_of_track(track).unwrap().len(), 1);
+    }
+    memory.engine.set_observer(unreadable(1));
+    let read = (0..20).try_for_each(|track| memory.views_of_track(track).map(|_| ()));
+    let is_damage = matches!(read, Err(Error::Storage(StorageError::Damaged { .. })));
+    assert!(is_damage, "an error that stays is damage: {read:?}");
 }

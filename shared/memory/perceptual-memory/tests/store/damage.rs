@@ -445,9 +445,9 @@ fn missing_database_is_reported() {
 }
 
 #[test]
-fn damaged_databases_are_kept() {
+fn two_newest_damaged_databases_are_kept() {
     let folder = whole_store(true);
-    for n in 1..=3 {
+    for n in 1..=4 {
         fs::write(folder.path().join("database/CURRENT"), "MANIFEST-999999\n").unwrap();
         let (memory, report) = open(&folder);
         assert!(report.is_damage() && !report.is_loss(), "{report}");
@@ -457,7 +457,10 @@ fn damaged_databases_are_kept() {
                 .join(format!("database.damaged-{n}/CURRENT"))
                 .exists()
         );
-        if n == 3 {
+        let is_kept = |n: u32| folder.path().join(format!("database.damaged-{n}")).exists();
+        let kept: Vec<u32> = (1..=n).filter(|n| is_kept(*n)).collect();
+        assert_eq!(kept, (n.saturating_sub(1).max(1)..=n).collect::<Vec<_>>());
+        if n == 4 {
             check_it_goes_on(&folder, memory);
         }
     }

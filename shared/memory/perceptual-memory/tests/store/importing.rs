@@ -281,3 +281,61 @@ fn import_of_own_view_under_a_track_id_never_leased_gets_another_id() {
     assert_eq!(report.condition, Condition::Sound, "{report}");
     assert_eq!(memory.lease_track_ids(1).unwrap(), 7);
 }
+
+#[test]
+fn tombstone_blocks_a_merge_until_it_is_purged() {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    apply(
+        &mut memory,
+        &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")],
+    );
+    let before = exported(&memory);
+    let forget = StoreChange::Forget(Target::Track(1));
+    let purge = |before_ns| StoreChange::Purge { before_ns };
+    let purge_notes = |before_ns| StoreChange::PurgeTombstones { before_ns };
+    apply(
+        &mut memory,
+        &[mutation(3, forget), mutation(4, purge(u64::MAX))],
+    );
+    // The view was forgotten at `NOW_NS + 3`.
+    assert!(!memory.has_purgeable_tombstones(NOW_NS + 3));
+    apply(
+        &mut memory,
+        &[mutation(5, purge_notes(NOW_NS + 3)), import(6, &before)],
+    );
+    assert_eq!(counts(&memory), []);
+    assert_eq!(memory.stats().unwrap().n_tombstones, 1);
+    drop(memory);
+    let (mut memory, report) = open(&folder);
+    assert_eq!(report.condition, Condition::Sound, "{report}");
+    apply(&mut memory, &[import(7, &before)]);
+    assert_eq!(counts(&memory), []);
+    assert!(memory.has_purgeable_tombstones(NOW_NS + 4));
+    apply(&mut memory, &[mutation(8, purge_notes(NOW_NS + 4))]);
+    assert_eq!(memory.stats().unwrap().n_tombstones, 0);
+    apply(&mut memory, &[import(9, &before)]);
+    assert_eq!(counts(&memory), [("Mug".to_owned(), 1)]);
+    let found = memory.checkpoint().unwrap().open().unwrap();
+    assert_eq!(found.verify(|_| {}).unwrap().findings, [""; 0]);
+}
+
+#[test]
+fn purge_deletes_a_limited_number_of_views_at_once() {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    for track in 1..=2 {
+        let views = (0..600).map(|i| view(track, i, 0)).collect();
+        let forget = StoreChange::Forget(Target::Track(track));
+        let id = u128::from(10 * track);
+        apply(&mut memory, &[store(id, views), mutation(id + 1, forget)]);
+    }
+    let mut n_views = Vec::new();
+    while memory.has_purgeable(u64::MAX) {
+        let id = 100 + n_views.len() as u128;
+        let before_ns = u64::MAX;
+        let purge = mutation(id, StoreChange::Purge { before_ns });
+        n_views.push(apply(&mut memory, &[purge])[0].n_views);
+    }
+    assert_eq!(n_views, [1000, 200]);
+}
