@@ -32,6 +32,9 @@ pub(crate) fn retried<T>(mut read: impl FnMut() -> io::Result<T>) -> io::Result<
 mod tests {
     use super::*;
 
+    /// Linux error code of a file that does not exist.
+    const ENOENT: i32 = 2;
+
     #[test]
     fn read_is_retried_only_after_an_error_of_the_medium() {
         let attempts = |n_failures: u32, code: i32| {
@@ -49,8 +52,6 @@ mod tests {
         assert_eq!(attempts(0, EIO), (1, true));
         assert_eq!(attempts(3, EIO), (4, true));
         assert_eq!(attempts(9, EIO), (4, false));
-        /// No such file.
-        const ENOENT: i32 = 2;
         assert_eq!(attempts(1, ENOENT), (1, false));
     }
 }

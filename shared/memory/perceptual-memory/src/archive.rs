@@ -5,7 +5,7 @@
 //! history/000000004097-000000008192
 //! ```
 //!
-//! A segment counts only up to the [checkpoint](ArchiveRecord) in the database; what a crash left
+//! A segment counts only up to the end in the [archive record](ArchiveRecord) of the database; what a crash left
 //! beyond it is removed when the store is opened.
 
 mod answered_mutations;
@@ -29,7 +29,7 @@ use crate::digest::Digest;
 use crate::error::{Error, StorageError};
 use crate::history::HistoryEntry;
 
-/// Archive of a store, with the checkpoint up to which it counts.
+/// Archive of a store, with the record that says up to which entry it counts.
 pub(crate) struct HistoryArchive {
     folder: PathBuf,
     pub(crate) record: ArchiveRecord,
@@ -77,7 +77,7 @@ impl HistoryArchive {
         })
     }
 
-    /// Opens all of an archive whose checkpoint is lost.
+    /// Opens all of an archive whose record is lost.
     pub(crate) fn open_all(folder: PathBuf) -> Result<Self, Error> {
         let mut extents: Vec<(u64, u64)> = file_names(&folder)?
             .iter()
@@ -138,14 +138,11 @@ impl HistoryArchive {
         let Some((&first, &last)) = segment.filter(|(_, last)| sequence <= **last) else {
             return Ok(None);
         };
-        let (_, segment) = match self.open.take_if(|(open, _)| *open == first) {
-            Some(open) => self.open.insert(open),
-            None => {
-                let segment = self.open_segment(first, last)?;
-                self.open.insert((first, segment))
-            }
-        };
-        segment.entry(sequence)
+        if self.open.as_ref().is_none_or(|(open, _)| *open != first) {
+            self.open = Some((first, self.open_segment(first, last)?));
+        }
+        let segment = self.open.as_ref();
+        segment.map_or(Ok(None), |(_, segment)| segment.entry(sequence))
     }
 
     /// Extents of all segments, in order.
@@ -181,7 +178,7 @@ impl HistoryArchive {
         SegmentWriter::begin(engine, &self.segment_path(first, last), &self.record)
     }
 
-    /// Completes a segment; returns the checkpoint behind it, to be committed.
+    /// Completes a segment; returns the archive record with it, to be committed.
     pub(crate) fn finish_segment(
         &mut self,
         writer: SegmentWriter,
@@ -234,11 +231,13 @@ impl HistoryArchive {
 
     /// Forgets the idempotency keys of segments that end before a time.
     pub(crate) fn expire_answered(&mut self, before_ns: u64) {
-        let is_expired = |segment: &mut AnsweredSegment| segment.last_wall_ns < before_ns;
-        while self.answered.pop_front_if(is_expired).is_some() {}
+        let is_expired = |segment: &AnsweredSegment| segment.last_wall_ns < before_ns;
+        while self.answered.front().is_some_and(is_expired) {
+            self.answered.pop_front();
+        }
     }
 
-    /// First and last entry of the oldest segment, and the checkpoint that gives it as dropped;
+    /// First and last entry of the oldest segment, and the archive record that gives it as dropped;
     /// `None` while a checkpoint is read, or for the last segment.
     pub(crate) fn oldest(&self) -> Option<((u64, u64), ArchiveRecord)> {
         let is_read = Arc::strong_count(&self.readers) > 1;
@@ -253,7 +252,7 @@ impl HistoryArchive {
         (self.segments.len() > 1).then_some(((first, last), record))
     }
 
-    /// Removes the file of a segment that the checkpoint gives as dropped.
+    /// Removes the file of a segment that the archive record gives as dropped.
     pub(crate) fn remove_segment(&mut self, (first, last): (u64, u64)) -> Result<(), Error> {
         self.segments.remove(&first);
         self.answered.retain(|segment| segment.first != first);

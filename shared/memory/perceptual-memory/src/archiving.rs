@@ -1,7 +1,7 @@
 //! Archiving: moves the oldest history entries from the database to the archive, in steps that are
 //! short enough for a waiting request.
 //!
-//! The segment is on disk, with its name, before the batch that advances the checkpoint and removes
+//! The segment is on disk, with its name, before the batch that advances the archive record and removes
 //! its entries from the database. A crash between the two leaves the entries twice, and the segment
 //! is written again.
 
@@ -79,7 +79,7 @@ impl PerceptualMemory {
     /// [`StorageError::Io`](crate::StorageError::Io) when the segment cannot be written,
     /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`]. The entries are in the database until they are in the archive.
     pub fn archive_step(&mut self) -> Result<ArchivingStep, Error> {
-        // The checkpoint must not be written with staged changes.
+        // The archive record must not be written with staged changes.
         self.commit()?;
         if let Some(record) = self.completed_segment.take() {
             self.commit_segment(record)?;
@@ -145,7 +145,7 @@ impl PerceptualMemory {
         writer.append(&entries, last + 1)
     }
 
-    /// Advances the checkpoint and removes the archived entries from the database.
+    /// Advances the archive record and removes the archived entries from the database.
     fn commit_segment(&mut self, record: ArchiveRecord) -> Result<(), Error> {
         let mut batch = RecordBatch::default();
         batch.put(&[keys::ARCHIVE], &record);
@@ -163,7 +163,7 @@ impl PerceptualMemory {
         Ok(())
     }
 
-    /// Drops the oldest segment when the archive is above its limit. The checkpoint comes first: a
+    /// Drops the oldest segment when the archive is above its limit. The archive record comes first: a
     /// file that it gives as dropped is removed at the next opening at the latest.
     fn drop_oldest_segment(&mut self) -> Result<ArchivingStep, Error> {
         if self.archive.record.n_bytes <= self.limits.history.archive_max_bytes {

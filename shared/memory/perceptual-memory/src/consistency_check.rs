@@ -1,5 +1,5 @@
 //! Consistency check of an opening: loads the index and compares it with the digest of all records
-//! in the metadata; reads the history from its checkpoint on, and checks its chain.
+//! in the metadata; reads the history behind the archived part, and checks its chain.
 //!
 //! [`crate::history_verification`] compares the records with the whole history.
 
@@ -32,7 +32,7 @@ use crate::watermark::WatermarkRecord;
 pub(crate) struct ConsistencyReport {
     /// Metadata record; `None` for a database that was just created.
     pub(crate) meta: Option<Meta>,
-    /// Checkpoint of the history.
+    /// Extent of the archived history.
     pub(crate) archived: ArchiveRecord,
     pub(crate) sizes: SizeRecord,
     pub(crate) index: StoreIndex,

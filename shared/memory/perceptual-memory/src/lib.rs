@@ -8,7 +8,9 @@
 //! Corruption is detected when the store is opened or a record is read; it is reported and never
 //! returned as data.
 //!
-//! This crate never deletes a damaged database, never reads a clock (times are arguments), writes
+//! Old history entries are moved to an archive in steps; see [`HistoryLimits`].
+//!
+//! This crate keeps the two newest damaged databases, never reads a clock (times are arguments), writes
 //! no log (reports are return values), and depends neither on tokio, nor on the messages, nor on
 //! the use of descriptors by recognition.
 //!

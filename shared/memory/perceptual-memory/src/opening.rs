@@ -151,11 +151,11 @@ impl fmt::Display for OpenReport {
 impl PerceptualMemory {
     /// Opens or creates the store in `folder` and returns a report of its condition.
     ///
-    /// A damaged database is never deleted and never stops the daemon: its intact records are
-    /// copied, the damaged database is renamed, and the report counts the losses. `wall_ns` is the
+    /// A damaged database never stops the daemon: its intact records are copied, the damaged
+    /// database is renamed, and the report counts the losses. `wall_ns` is the
     /// present time, nanoseconds since 1970, UTC, for the history entry about a rebuild.
     ///
-    /// Reads the index rows, and the history from its checkpoint on.
+    /// Reads the index rows, and the history behind its archived part.
     ///
     /// # Errors
     ///

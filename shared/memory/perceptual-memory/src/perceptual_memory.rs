@@ -43,7 +43,7 @@ pub struct PerceptualMemory {
     pub(crate) archive: HistoryArchive,
     /// Archive segment that is being written.
     pub(crate) segment: Option<SegmentWriter>,
-    /// Checkpoint behind a segment that is complete, to be committed.
+    /// Archive record with a segment that is complete, to be committed.
     pub(crate) completed_segment: Option<ArchiveRecord>,
     watermark: Watermark,
     staged: Staged,

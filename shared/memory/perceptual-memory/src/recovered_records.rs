@@ -27,7 +27,7 @@ pub(crate) struct RecoveredRecords {
     pub(crate) migrated_from: Option<u32>,
     pub(crate) memory_id: u128,
     pub(crate) next_track_id: u64,
-    /// Checkpoint of the history; the entries up to it are archived.
+    /// Extent of the archived history.
     pub(crate) archived: ArchiveRecord,
     /// Content that the archived entries imply.
     pub(crate) base: HistoryProjection,

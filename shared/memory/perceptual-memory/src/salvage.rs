@@ -78,7 +78,7 @@ pub(crate) fn salvage(
     }))
 }
 
-/// Opens the archive up to the checkpoint in the database; if that is lost, all of it counts.
+/// Opens the archive up to the end that its record in the database states; if that is lost, all of it counts.
 fn open_archive(folder: &StoreFolder, raw: &RawDatabase) -> Result<HistoryArchive, Error> {
     let path = archive::path(folder);
     let key = [keys::ARCHIVE];

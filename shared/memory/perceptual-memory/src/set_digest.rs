@@ -48,11 +48,19 @@ mod tests {
             kept in prop::collection::vec(any::<u128>(), 1..20),
             gone in prop::collection::vec(any::<u128>(), 0..20),
         ) {
-            let mut digest = SetDigest::default();
-            gone.iter().chain(&kept).for_each(|record| digest.add(Digest(*record)));
-            gone.iter().for_each(|record| digest.remove(Digest(*record)));
-            let mut alone = SetDigest::default();
-            kept.iter().rev().for_each(|record| alone.add(Digest(*record)));
+            let of = |records: &[u128]| {
+                let mut digest = SetDigest::default();
+                for record in records {
+                    digest.add(Digest(*record));
+                }
+                digest
+            };
+            let mut digest = of(&[gone.clone(), kept.clone()].concat());
+            for record in &gone {
+                digest.remove(Digest(*record));
+            }
+            let backwards: Vec<u128> = kept.iter().rev().copied().collect();
+            let mut alone = of(&backwards);
             prop_assert_eq!(digest, alone);
             alone.remove(Digest(kept[0]));
             prop_assert_eq!(digest == alone, kept[0] == 0);

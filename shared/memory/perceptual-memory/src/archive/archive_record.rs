@@ -1,11 +1,11 @@
-//! Record about the archived part of the history: the checkpoint from which the entries in the
+//! Archive record: the extent of the archived part of the history, after which the entries in the
 //! database go on.
 
 use serde::{Deserialize, Serialize};
 
 use crate::digest::Digest;
 
-/// Checkpoint of the history. It is advanced in the batch that removes the archived entries from
+/// Extent of the archive. It is advanced in the batch that removes the archived entries from
 /// the database.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct ArchiveRecord {

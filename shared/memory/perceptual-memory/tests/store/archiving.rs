@@ -93,7 +93,7 @@ fn archive_keeps_the_whole_history_readable() {
     assert!(stats.n_archive_bytes > 0);
     for _ in 0..2 {
         assert_eq!(history(&mut memory), before);
-        // A page across the checkpoint.
+        // A page from the archive and the database.
         let page = memory.history(2 * N_TRACKS - KEPT - 1, 4).unwrap();
         let sequences: Vec<u64> = page.iter().map(|entry| entry.sequence).collect();
         let first = 2 * N_TRACKS - KEPT - 1;
@@ -147,7 +147,7 @@ fn archived_mutation_is_forgotten_after_its_time() {
 }
 
 #[test]
-fn replica_before_the_checkpoint_loads_again() {
+fn replica_with_an_archived_position_loads_again() {
     let (_folder, mut memory) = taught_store();
     let mut follower = Follower::load(&mut memory, 0, |_| {});
     apply(&mut memory, &[correct(100, 1, "Cup")]);
@@ -188,7 +188,7 @@ pub(crate) fn records(memory: &mut PerceptualMemory) -> BTreeMap<Vec<u8>, Vec<u8
 }
 
 #[test]
-fn segment_beyond_the_checkpoint_does_not_count() {
+fn segment_beyond_the_archive_record_does_not_count() {
     let (folder, mut memory) = taught_store();
     let before = history(&mut memory);
     // As a crash leaves it: the segment is there, its entries are still in the database.
