@@ -48,6 +48,7 @@ pub(super) fn store(home: &Path, n_views: usize) -> Result<u64, Failure> {
         write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| ()),
+        on_notice: Box::new(|_| ()),
     };
     let (thread, store, _) = StoreThread::start(config).map_err(failed)?;
     let per_track = (n_views / N_TRACKS_MIN).clamp(1, VIEWS_PER_TRACK_MAX);

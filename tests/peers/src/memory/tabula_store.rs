@@ -120,6 +120,7 @@ fn start(folder: &Path) -> (StoreThread, StoreHandle) {
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| panic!("the store was reopened after a fault")),
+        on_notice: Box::new(|notice| panic!("{notice}")),
     };
     let (thread, handle, _) = StoreThread::start(config).expect("a store");
     (thread, handle)
