@@ -131,6 +131,11 @@ impl Config {
 impl RawConfig {
     /// First violated rule, if any. NaN violates every range.
     fn check(&self) -> Result<(), &'static str> {
+        self.check_perceptual_memory()?;
+        self.check_working_memory()
+    }
+
+    fn check_perceptual_memory(&self) -> Result<(), &'static str> {
         check_rules([
             (
                 (1..=1_000_000).contains(&self.queue_requests),
@@ -176,6 +181,11 @@ impl RawConfig {
                 (1..=36_500).contains(&self.request_ids_kept_days),
                 "[memory] request_ids_kept_days must lie between 1 and 36500",
             ),
+        ])
+    }
+
+    fn check_working_memory(&self) -> Result<(), &'static str> {
+        check_rules([
             (
                 (50..=60_000).contains(&self.world_period_ms),
                 "[memory] world_period_ms must lie between 50 and 60000",

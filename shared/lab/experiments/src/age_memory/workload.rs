@@ -97,6 +97,7 @@ impl Workload {
         Mutation {
             id: MutationId(self.n_mutations),
             author: author.to_owned(),
+            requester: perceptual_memory::Requester::default(),
             wall_ns,
             change,
         }

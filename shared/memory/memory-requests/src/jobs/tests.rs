@@ -31,6 +31,7 @@ impl Fixture {
             write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || 1,
             on_reopened: Box::new(|_| {}),
+            on_notice: Box::new(|_| {}),
         })
         .unwrap();
         let jobs = Jobs::new(JobContext {
