@@ -19,6 +19,8 @@ mod command_line;
 mod fakenect;
 /// Processes that are killed, stopped, or cannot start.
 mod faults;
+/// A disk without room.
+mod full_disk;
 /// Hostile clients of the control socket.
 mod hostile_clients;
 /// Language rules of headlines and type names.

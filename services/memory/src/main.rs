@@ -5,6 +5,7 @@ mod config;
 mod control;
 mod daily_purge;
 mod event_report;
+mod health_conditions;
 mod offline;
 mod process_table;
 mod request_router;

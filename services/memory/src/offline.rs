@@ -140,6 +140,7 @@ impl OfflineMemory {
             queue_capacity: QUEUE_REQUESTS,
             // Nothing is removed, or moved to the archive, without the daemon's configuration.
             limits: RetentionLimits::default(),
+            volatile: None,
             write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || wall_clock_ns().max(0) as u64,
             on_reopened: Box::new(|_| {}),

@@ -4,6 +4,7 @@ use crate::change_publisher::ChangePublisher;
 use crate::config::Config;
 use crate::control;
 use crate::daily_purge;
+use crate::health_conditions::{Condition, HealthConditions, Store};
 use crate::process_table::ProcessTable;
 use crate::request_router::RequestRouter;
 use crate::scene_follower::SceneFollower;
@@ -11,7 +12,7 @@ use crate::working_memory::WorkingMemory;
 use crate::world_model_updater::WorldModelUpdater;
 use channel::control::Client;
 use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
-use message::{ProcessKind, ProcessState};
+use message::ProcessKind;
 use perceptual_memory::{OpenReport, StoreConfig, StoreHandle, StoreThread};
 use service::{Context, Failure, HealthCounters, TaskGroup, wall_clock_ns};
 use std::sync::Arc;
@@ -30,9 +31,10 @@ const LONGEST_OPENING: Duration = Duration::from_secs(600);
 /// When the store cannot be opened or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
     context.home.prepare_memories()?;
-    let (thread, store, report) = open_store(&context, &config)?;
-    log_report(&context.health, &report);
-    let (world_thread, world) = WorkingMemory::start(&context, &config)?;
+    let health = Arc::new(HealthConditions::new(context.health.clone()));
+    let (thread, store, report) = open_store(&context, &config, &health)?;
+    log_report(&health, &report);
+    let (world_thread, world) = WorkingMemory::start(&context, &config, &health)?;
     let world = Arc::new(world);
     let (desk, positions) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
         store: store.clone(),
@@ -89,18 +91,25 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
 fn open_store(
     context: &Context,
     config: &Config,
+    health: &Arc<HealthConditions>,
 ) -> Result<(StoreThread, StoreHandle, OpenReport), Failure> {
     StoreThread::start(StoreConfig {
         folder: context.home.perceptual_memory(),
         queue_capacity: config.queue_requests,
         limits: config.limits,
+        volatile: Some(context.domain.folder().join("perceptual-memory")),
         write_buffer_bytes: config.write_buffer_bytes,
         wall_clock: || wall_clock_ns().max(0) as u64,
         on_reopened: Box::new({
-            let health = context.health.clone();
+            let health = health.clone();
             move |opened| match opened {
                 Ok(report) => log_report(&health, report),
-                Err(error) => tracing::error!("the memory could not be opened again: {error}"),
+                Err(error) => {
+                    let note = format!("the memory could not be opened again: {error}");
+                    tracing::error!("{note}");
+                    let is_degraded = true;
+                    health.set(Store::Perceptual, Condition { is_degraded, note });
+                }
             }
         }),
         on_notice: Box::new(|notice| tracing::warn!("{notice}")),
@@ -108,18 +117,23 @@ fn open_store(
     .map_err(Failure::general)
 }
 
-/// Logs the result of opening the store; a loss degrades the health.
-fn log_report(health: &HealthCounters, report: &OpenReport) {
-    if report.is_loss() {
+/// Logs the result of opening the store; a loss, or a store that can only be read, degrades the
+/// health.
+fn log_report(health: &HealthConditions, report: &OpenReport) {
+    let is_degraded = report.is_loss() || report.is_read_only();
+    if is_degraded {
         tracing::error!("{report}");
-        health.set_state(ProcessState::Degraded, &report.to_string());
     } else if report.is_damage() {
         tracing::warn!("{report}");
-        health.set_state(ProcessState::Ready, &report.to_string());
     } else {
         tracing::info!("{report}");
-        health.set_state(ProcessState::Ready, "");
     }
+    let note = if is_degraded || report.is_damage() {
+        report.to_string()
+    } else {
+        String::new()
+    };
+    health.set(Store::Perceptual, Condition { is_degraded, note });
 }
 
 /// Liveness probe: a round trip through the store's queue.
@@ -130,7 +144,9 @@ async fn probe(store: StoreHandle, health: Arc<HealthCounters>, processes: Arc<P
             |memory| Ok(memory.sequence()),
             move |answer| drop(sender.send(answer)),
         );
-        if while_opening(&store, &health, answered).await.is_ok() {
+        // An answer that is an error is no progress: the store may be stuck with it.
+        let answered = while_opening(&store, &health, answered).await;
+        if matches!(answered, Ok(Ok(_))) {
             health.record_progress();
         }
         processes.refresh();

@@ -2,9 +2,10 @@
 //! progress on disk.
 
 use crate::config::Config;
-use message::{ProcessState, SceneTime};
+use crate::health_conditions::{Condition, HealthConditions, Store};
+use message::SceneTime;
 use parking_lot::Mutex;
-use service::{Context, Failure, HealthCounters, wall_clock_ns};
+use service::{Context, Failure, wall_clock_ns};
 use std::sync::Arc;
 use tokio::sync::watch;
 use working_memory::{
@@ -33,20 +34,22 @@ impl WorkingMemory {
     pub(crate) fn start(
         context: &Context,
         config: &Config,
+        health: &Arc<HealthConditions>,
     ) -> Result<(WorldThread, Self), Failure> {
         let (on_disk, written) = watch::channel(0);
         let (thread, handle, report) = WorldThread::start(WorldThreadConfig {
             folder: context.home.working_memory(),
+            volatile: Some(context.domain.folder().join("working-memory")),
             world: config.world,
             period: config.world_period,
             wall_clock: now_ns,
             on_written: Box::new(move |version| {
                 on_disk.send_replace(version);
             }),
-            on_trouble: on_trouble(context.health.clone()),
+            on_trouble: on_trouble(health.clone()),
         })
         .map_err(Failure::general)?;
-        log_report(&context.health, &report);
+        log_report(health, &report);
         let newest_event = handle.with(|model| model.newest_event());
         let world = Self {
             handle,
@@ -92,34 +95,35 @@ impl WorkingMemory {
 }
 
 /// Logs the result of opening the working memory; a loss degrades the health.
-fn log_report(health: &HealthCounters, report: &WorldReport) {
+fn log_report(health: &HealthConditions, report: &WorldReport) {
     if report.is_loss() {
         tracing::error!("{report}");
-        health.set_state(ProcessState::Degraded, &report.to_string());
     } else {
         tracing::info!("{report}");
     }
+    let condition = Condition {
+        is_degraded: report.is_loss(),
+        note: if report.is_loss() {
+            report.to_string()
+        } else {
+            String::new()
+        },
+    };
+    health.set(Store::Working, condition);
 }
 
-/// Handler of write failures: the health is degraded while they last, and restored
-/// afterwards.
-fn on_trouble(health: Arc<HealthCounters>) -> OnTrouble {
-    let before = Mutex::new(None);
-    Box::new(move |result| {
-        let mut before = before.lock();
-        match result {
-            Err(error) => {
-                let sentence = format!("the working memory is not on disk: {error}");
-                tracing::error!("{sentence}");
-                before.get_or_insert(health.state());
-                health.set_state(ProcessState::Degraded, &sentence);
-            }
-            Ok(report) => {
-                tracing::info!("the working memory is on disk again: {report}");
-                if let Some((state, note)) = before.take() {
-                    health.set_state(state, note.as_str().unwrap_or_default());
-                }
-            }
+/// Handler of write failures: the health is degraded while they last.
+fn on_trouble(health: Arc<HealthConditions>) -> OnTrouble {
+    Box::new(move |result| match result {
+        Err(error) => {
+            let note = format!("the working memory is not on disk: {error}");
+            tracing::error!("{note}");
+            let is_degraded = true;
+            health.set(Store::Working, Condition { is_degraded, note });
+        }
+        Ok(report) => {
+            tracing::info!("the working memory is on disk again");
+            log_report(&health, report);
         }
     })
 }

@@ -1,11 +1,10 @@
 //! Faults of the chaos test, and their injection.
 
 use crate::daemon::{Daemon, eventually, send_signal, suspend};
+use crate::full_disk::Rubbish;
 use crate::hostile_clients::HostileClients;
 use message::ProcessKind;
 use rustix::process::Signal;
-use std::fs::File;
-use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -135,25 +134,4 @@ fn starve(daemon: &Daemon<'_>, process: ProcessKind) {
         "a starved process that makes progress was replaced\n{}",
         daemon.log()
     );
-}
-
-/// File that takes all room of the daemon's disk; removed on drop.
-struct Rubbish(PathBuf);
-
-impl Rubbish {
-    fn fill(daemon: &Daemon<'_>) -> Self {
-        // The disk is mounted in the daemon's namespace only.
-        let root = PathBuf::from(format!("/proc/{}/root", daemon.parent_id()));
-        let home = daemon.sandbox.home().strip_prefix("/").unwrap();
-        let path = root.join(home).join("rubbish");
-        let mut file = File::create(&path).unwrap();
-        while file.write_all(&[1; 4096]).is_ok() {}
-        Self(path)
-    }
-}
-
-impl Drop for Rubbish {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
 }

@@ -190,6 +190,7 @@ fn store_config(folder: &Path, limits: RetentionLimits) -> StoreConfig {
         folder: folder.to_owned(),
         queue_capacity: 2 * GROUP_CHANGES as usize,
         limits,
+        volatile: None,
         write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: simulated_clock,
         on_reopened: Box::new(|_| {}),

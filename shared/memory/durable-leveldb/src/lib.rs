@@ -51,6 +51,7 @@ mod raw_table;
 mod read_retry;
 mod store_folder;
 mod verified_files;
+mod volatile_copy;
 
 pub mod record;
 
@@ -62,3 +63,4 @@ pub use mutation_id::{MutationId, random_id};
 pub use raw_database::RawDatabase;
 pub use rusty_leveldb::WriteBatch;
 pub use store_folder::{MAX_DAMAGED, StoreFolder};
+pub use volatile_copy::VolatileCopy;

@@ -60,6 +60,10 @@ impl StoreFolder {
         }
         let lock_path = path.join("lock");
         let lock = File::create(&lock_path).map_err(Error::io("creating", &lock_path))?;
+        Self::locked(path, lock)
+    }
+
+    fn locked(path: PathBuf, lock: File) -> Result<Self, Error> {
         match lock.try_lock() {
             Ok(()) => Ok(Self {
                 path,
@@ -67,8 +71,20 @@ impl StoreFolder {
                 lock,
             }),
             Err(TryLockError::WouldBlock) => Err(Error::InUse { folder: path }),
-            Err(TryLockError::Error(error)) => Err(Error::io("locking", lock_path)(error)),
+            Err(TryLockError::Error(error)) => Err(Error::io("locking", path.join("lock"))(error)),
         }
+    }
+
+    /// Locks an existing store folder that need not be writable.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::hold`], and [`Error::Io`] when there is no store in it.
+    pub fn hold_for_reading(path: &Path) -> Result<Self, Error> {
+        let path = path.canonicalize().map_err(Error::io("finding", path))?;
+        let lock_path = path.join("lock");
+        let lock = File::open(&lock_path).map_err(Error::io("opening", &lock_path))?;
+        Self::locked(path, lock)
     }
 
     /// Locks an existing store folder.

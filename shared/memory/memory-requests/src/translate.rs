@@ -166,7 +166,10 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
         ) => RefusalKind::NotFound,
         Error::Refused(StoreRefusal::OthersEntry { .. }) => RefusalKind::Forbidden,
         Error::Refused(_) => RefusalKind::Invalid,
-        Error::QueueFull { .. } | Error::Failed { .. } | Error::Stopped => RefusalKind::Unavailable,
+        Error::QueueFull { .. }
+        | Error::Failed { .. }
+        | Error::ReadOnly { .. }
+        | Error::Stopped => RefusalKind::Unavailable,
         _ => RefusalKind::Internal,
     };
     Refusal::new(kind, error.to_string())

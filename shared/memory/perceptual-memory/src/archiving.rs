@@ -79,6 +79,7 @@ impl PerceptualMemory {
     /// [`StorageError::Io`](crate::StorageError::Io) when the segment cannot be written,
     /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`]. The entries are in the database until they are in the archive.
     pub fn archive_step(&mut self) -> Result<ArchivingStep, Error> {
+        self.writable()?;
         // The archive record must not be written with staged changes.
         self.commit()?;
         if let Some(record) = self.completed_segment.take() {

@@ -59,27 +59,58 @@ impl PerceptualMemory {
     /// [`StorageError::Io`] when the disk has no room for a copy of the log.
     pub fn checkpoint(&self) -> Result<Checkpoint, Error> {
         self.usable()?;
-        make(&self.folder, self.position(), self.archive.pin())
+        // A store whose disk has no room is copied where it is read.
+        let (database, path) = match &self.read_only {
+            Some(read_only) => {
+                let copy = read_only.copy.folder();
+                (copy.to_owned(), new_volatile_checkpoint(copy))
+            }
+            None => (self.folder.database(), self.folder.new_checkpoint()),
+        };
+        let checkpoint = Checkpoint::begin(
+            path,
+            archive::path(&self.folder),
+            (self.position(), self.archive.pin()),
+        )?;
+        checkpoint.copy_files(&database)?;
+        Ok(checkpoint)
     }
 }
 
-fn make(folder: &StoreFolder, position: Position, pin: Arc<()>) -> Result<Checkpoint, Error> {
-    let path = folder.new_checkpoint();
-    fs::create_dir(&path).map_err(StorageError::io("creating", &path))?;
-    // From here on, an error removes the folder again.
-    let checkpoint = Checkpoint {
-        folder: path,
-        history: archive::path(folder),
-        _pin: pin,
-        position,
-    };
-    let database = folder.database();
-    let entries = fs::read_dir(&database).map_err(StorageError::io("listing", &database))?;
-    for entry in entries.flatten() {
-        let to = checkpoint.folder.join(entry.file_name());
-        copy(&entry.path(), &to).map_err(StorageError::io("copying", entry.path()))?;
+/// Path of a new checkpoint beside a volatile copy.
+fn new_volatile_checkpoint(copy: &Path) -> PathBuf {
+    let paths = (1_u64..).map(|n| copy.with_extension(format!("checkpoint-{n}")));
+    let mut free = paths.filter(|path| !path.exists());
+    free.next()
+        .unwrap_or_else(|| copy.with_extension("checkpoint"))
+}
+
+impl Checkpoint {
+    /// Creates an empty checkpoint in a folder of its own. `pin` keeps the archive segments.
+    fn begin(
+        folder: PathBuf,
+        history: PathBuf,
+        (position, pin): (Position, Arc<()>),
+    ) -> Result<Self, Error> {
+        fs::create_dir(&folder).map_err(StorageError::io("creating", &folder))?;
+        // From here on, an error removes the folder again.
+        Ok(Self {
+            folder,
+            history,
+            _pin: pin,
+            position,
+        })
     }
-    Ok(checkpoint)
+
+    fn copy_files(&self, database: &Path) -> Result<(), Error> {
+        let entries = fs::read_dir(database).map_err(StorageError::io("listing", database))?;
+        for entry in entries {
+            let entry = entry.map_err(StorageError::io("listing", database))?;
+            let to = self.folder.join(entry.file_name());
+            copy(&entry.path(), &to).map_err(StorageError::io("copying", entry.path()))?;
+        }
+        Ok(())
+    }
 }
 
 fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
@@ -139,7 +170,9 @@ pub fn verify_folder(
         store_id: StoreId(0),
         sequence: 0,
     };
-    let checkpoint = make(&folder, nowhere, Arc::default())?;
+    let path = folder.new_checkpoint();
+    let checkpoint = Checkpoint::begin(path, archive::path(&folder), (nowhere, Arc::default()))?;
+    checkpoint.copy_files(&folder.database())?;
     let mut reader = match checkpoint.open_marked(mark.ok().flatten().as_ref()) {
         Ok(reader) => reader,
         Err(Error::Storage(StorageError::Damaged { what })) => {

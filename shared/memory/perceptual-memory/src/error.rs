@@ -29,6 +29,15 @@ pub enum Error {
         /// Error of the earlier failed write.
         source: Arc<Error>,
     },
+    /// Change of a store that can only be read, until its disk can be written again.
+    #[error(
+        "nothing can be stored now: {source}; what is known can be read, and the store is opened \
+         again as soon as it can be written"
+    )]
+    ReadOnly {
+        /// Error that keeps the store from being written.
+        source: Arc<Error>,
+    },
     /// Damaged file of the archived history. The store itself goes on without its entries.
     #[error(
         "the archived history in {} is damaged: {what}; the memory is sound without it; to note \

@@ -86,6 +86,7 @@ impl PerceptualMemory {
     /// [`StorageError::Damaged`], [`StorageError::Io`] or [`Error::Failed`].
     pub fn compact_step(&mut self, step: usize) -> Result<(), Error> {
         self.usable()?;
+        self.writable()?;
         let (from, to) = range_of(step);
         let compacted = self.engine.compact(&from, &to);
         compacted.map_err(|error| self.fail(error.into()))

@@ -13,6 +13,7 @@ use crate::model::{DataLoss, RetentionLimits};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::record_batch::RecordBatch;
 use crate::salvage::{SalvageOutcome, salvage};
+use crate::store_index::StoreIndex;
 use crate::track_id_counter;
 use crate::watermark::{self, Watermark, WatermarkRecord};
 
@@ -57,6 +58,11 @@ pub enum Condition {
         /// Path of the database before the migration.
         set_aside: Option<PathBuf>,
     },
+    /// Intact store whose disk cannot be written; it is read from a volatile copy.
+    ReadOnly {
+        /// Error that keeps the store from being written, as a sentence.
+        reason: String,
+    },
     /// Damaged without any intact record; an empty store was created.
     Replaced {
         /// Detected corruption of the store, as a sentence.
@@ -69,6 +75,22 @@ pub enum Condition {
 }
 
 impl OpenReport {
+    pub(crate) fn of(
+        condition: Condition,
+        index: &StoreIndex,
+        n_history: u64,
+        notes: Vec<String>,
+    ) -> Self {
+        Self {
+            condition,
+            n_views: (index.n_all() - index.n_forgotten()) as u64,
+            n_labelled: index.n_named() as u64,
+            n_categories: index.n_categories() as u64,
+            n_history,
+            notes,
+        }
+    }
+
     /// Acknowledged content that was lost.
     pub fn loss(&self) -> DataLoss {
         match &self.condition {
@@ -80,6 +102,11 @@ impl OpenReport {
     /// `true` if acknowledged content was lost; deserves a loud warning.
     pub fn is_loss(&self) -> bool {
         self.loss() != DataLoss::default()
+    }
+
+    /// `true` if the store can only be read.
+    pub fn is_read_only(&self) -> bool {
+        matches!(self.condition, Condition::ReadOnly { .. })
     }
 
     /// `true` if anything was damaged, even if all of it could be restored.
@@ -100,6 +127,10 @@ impl fmt::Display for OpenReport {
         match &self.condition {
             Condition::New => write!(f, "a new store was created")?,
             Condition::Sound => write!(f, "the store is sound")?,
+            Condition::ReadOnly { reason } => write!(
+                f,
+                "the store can only be read, and nothing can be stored: {reason}"
+            )?,
             Condition::Rebuilt {
                 findings,
                 loss,
@@ -222,14 +253,7 @@ pub(crate) fn open(
     }
     mark_and_sync(&watermark, &meta.mark())
         .map_err(StorageError::io("writing", watermark::path(&folder)))?;
-    let report = OpenReport {
-        condition,
-        n_views: (index.n_all() - index.n_forgotten()) as u64,
-        n_labelled: index.n_named() as u64,
-        n_categories: index.n_categories() as u64,
-        n_history: meta.sequence,
-        notes,
-    };
+    let report = OpenReport::of(condition, &index, meta.sequence, notes);
     let mut memory = PerceptualMemory::new((engine, archive), index, meta, watermark, folder);
     memory.set_limits(limits);
     memory.sizes = examination.sizes;

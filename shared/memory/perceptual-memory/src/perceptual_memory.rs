@@ -15,6 +15,7 @@ use crate::label_status::DecisionStamp;
 use crate::meta::{Meta, StoreId};
 use crate::model::{Effect, MutationReceipt, RetentionLimits};
 use crate::mutation::{Mutation, StoreChange};
+use crate::read_only::ReadOnly;
 use crate::record_batch::RecordBatch;
 use crate::record_reader::read_entry;
 use crate::size_record::SizeRecord;
@@ -48,6 +49,9 @@ pub struct PerceptualMemory {
     watermark: Watermark,
     staged: Staged,
     failure: Option<Arc<Error>>,
+    /// Volatile copy that is read instead of the database; behind the engine, so that it is
+    /// closed before the copy is removed.
+    pub(crate) read_only: Option<ReadOnly>,
     /// Locked folder; the last field, so that the database is closed before the lock is released.
     pub(crate) folder: StoreFolder,
 }
@@ -81,6 +85,7 @@ impl PerceptualMemory {
             watermark,
             staged: Staged::default(),
             failure: None,
+            read_only: None,
             folder,
         }
     }
@@ -147,8 +152,10 @@ impl PerceptualMemory {
         self.usable()?;
         let recent = self.index.answered.get(&mutation.id).copied();
         if let Some(sequence) = recent.or_else(|| self.archive.answered(mutation.id)) {
+            self.acknowledgeable(sequence)?;
             return Ok(self.entry(sequence)?.answer());
         }
+        self.writable()?;
         mutation.check()?;
         let decision = match &mutation.change {
             StoreChange::Undo { sequence } => self.decide_undo(*sequence, mutation)?,
@@ -282,6 +289,7 @@ impl PerceptualMemory {
     /// Stages a lease; [`Self::commit`] makes it durable.
     pub(crate) fn stage_lease(&mut self, count: u64) -> Result<u64, Error> {
         self.usable()?;
+        self.writable()?;
         let first = self.meta.next_track_id;
         if !(1..=MAX_LEASE).contains(&count) {
             return Err(StoreRefusal::LeaseSize {

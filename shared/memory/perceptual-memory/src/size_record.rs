@@ -60,6 +60,7 @@ impl PerceptualMemory {
     /// [`StorageError::Io`](crate::StorageError::Io) or [`Error::Failed`].
     pub fn record_size_when_due(&mut self, wall_ns: u64) -> Result<(), Error> {
         self.usable()?;
+        self.writable()?;
         if !self.sizes.is_due(wall_ns) {
             return Ok(());
         }

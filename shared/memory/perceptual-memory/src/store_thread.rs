@@ -8,7 +8,8 @@
 //! delays a request for long. A store that is never idle archives between two groups.
 //!
 //! After a failure the pending callers get the error, and the thread reopens the store before the
-//! next request.
+//! next request. A store that cannot be written, on a full disk for example, is read from a
+//! volatile copy, and opened for writing again as soon as that succeeds.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -28,6 +29,8 @@ use crate::mutation::Mutation;
 use crate::opening::{self, OpenReport};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::queries::Position;
+use crate::read_only;
+use crate::reopening_pace::ReopeningPace;
 
 /// Maximum number of requests in one group commit. Chosen; sensitivity: see the bench `teach`.
 const GROUP_REQUESTS: usize = 256;
@@ -61,6 +64,9 @@ pub struct StoreConfig {
     pub queue_capacity: usize,
     /// Retention limits.
     pub limits: RetentionLimits,
+    /// Folder in memory-backed storage, for reading a store that cannot be written; it is replaced.
+    /// Without it such a store is not read.
+    pub volatile: Option<PathBuf>,
     /// Size of the write buffer (memtable), bytes; usually
     /// [`WRITE_BUFFER_BYTES`](crate::WRITE_BUFFER_BYTES).
     pub write_buffer_bytes: usize,
@@ -78,6 +84,27 @@ impl StoreConfig {
     fn open(&self, must_rebuild: bool) -> Result<(PerceptualMemory, OpenReport), Error> {
         let folder = StoreFolder::hold(&self.folder)?.with_write_buffer(self.write_buffer_bytes);
         opening::open(folder, (self.wall_clock)(), self.limits, must_rebuild)
+    }
+
+    /// Opens the store for reading after it could not be opened for an error of its disk; otherwise
+    /// returns that error.
+    fn open_for_reading(&self, error: Error) -> Result<(PerceptualMemory, OpenReport), Error> {
+        let (Some(volatile), Error::Storage(StorageError::Io(_))) = (&self.volatile, &error) else {
+            return Err(error);
+        };
+        let why = ((self.wall_clock)(), error.clone());
+        let bytes = self.write_buffer_bytes;
+        let opened = read_only::open(&self.folder, volatile, bytes, self.limits, why);
+        opened.map_err(|_| error)
+    }
+
+    /// Opens the store, for reading only if it cannot be written.
+    fn open_if_possible(
+        &self,
+        must_rebuild: bool,
+    ) -> Result<(PerceptualMemory, OpenReport), Error> {
+        let opened = self.open(must_rebuild);
+        opened.or_else(|error| self.open_for_reading(error))
     }
 }
 
@@ -257,7 +284,7 @@ impl StoreThread {
     /// Those of [`PerceptualMemory::open`], and [`StorageError::Io`] when there is no
     /// room for a thread.
     pub fn start(config: StoreConfig) -> Result<(Self, StoreHandle, OpenReport), Error> {
-        let (memory, report) = config.open(false)?;
+        let (memory, report) = config.open_if_possible(false)?;
         let position = Arc::new(Mutex::new(memory.position()));
         let is_opening = Arc::new(AtomicBool::new(false));
         let capacity = config.queue_capacity.max(1);
@@ -271,6 +298,9 @@ impl StoreThread {
             compaction_step: 0,
             has_archiving: true,
             archiving_failed: None,
+            pace: ReopeningPace::default(),
+            last_error: None,
+            told: None,
             position: Arc::clone(&position),
             is_opening: Arc::clone(&is_opening),
         };
@@ -335,6 +365,12 @@ struct StoreLoop {
     has_archiving: bool,
     /// Time of the last failure of archiving.
     archiving_failed: Option<Instant>,
+    /// Pace of the attempts to open a failed store, or one that can only be read.
+    pace: ReopeningPace,
+    /// Error of the last attempt to open the store, if it failed.
+    last_error: Option<Error>,
+    /// Last report of trouble; `None` when there is none.
+    told: Option<String>,
     /// Position of the durable history, shared with all handles.
     position: Arc<Mutex<Position>>,
     /// `true` while the store is opened again, shared with all handles.
@@ -372,6 +408,14 @@ impl StoreLoop {
 
     /// Does one step of archiving, or else of compaction.
     fn work_when_idle(&mut self) {
+        if self
+            .memory
+            .as_ref()
+            .is_none_or(PerceptualMemory::is_read_only)
+        {
+            self.has_archiving = false;
+            return;
+        }
         self.archive();
         if !self.has_archiving {
             self.compact_when_idle();
@@ -480,7 +524,11 @@ impl StoreLoop {
             }
             StoreRequest::Rebuild(reply) => {
                 self.commit();
-                reply.send(self.open_again(true));
+                let report = self.open_again(true);
+                reply.send(report.and_then(|report| {
+                    let memory = self.memory.as_ref().ok_or(Error::Stopped)?;
+                    memory.writable().map(|()| report)
+                }));
             }
             StoreRequest::Stop => {}
         }
@@ -530,31 +578,61 @@ impl StoreLoop {
         }
     }
 
-    /// Reopens a failed store; rebuilds a damaged one.
+    /// Reopens a failed store, or one that can only be read, when that is due; rebuilds a damaged
+    /// one. An error when there is nothing to read.
     fn open_if_failed(&mut self) -> Result<(), Error> {
-        let must_rebuild = match &self.memory {
-            Some(memory) => match memory.failure() {
-                None => return Ok(()),
-                Some(error) => matches!(error, Error::Storage(StorageError::Damaged { .. })),
-            },
-            None => false,
-        };
+        let failure = self.memory.as_ref().and_then(PerceptualMemory::failure);
+        let is_readable = self.memory.is_some() && failure.is_none();
+        let is_writable = self.memory.as_ref().is_some_and(|m| !m.is_read_only());
+        if is_readable && is_writable {
+            return Ok(());
+        }
+        let is_damage =
+            |error: &Error| matches!(error, Error::Storage(StorageError::Damaged { .. }));
+        let must_rebuild = failure.is_some_and(is_damage);
         self.commit();
-        self.open_again(must_rebuild).map(|_| ())
+        if self.pace.is_due(Instant::now()) {
+            return self.open_again(must_rebuild).map(|_| ());
+        }
+        match &self.last_error {
+            Some(error) if !is_readable => Err(error.clone()),
+            _ => Ok(()),
+        }
     }
 
     fn open_again(&mut self, must_rebuild: bool) -> Result<OpenReport, Error> {
         // Closed first, to release the lock of the folder.
         self.memory = None;
         self.is_opening.store(true, Ordering::Relaxed);
-        let report = self.config.open(must_rebuild).map(|(memory, report)| {
+        let began = Instant::now();
+        let report = self.config.open_if_possible(must_rebuild);
+        let report = report.map(|(memory, report)| {
             self.memory = Some(memory);
             report
         });
         self.is_opening.store(false, Ordering::Relaxed);
         self.publish_position();
-        (self.config.on_reopened)(&report);
+        if report.as_ref().is_ok_and(|report| !report.is_read_only()) {
+            self.pace.succeeded();
+        } else {
+            self.pace.failed(began, Instant::now());
+        }
+        self.tell(&report);
         report
+    }
+
+    /// Reports an attempt to open the store, unless it failed in the same way as the one before.
+    fn tell(&mut self, report: &Result<OpenReport, Error>) {
+        let trouble = match report {
+            Ok(report) => report.is_read_only().then(|| report.to_string()),
+            Err(error) => Some(error.to_string()),
+        };
+        self.last_error = report.as_ref().err().cloned();
+        let is_news = trouble.is_none() || trouble != self.told;
+        self.told = trouble;
+        if is_news {
+            (self.config.on_reopened)(report);
+        }
     }
 
     fn stop(&mut self) -> Result<(), Error> {

@@ -2,3 +2,4 @@
 
 mod fuzz_records;
 mod power_loss;
+mod read_only;

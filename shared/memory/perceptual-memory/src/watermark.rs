@@ -42,6 +42,13 @@ pub(crate) struct Watermark {
 }
 
 impl Watermark {
+    /// Opens an existing file for reading; see [`Self::open`]. It is never written.
+    pub(crate) fn open_for_reading(
+        path: &Path,
+    ) -> io::Result<(Self, Result<Option<WatermarkRecord>, &'static str>)> {
+        Self::read(File::open(path)?)
+    }
+
     /// Opens or creates the file. Returns the record in it, `Ok(None)` for a new file, or the
     /// reason why it is unreadable.
     pub(crate) fn open(
@@ -53,7 +60,10 @@ impl Watermark {
             .create(true)
             .truncate(false)
             .open(path);
-        let file = options?;
+        Self::read(options?)
+    }
+
+    fn read(file: File) -> io::Result<(Self, Result<Option<WatermarkRecord>, &'static str>)> {
         let n_bytes = file.metadata()?.len();
         let mut bytes = [0; MARK_BYTES];
         let found = if n_bytes == 0 {

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use durable_leveldb::{
-    Database, StoreFolder, WriteBatch,
+    Database, StoreFolder, VolatileCopy, WriteBatch,
     record::{seal, unseal},
 };
 use serde::{Deserialize, Serialize};
@@ -72,6 +72,14 @@ pub(crate) struct RecordWrite {
 }
 
 impl WorldReport {
+    fn of(condition: WorldCondition, model: &WorldModel) -> Self {
+        Self {
+            condition,
+            n_objects: model.objects.len(),
+            n_facts: model.facts.len(),
+        }
+    }
+
     /// `true` if the earlier content was lost; deserves a loud warning.
     pub fn is_loss(&self) -> bool {
         matches!(self.condition, WorldCondition::Reset { .. })
@@ -127,11 +135,7 @@ impl WorkingMemory {
             }
             Err(error) => return Err(error),
         };
-        let report = WorldReport {
-            condition,
-            n_objects: model.objects.len(),
-            n_facts: model.facts.len(),
-        };
+        let report = WorldReport::of(condition, &model);
         model.begin_session(wall_ns);
         let mut memory = Self {
             engine,
@@ -139,6 +143,28 @@ impl WorkingMemory {
         };
         memory.write_changes(&mut model)?;
         Ok((memory, model, report))
+    }
+
+    /// Loads the model of a working memory that cannot be written, over a volatile copy of its
+    /// database in `volatile`, a folder in memory-backed storage that is replaced.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::InUse`], [`StorageError::Damaged`] or [`StorageError::Io`].
+    pub(crate) fn load(
+        folder: &Path,
+        volatile: &Path,
+        config: WorldConfig,
+        wall_ns: u64,
+    ) -> Result<(WorldModel, WorldReport), Error> {
+        let folder = StoreFolder::hold_for_reading(folder)?;
+        let copy = VolatileCopy::of(&folder.database(), volatile)?;
+        let mut engine = copy.open(config.write_buffer_bytes)?;
+        let loaded = load_model(&mut engine, config)?;
+        let mut model = loaded.unwrap_or_else(|| WorldModel::new(config));
+        let report = WorldReport::of(WorldCondition::Sound, &model);
+        model.begin_session(wall_ns);
+        Ok((model, report))
     }
 
     /// Writes and syncs all changed records.
@@ -186,6 +212,13 @@ fn read_database(
         return Err(damaged("its file CURRENT is missing".to_owned()));
     }
     let mut engine = folder.open_database()?;
+    let model = load_model(&mut engine, config)?;
+    engine.accept()?;
+    Ok((engine, model))
+}
+
+/// Loads the model from an opened database; `None` for a new database.
+fn load_model(engine: &mut Database, config: WorldConfig) -> Result<Option<WorldModel>, Error> {
     let mut loader = ModelLoader::new(config);
     engine.reader()?.scan(&[], |key, record| {
         loader.take(key, record);
@@ -193,11 +226,10 @@ fn read_database(
     })?;
     let (n_damages, damages) = engine.damages();
     if n_damages > 0 {
-        return Err(damaged(damages.join("; ")));
+        let what = damages.join("; ");
+        return Err(Error::Storage(StorageError::Damaged { what }));
     }
-    let model = loader.finish()?;
-    engine.accept()?;
-    Ok((engine, model))
+    loader.finish()
 }
 
 /// Loader of a model from the records in key order.

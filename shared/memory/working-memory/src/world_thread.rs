@@ -31,6 +31,9 @@ pub type OnTrouble = Box<dyn FnMut(&Result<WorldReport, Error>) + Send>;
 pub struct WorldThreadConfig {
     /// Folder of the working memory.
     pub folder: PathBuf,
+    /// Folder in memory-backed storage, for loading a working memory that cannot be written; it is
+    /// replaced. Without it such a memory is not loaded.
+    pub volatile: Option<PathBuf>,
     /// Configuration of the world model.
     pub world: WorldConfig,
     /// Minimum time between two writes to disk.
@@ -41,6 +44,27 @@ pub struct WorldThreadConfig {
     pub on_written: Box<dyn FnMut(u64) + Send>,
     /// Callback for write errors and recoveries, called on the thread.
     pub on_trouble: OnTrouble,
+}
+
+impl WorldThreadConfig {
+    /// Opens the working memory. One that cannot be written is loaded, and written as soon as it
+    /// can be.
+    fn open(
+        &self,
+        wall_ns: u64,
+    ) -> Result<(Option<WorkingMemory>, WorldModel, WorldReport), Error> {
+        let error = match WorkingMemory::open(&self.folder, self.world, wall_ns) {
+            Ok((memory, model, report)) => return Ok((Some(memory), model, report)),
+            Err(error) => error,
+        };
+        let (Some(volatile), Error::Storage(StorageError::Io(_))) = (&self.volatile, &error) else {
+            return Err(error);
+        };
+        match WorkingMemory::load(&self.folder, volatile, self.world, wall_ns) {
+            Ok((model, report)) => Ok((None, model, report)),
+            Err(_) => Err(error),
+        }
+    }
 }
 
 struct GuardedModel {
@@ -94,11 +118,11 @@ impl WorldThread {
     ///
     /// # Errors
     ///
-    /// Those of [`WorkingMemory::open`], and [`StorageError::Io`] when there is no room
-    /// for a thread.
+    /// Those of [`WorkingMemory::open`] when it cannot be loaded either, and [`StorageError::Io`]
+    /// when there is no room for a thread.
     pub fn start(config: WorldThreadConfig) -> Result<(Self, WorldHandle, WorldReport), Error> {
         let wall_ns = (config.wall_clock)();
-        let (memory, model, report) = WorkingMemory::open(&config.folder, config.world, wall_ns)?;
+        let (memory, model, report) = config.open(wall_ns)?;
         let shared = Arc::new(SharedModel {
             state: Mutex::new(GuardedModel {
                 model,
@@ -110,7 +134,7 @@ impl WorldThread {
         let mut writer = Writer {
             config,
             shared: Arc::clone(&shared),
-            memory: Some(memory),
+            memory,
             is_failed: false,
         };
         let thread = std::thread::Builder::new()

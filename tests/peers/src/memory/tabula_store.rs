@@ -117,6 +117,7 @@ fn start(folder: &Path) -> (StoreThread, StoreHandle) {
         folder: folder.to_owned(),
         queue_capacity: 1024,
         limits: perceptual_memory::RetentionLimits::default(),
+        volatile: None,
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| panic!("the store was reopened after a fault")),

@@ -560,6 +560,7 @@ fn failed_store_is_reopened_by_its_thread() {
         folder: folder.path().to_owned(),
         queue_capacity: 8,
         limits: RetentionLimits::default(),
+        volatile: None,
         write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: || 7,
         on_reopened: Box::new(move |report| {

@@ -99,6 +99,7 @@ fn retention_limit_frees_disk_space() {
             max_unnamed_views: 20,
             ..RetentionLimits::default()
         },
+        volatile: None,
         write_buffer_bytes: 256 << 10,
         wall_clock: || 1,
         on_reopened: Box::new(|report| panic!("opened again: {report:?}")),

@@ -1,0 +1,98 @@
+//! Health of the memory process, from the conditions of its two stores.
+
+use message::ProcessState;
+use parking_lot::Mutex;
+use service::HealthCounters;
+use std::sync::Arc;
+
+/// Store whose condition counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Store {
+    /// Learned views and labels.
+    Perceptual,
+    /// Facts, events and tasks.
+    Working,
+}
+
+/// Condition of a store.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Condition {
+    /// `true` if the store cannot do all that it should.
+    pub(crate) is_degraded: bool,
+    /// Explanation; empty when all is well.
+    pub(crate) note: String,
+}
+
+/// Conditions of both stores. The process is degraded while one of them is.
+#[derive(Debug)]
+pub(crate) struct HealthConditions {
+    health: Arc<HealthCounters>,
+    /// Conditions of the perceptual and of the working memory.
+    conditions: Mutex<[Condition; 2]>,
+}
+
+impl HealthConditions {
+    pub(crate) fn new(health: Arc<HealthCounters>) -> Self {
+        Self {
+            health,
+            conditions: Mutex::default(),
+        }
+    }
+
+    /// Replaces the condition of a store.
+    pub(crate) fn set(&self, store: Store, condition: Condition) {
+        let mut conditions = self.conditions.lock();
+        conditions[store as usize] = condition;
+        let (state, note) = joined(&conditions);
+        self.health.set_state(state, &note);
+    }
+}
+
+/// State and explanation of the process; degraded stores come first.
+fn joined(conditions: &[Condition; 2]) -> (ProcessState, String) {
+    let is_degraded = conditions.iter().any(|condition| condition.is_degraded);
+    let told = conditions
+        .iter()
+        .filter(|condition| condition.is_degraded == is_degraded && !condition.note.is_empty());
+    let notes: Vec<&str> = told.map(|condition| condition.note.as_str()).collect();
+    let state = if is_degraded {
+        ProcessState::Degraded
+    } else {
+        ProcessState::Ready
+    };
+    (state, notes.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn condition(is_degraded: bool, note: &str) -> Condition {
+        Condition {
+            is_degraded,
+            note: note.into(),
+        }
+    }
+
+    #[test]
+    fn process_is_degraded_while_a_store_is() {
+        let health = Arc::new(HealthCounters::default());
+        let conditions = HealthConditions::new(health.clone());
+        let state = || {
+            let (state, note) = health.state();
+            (state, note.as_str().unwrap().to_owned())
+        };
+        conditions.set(Store::Perceptual, condition(false, "rebuilt"));
+        assert_eq!(state(), (ProcessState::Ready, "rebuilt".into()));
+        conditions.set(Store::Perceptual, condition(true, "no room"));
+        conditions.set(Store::Working, condition(true, "not on disk"));
+        assert_eq!(
+            state(),
+            (ProcessState::Degraded, "no room; not on disk".into())
+        );
+        conditions.set(Store::Perceptual, Condition::default());
+        assert_eq!(state(), (ProcessState::Degraded, "not on disk".into()));
+        conditions.set(Store::Working, Condition::default());
+        assert_eq!(state(), (ProcessState::Ready, String::new()));
+    }
+}

@@ -1,0 +1,98 @@
+//! Read-only opening of a store whose disk is full, or cannot be written for another reason: what
+//! is known can be read and exported, and nothing can be changed.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use durable_leveldb::{StoreFolder, VolatileCopy};
+
+use crate::archive::{self, HistoryArchive};
+use crate::consistency_check::{check_consistency, schema};
+use crate::error::{Error, StorageError};
+use crate::meta::SCHEMA;
+use crate::model::RetentionLimits;
+use crate::opening::{Condition, OpenReport};
+use crate::perceptual_memory::PerceptualMemory;
+use crate::watermark::{self, Watermark};
+
+/// Volatile copy that is read, and the reason for it.
+pub(crate) struct ReadOnly {
+    pub(crate) reason: Arc<Error>,
+    pub(crate) copy: VolatileCopy,
+    /// Sequence number of the last entry that was acknowledged: later ones may not be on disk.
+    acknowledged: u64,
+}
+
+/// Opens an existing store for reading, over a volatile copy of its database in `volatile`, a
+/// folder in memory-backed storage that is replaced. `reason` is why it cannot be written.
+///
+/// # Errors
+///
+/// [`StorageError::InUse`]; [`StorageError::Damaged`] when the database is damaged or of an older
+/// schema, which only an opening for writing mends; [`StorageError::Io`].
+pub(crate) fn open(
+    folder: &Path,
+    volatile: &Path,
+    write_buffer_bytes: usize,
+    limits: RetentionLimits,
+    (wall_ns, reason): (u64, Error),
+) -> Result<(PerceptualMemory, OpenReport), Error> {
+    let folder = StoreFolder::hold_for_reading(folder)?;
+    let path = watermark::path(&folder);
+    let (watermark, mark) =
+        Watermark::open_for_reading(&path).map_err(StorageError::io("opening", path))?;
+    let damaged = |what: String| Error::Storage(StorageError::Damaged { what });
+    let mark = mark.map_err(|wrong| damaged(format!("the watermark is unreadable: {wrong}")))?;
+    let copy = VolatileCopy::of(&folder.database(), volatile)?;
+    let mut engine = copy.open(write_buffer_bytes)?;
+    if schema(&mut engine)?.is_none_or(|schema| schema < SCHEMA) {
+        return Err(damaged("it is of an older schema".to_owned()));
+    }
+    let examination = check_consistency(&mut engine, mark.as_ref())?;
+    let findings = examination.findings.into_words();
+    let meta = examination.meta.filter(|_| findings.is_empty());
+    let meta = meta.ok_or_else(|| damaged(findings.join("; ")))?;
+    let mut archive = HistoryArchive::open(archive::path(&folder), examination.archived)?;
+    let notes = archive.load_answered(wall_ns.saturating_sub(limits.history.answered_kept_ns));
+    let condition = Condition::ReadOnly {
+        reason: reason.to_string(),
+    };
+    let index = examination.index;
+    let report = OpenReport::of(condition, &index, meta.sequence, notes);
+    let mut memory = PerceptualMemory::new((engine, archive), index, meta, watermark, folder);
+    memory.set_limits(limits);
+    memory.sizes = examination.sizes;
+    memory.last_wall_ns = wall_ns;
+    memory.read_only = Some(ReadOnly {
+        reason: Arc::new(reason),
+        copy,
+        acknowledged: mark.map_or(0, |mark| mark.sequence),
+    });
+    Ok((memory, report))
+}
+
+impl PerceptualMemory {
+    /// `true` if the store can only be read.
+    pub fn is_read_only(&self) -> bool {
+        self.read_only.is_some()
+    }
+
+    /// Refuses to acknowledge an entry that may not be on disk: one that a failed write left in
+    /// the log of a store that can only be read.
+    pub(crate) fn acknowledgeable(&self, sequence: u64) -> Result<(), Error> {
+        match &self.read_only {
+            Some(read_only) if sequence > read_only.acknowledged => self.writable(),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses changes of a store that can only be read.
+    pub(crate) fn writable(&self) -> Result<(), Error> {
+        match &self.read_only {
+            Some(read_only) => Err(Error::ReadOnly {
+                source: Arc::clone(&read_only.reason),
+            }),
+            None => Ok(()),
+        }
+    }
+}
