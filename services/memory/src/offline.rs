@@ -17,7 +17,9 @@ use memory_requests::{
 use message::control::{
     Command, JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply,
 };
-use perceptual_memory::{RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
+use perceptual_memory::{
+    HistoryLimits, RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES,
+};
 use service::{CommonArguments, Failure, wall_clock_ns};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
@@ -138,8 +140,16 @@ impl OfflineMemory {
         let (thread, store, report) = StoreThread::start(StoreConfig {
             folder: home.perceptual_memory(),
             queue_capacity: QUEUE_REQUESTS,
-            // Nothing is removed, or moved to the archive, without the daemon's configuration.
-            limits: RetentionLimits::default(),
+            limits: RetentionLimits {
+                // Nothing is moved to the archive, or dropped from it, without the daemon's
+                // configuration.
+                history: HistoryLimits {
+                    kept_entries: u64::MAX,
+                    archive_max_bytes: u64::MAX,
+                    ..HistoryLimits::CONFIGURED
+                },
+                ..RetentionLimits::default()
+            },
             volatile: None,
             write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || wall_clock_ns().max(0) as u64,

@@ -50,6 +50,12 @@ struct AnsweredSegment {
     mutations: AnsweredMutations,
 }
 
+/// `true` if a store folder has any archive segment.
+pub(crate) fn has_segments(store: &StoreFolder) -> Result<bool, Error> {
+    let names = file_names(&path(store))?;
+    Ok(names.iter().any(|name| extent(name).is_some()))
+}
+
 /// Folder of the archive in a store folder.
 pub(crate) fn path(store: &StoreFolder) -> PathBuf {
     store.path().join("history")
@@ -100,11 +106,17 @@ impl HistoryArchive {
         Ok(archive)
     }
 
-    /// Removes what a crash left behind: segments that do not count, and incomplete files.
+    /// Removes what a crash left behind: an incomplete file, the segment that follows the archived
+    /// entries, which are in the database still, and segments that are recorded as dropped.
     pub(crate) fn clean_up(&self) -> Result<(), Error> {
         for name in file_names(&self.folder)? {
-            let counts = extent(&name).is_some_and(|(first, _)| self.segments.contains_key(&first));
-            if !counts && (extent(&name).is_some() || name.ends_with(".partial")) {
+            let is_left = match extent(&name) {
+                Some((first, last)) => {
+                    first == self.record.sequence + 1 || last <= self.record.dropped
+                }
+                None => name.ends_with(".partial"),
+            };
+            if is_left {
                 remove(&self.folder.join(name))?;
             }
         }

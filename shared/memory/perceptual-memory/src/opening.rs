@@ -325,7 +325,13 @@ fn open_database(
     };
     let findings = match examined {
         None => Vec::new(),
-        Some(Ok(examination)) if examination.is_empty() => return begin(engine, mark),
+        Some(Ok(examination)) if examination.is_empty() && !archive::has_segments(folder)? => {
+            return begin(engine, mark);
+        }
+        // The archive has the history of a database that is gone.
+        Some(Ok(examination)) if examination.is_empty() => {
+            vec!["the folder of the database is missing or empty".to_owned()]
+        }
         Some(Ok(examination)) if examination.findings.is_empty() && !must_rebuild => {
             engine.accept()?;
             return Ok((engine, examination, Condition::Sound));

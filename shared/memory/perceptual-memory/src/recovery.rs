@@ -28,7 +28,9 @@ pub(crate) fn recover(
 ) -> Result<Option<RecoveredRecords>, Error> {
     let record = raw.get(&[keys::META]);
     let totals = record.as_deref().map_or(Ok(None), schema_of)?;
-    let Some(schema) = totals.or_else(|| schema_of_tables(raw)) else {
+    let is_archived = archive.record.sequence > 0;
+    let known = totals.or_else(|| schema_of_tables(raw));
+    let Some(schema) = known.or_else(|| is_archived.then_some(SCHEMA)) else {
         return Ok(None);
     };
     if schema > SCHEMA {

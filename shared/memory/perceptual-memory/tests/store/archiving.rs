@@ -288,6 +288,25 @@ fn damaged_database_is_rebuilt_from_the_archive() {
 }
 
 #[test]
+fn archive_survives_the_loss_of_the_database() {
+    let (folder, mut memory) = taught_store();
+    archive(&mut memory);
+    let n_archived = memory.stats().unwrap().n_archived_entries;
+    let before = history(&mut memory);
+    drop(memory);
+    fs::remove_dir_all(folder.path().join("database")).unwrap();
+    let (mut memory, report) = open(&folder);
+    let loss = report.loss();
+    assert_eq!((loss.n_history, loss.n_views), (KEPT, N_TRACKS), "{report}");
+    let after = history(&mut memory);
+    let n_archived = n_archived as usize;
+    assert_eq!(after[..n_archived], before[..n_archived]);
+    assert_eq!(counts(&memory), []);
+    assert_eq!(verify(&memory).findings, [""; 0]);
+    assert!(memory.lease_track_ids(1).unwrap() > N_TRACKS);
+}
+
+#[test]
 fn archive_above_its_limit_drops_the_oldest_entries() {
     let (folder, mut memory) = taught_store();
     archive(&mut memory);
