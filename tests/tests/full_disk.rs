@@ -75,7 +75,11 @@ fn as_root_memory_on_a_full_disk_reads_exports_and_recovers() {
     let pid = daemon.pid(ProcessKind::Memory);
 
     let rubbish = Rubbish::fill(&daemon);
-    let (_, sentence) = daemon.refused(&["teach", &other, "bowl"]);
+    // Larger than what is left in the last block of the log.
+    let mut large = tempfile::NamedTempFile::new().unwrap();
+    large.write_all(&[b'x'; 100_000]).unwrap();
+    let (_, sentence) =
+        daemon.refused(&["knowledge", "put", "large", large.path().to_str().unwrap()]);
     assert!(sentence.contains("No space left"), "{sentence}");
     let note = wait_until_degraded(&daemon);
     assert!(note.contains("can only be read"), "{note}");
