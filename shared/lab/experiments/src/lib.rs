@@ -1,10 +1,11 @@
 //! Experiments that run the perception kernels over recorded and simulated data.
 //!
-//! [`evaluate`] scores detection, tracking and recognition; [`simulate`] writes
-//! recordings and single-object views of the simulated table; [`learn_folder`]
-//! teaches a folder of labelled views to a running daemon; [`sweep`] measures how
-//! sensitive the scores are to a tuned constant; [`train`] trains the models of perception;
-//! [`age_memory`] makes years of changes to a perceptual memory. The arguments of each experiment are in [`arguments`]; the program `tabula-lab` parses them.
+//! [`evaluate`] scores detection, tracking and recognition; [`simulate`] writes recordings and
+//! single-object views of the simulated table; [`learn_folder`] teaches a folder of labelled views
+//! to a running daemon; [`sweep`] measures how sensitive the scores are to a tuned constant;
+//! [`train`] trains the models of perception; [`age_memory`] makes years of changes to a perceptual
+//! memory. The arguments of each experiment are in [`arguments`]; the program `tabula-lab` parses
+//! them.
 //!
 //! Invariants: nothing of a running daemon depends on this crate; the same
 //! arguments and seeds give the same documents, durations aside.

@@ -9,8 +9,8 @@
 //!   is verified while it is read, and the corruption is reported.
 //! - After a failed write or a detected corruption nothing in the folder is changed any more.
 //! - One failed read is no damage: it is tried again through another descriptor.
-//! - A damaged database is renamed, and a rebuilt copy replaces it atomically. The two newest damaged
-//!   ones are kept.
+//! - A damaged database is renamed, and a rebuilt copy replaces it atomically. The two newest
+//!   damaged ones are kept.
 //! - A [`StoreFolder`] is open in one process at a time.
 //!
 //! The files are those of LevelDB, in both directions. The crate knows nothing of the content of

@@ -5,8 +5,8 @@
 //! history/000000004097-000000008192
 //! ```
 //!
-//! A segment counts only up to the end in the [archive record](ArchiveRecord) of the database; what a crash left
-//! beyond it is removed when the store is opened.
+//! A segment counts only up to the end in the [archive record](ArchiveRecord) of the database; what
+//! a crash left beyond it is removed when the store is opened.
 
 mod answered_mutations;
 mod archive_record;

@@ -1,9 +1,9 @@
 //! Archiving: moves the oldest history entries from the database to the archive, in steps that are
 //! short enough for a waiting request.
 //!
-//! The segment is on disk, with its name, before the batch that advances the archive record and removes
-//! its entries from the database. A crash between the two leaves the entries twice, and the segment
-//! is written again.
+//! The segment is on disk, with its name, before the batch that advances the archive record and
+//! removes its entries from the database. A crash between the two leaves the entries twice, and the
+//! segment is written again.
 
 use std::ops::ControlFlow;
 
@@ -77,7 +77,8 @@ impl PerceptualMemory {
     /// # Errors
     ///
     /// [`StorageError::Io`](crate::StorageError::Io) when the segment cannot be written,
-    /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`]. The entries are in the database until they are in the archive.
+    /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`]. The entries
+    /// are in the database until they are in the archive.
     pub fn archive_step(&mut self) -> Result<ArchivingStep, Error> {
         self.writable()?;
         // The archive record must not be written with staged changes.
@@ -164,8 +165,8 @@ impl PerceptualMemory {
         Ok(())
     }
 
-    /// Drops the oldest segment when the archive is above its limit. The archive record comes first: a
-    /// file that it gives as dropped is removed at the next opening at the latest.
+    /// Drops the oldest segment when the archive is above its limit. The archive record comes
+    /// first: a file that it gives as dropped is removed at the next opening at the latest.
     fn drop_oldest_segment(&mut self) -> Result<ArchivingStep, Error> {
         if self.archive.record.n_bytes <= self.limits.history.archive_max_bytes {
             return Ok(ArchivingStep::Idle);

@@ -1,8 +1,8 @@
 //! Checkpoints: consistent copies of the database, on which exports and verifications run in their
 //! own thread.
 //!
-//! Table files are immutable and shared by hard links; log and manifest are copied. Archive segments
-//! are read where they are, and none is dropped meanwhile.
+//! Table files are immutable and shared by hard links; log and manifest are copied. Archive
+//! segments are read where they are, and none is dropped meanwhile.
 
 use std::fs;
 use std::path::{Path, PathBuf};

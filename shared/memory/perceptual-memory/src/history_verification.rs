@@ -12,8 +12,8 @@ use crate::keys;
 use crate::store_index::StoreIndex;
 
 /// Reads all entries, reports what is wrong with them, and compares the records with them; returns
-/// the number of entries. After a part of the history was dropped the records cannot be derived from
-/// the rest, and only the chain is checked.
+/// the number of entries. After a part of the history was dropped the records cannot be derived
+/// from the rest, and only the chain is checked.
 ///
 /// # Errors
 ///

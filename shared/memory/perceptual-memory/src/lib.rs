@@ -10,9 +10,9 @@
 //!
 //! Old history entries are moved to an archive in steps; see [`HistoryLimits`].
 //!
-//! This crate keeps the two newest damaged databases, never reads a clock (times are arguments), writes
-//! no log (reports are return values), and depends neither on tokio, nor on the messages, nor on
-//! the use of descriptors by recognition.
+//! This crate keeps the two newest damaged databases, never reads a clock (times are arguments),
+//! writes no log (reports are return values), and depends neither on tokio, nor on the messages,
+//! nor on the use of descriptors by recognition.
 //!
 //! ```
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -40,8 +40,8 @@ pub(crate) fn decide(index: &StoreIndex, before_ns: u64) -> Decision {
     Decision::new(Operation::Purge, effects)
 }
 
-/// Purges the tombstones of views that were forgotten before `before_ns`, and the notes of documents
-/// that were removed before it. An import can bring them back from then on.
+/// Purges the tombstones of views that were forgotten before `before_ns`, and the notes of
+/// documents that were removed before it. An import can bring them back from then on.
 pub(crate) fn decide_tombstones(index: &StoreIndex, before_ns: u64) -> Decision {
     let old = index.tombstones().filter(|(_, ns)| *ns < before_ns);
     let cleared = old.map(|(identity, _)| Effect::Tombstone {

@@ -152,8 +152,8 @@ impl PerceptualMemory {
         })
     }
 
-    /// Label changes after `since`, unless entries after it are archived: as many entries as fit into `max_bytes` of descriptors, at
-    /// least one.
+    /// Label changes after `since`, unless entries after it are archived: as many entries as fit
+    /// into `max_bytes` of descriptors, at least one.
     ///
     /// # Errors
     ///

@@ -1,8 +1,8 @@
 //! Rebuild of a damaged or older database from its intact records, with an account of the losses.
 //!
 //! What the archived history entries imply is stored first, and the intact entries behind them are
-//! replayed on it in order. The effects of lost entries are inferred from the other intact records. One final entry records the losses and the inferred
-//! effects.
+//! replayed on it in order. The effects of lost entries are inferred from the other intact records.
+//! One final entry records the losses and the inferred effects.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -78,7 +78,8 @@ pub(crate) fn salvage(
     }))
 }
 
-/// Opens the archive up to the end that its record in the database states; if that is lost, all of it counts.
+/// Opens the archive up to the end that its record in the database states; if that is lost, all of
+/// it counts.
 fn open_archive(folder: &StoreFolder, raw: &RawDatabase) -> Result<HistoryArchive, Error> {
     let path = archive::path(folder);
     let key = [keys::ARCHIVE];

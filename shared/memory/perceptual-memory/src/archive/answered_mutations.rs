@@ -1,5 +1,5 @@
-//! Idempotency keys of a segment: a sorted table, searched by bisection, which takes twenty bytes an
-//! entry in memory and on disk.
+//! Idempotency keys of a segment: a sorted table, searched by bisection, which takes twenty bytes
+//! an entry in memory and on disk.
 
 use durable_leveldb::MutationId;
 use serde::{Deserialize, Serialize};

@@ -39,7 +39,7 @@ pub(super) struct SegmentIndex {
     pub(super) head: Digest,
     /// Time of the last entry, nanoseconds since 1970, UTC.
     pub(super) last_wall_ns: u64,
-    /// End of each entry in the file, little-endian `u32`; that of a lost entry is the end of the
+    /// End of each entry in the file, little-endian `u64`; that of a lost entry is the end of the
     /// one before.
     pub(super) ends: ByteBuf,
     /// Idempotency keys of the entries, in order.
@@ -81,7 +81,7 @@ impl Segment {
     }
 
     fn last(&self) -> u64 {
-        self.index.first + (self.index.ends.len() / 4) as u64 - 1
+        self.index.first + (self.index.ends.len() / 8) as u64 - 1
     }
 
     /// Digest of the entry before the first.
@@ -123,12 +123,12 @@ impl Segment {
 
     /// Bytes of an entry in the file; `None` for a lost one.
     fn extent(&self, sequence: u64) -> Option<(u64, u64)> {
-        let (ends, _) = self.index.ends.as_chunks::<4>();
+        let (ends, _) = self.index.ends.as_chunks::<8>();
         let at = sequence.checked_sub(self.index.first)? as usize;
-        let end = u32::from_le_bytes(*ends.get(at)?);
+        let end = u64::from_le_bytes(*ends.get(at)?);
         let before = at.checked_sub(1).and_then(|before| ends.get(before));
-        let start = before.map_or(HEADER_BYTES as u32, |end| u32::from_le_bytes(*end));
-        (start < end).then_some((u64::from(start), u64::from(end)))
+        let start = before.map_or(HEADER_BYTES as u64, |end| u64::from_le_bytes(*end));
+        (start < end).then_some((start, end))
     }
 
     /// Visits all intact entries with their digests; returns the first fault and the sequence

@@ -17,7 +17,7 @@ use crate::keys;
 /// Segment that is being written; dropping it leaves nothing behind.
 pub(crate) struct SegmentWriter {
     file: DurableFile,
-    n_bytes: u32,
+    n_bytes: u64,
     index: SegmentIndex,
     /// Idempotency keys of the entries, with their offsets from the first.
     mutations: Vec<(MutationId, u32)>,
@@ -96,14 +96,14 @@ impl SegmentWriter {
     }
 
     fn end_entry(&mut self, n_pending_bytes: usize) {
-        let end = self.n_bytes + n_pending_bytes as u32;
+        let end = self.n_bytes + n_pending_bytes as u64;
         self.index.ends.extend(end.to_le_bytes());
         self.next += 1;
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), Error> {
         self.file.write(bytes)?;
-        self.n_bytes += bytes.len() as u32;
+        self.n_bytes += bytes.len() as u64;
         Ok(())
     }
 
@@ -115,7 +115,6 @@ impl SegmentWriter {
         self.write(&index)?;
         self.write(&(index.len() as u32).to_le_bytes())?;
         self.file.commit()?;
-        let n_bytes = u64::from(self.n_bytes);
-        Ok((self.index, n_bytes))
+        Ok((self.index, self.n_bytes))
     }
 }

@@ -123,8 +123,8 @@ fn teach_and_kill(folder: &Path, random: &mut Random) -> BTreeMap<u64, usize> {
     acknowledged
 }
 
-/// Checks that the history is complete, archived or not, and the store holds each acknowledged step, or one more: a line is printed after the
-/// step.
+/// Checks that the history is complete, archived or not, and the store holds each acknowledged
+/// step, or one more: a line is printed after the step.
 fn check(memory: &mut PerceptualMemory, acknowledged: &BTreeMap<u64, usize>) {
     let history = memory.history(1, usize::MAX).unwrap();
     assert!(

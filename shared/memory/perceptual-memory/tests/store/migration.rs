@@ -1,9 +1,9 @@
 //! Migration tests: stores of released versions are converted completely.
 //!
 //! The fixture of schema 1 was written by version 0.1.0: five tracks of three views, taught,
-//! corrected and forgotten as below, reopened before the fourth. That of schema 2 was written by the
-//! last version before schema 3: the same, then two versions of a document, another one that was
-//! removed, a forgotten view that was purged, and the undo of a forgetting.
+//! corrected and forgotten as below, reopened before the fourth. That of schema 2 was written by
+//! the last version before schema 3: the same, then two versions of a document, another one that
+//! was removed, a forgotten view that was purged, and the undo of a forgetting.
 
 use std::fs;
 use std::path::Path;
