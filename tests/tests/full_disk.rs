@@ -80,7 +80,8 @@ fn as_root_memory_on_a_full_disk_reads_exports_and_recovers() {
     large.write_all(&[b'x'; 100_000]).unwrap();
     let (_, sentence) =
         daemon.refused(&["knowledge", "put", "large", large.path().to_str().unwrap()]);
-    assert!(sentence.contains("No space left"), "{sentence}");
+    let is_told = sentence.contains("No space left");
+    assert!(is_told, "{sentence}\n{}", daemon.log());
     let note = wait_until_degraded(&daemon);
     assert!(note.contains("can only be read"), "{note}");
     check_reading(&daemon, &track);

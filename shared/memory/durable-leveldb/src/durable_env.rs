@@ -123,6 +123,11 @@ impl Env for DurableEnv {
     }
 
     fn open_writable_file(&self, path: &Path) -> Result<Box<dyn Write>> {
+        // Of a volatile copy: a table that a crash left in the original, whose number is used
+        // again. It must not be written through the link.
+        if path.is_symlink() {
+            fs::remove_file(path)?;
+        }
         self.create(
             path,
             OpenOptions::new().create(true).truncate(true).write(true),

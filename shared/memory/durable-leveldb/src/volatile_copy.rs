@@ -100,6 +100,29 @@ mod tests {
         entries.collect()
     }
 
+    /// A full disk leaves an incomplete table, and the log is made a table of that number again.
+    #[test]
+    fn volatile_copy_never_writes_through_a_link() {
+        let guard = tempfile::tempdir().unwrap();
+        let folder = guard.path().join("database");
+        let mut database = Database::open(&folder, 1 << 20).unwrap();
+        database.accept().unwrap();
+        let mut batch = WriteBatch::default();
+        batch.put(b"cup", b"on the table");
+        database.write(batch, true).unwrap();
+        drop(database);
+        for number in 1..20 {
+            fs::write(folder.join(format!("{number:06}.ldb")), "incomplete").unwrap();
+        }
+        let before = files(&folder);
+        let copy = VolatileCopy::of(&folder, &guard.path().join("volatile")).unwrap();
+        let mut opened = copy.open(1 << 20).unwrap();
+        let found = opened.reader().unwrap().get(b"cup").unwrap();
+        assert_eq!(found, Some(b"on the table".to_vec()));
+        drop(opened);
+        assert_eq!(files(&folder), before);
+    }
+
     #[test]
     fn volatile_copy_is_read_and_leaves_the_database_as_it_is() {
         let guard = tempfile::tempdir().unwrap();
