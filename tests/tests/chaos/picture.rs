@@ -29,7 +29,7 @@ pub(super) fn write(folder: &Path, recoveries: &BTreeMap<String, Vec<Recovery>>)
         x: Axis::logarithmic(label, RANGE_S.0..RANGE_S.1),
         y: Axis::linear("share of the faults", 0.0..1.0),
         curves: curves(&by_kind, get),
-        legend: Legend::UpperLeft,
+        legend: Legend::Outside,
     };
     let pictures = [
         diagram("Scene", "without a good scene, s", &|r| r.without_scene),
@@ -51,14 +51,14 @@ fn curves<'a>(
         let mut times: Vec<f64> = all.iter().map(|r| get(r).as_secs_f64()).collect();
         times.sort_by(f64::total_cmp);
         let n = times.len() as f64;
-        let point = |(i, time): (usize, &f64)| {
+        let step = |(i, time): (usize, &f64)| {
             let time = time.clamp(RANGE_S.0, RANGE_S.1);
-            (time, (i + 1) as f64 / n)
+            [(time, i as f64 / n), (time, (i + 1) as f64 / n)]
         };
         Curve {
             name,
             color: Color::of_series(index),
-            points: times.iter().enumerate().map(point).collect(),
+            points: times.iter().enumerate().flat_map(step).collect(),
             is_marked: false,
         }
     };
