@@ -3,12 +3,14 @@
 use message::{ProcessState, Text};
 use parking_lot::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use tokio::sync::Notify;
 
 /// Counters and state of a process, written by its loops and read by the health
 /// report about once a second.
 #[derive(Debug)]
 pub struct HealthCounters {
     state: Mutex<(ProcessState, Text)>,
+    state_changed: Notify,
     /// Number of frames published, processed or persisted.
     pub frames: AtomicU64,
     /// Number of frames that were dropped.
@@ -30,6 +32,7 @@ impl Default for HealthCounters {
     fn default() -> Self {
         Self {
             state: Mutex::new((ProcessState::Starting, Text::default())),
+            state_changed: Notify::new(),
             frames: AtomicU64::new(0),
             frames_dropped: AtomicU64::new(0),
             frames_late: AtomicU64::new(0),
@@ -43,9 +46,18 @@ impl Default for HealthCounters {
 }
 
 impl HealthCounters {
-    /// Sets the state and its explanation; empty when all is well.
+    /// Sets the state and its explanation; empty when all is well. Another state is reported at
+    /// once.
     pub fn set_state(&self, state: ProcessState, note: &str) {
-        *self.state.lock() = (state, Text::truncated(note));
+        let known = std::mem::replace(&mut *self.state.lock(), (state, Text::truncated(note)));
+        if known.0 != state {
+            self.state_changed.notify_one();
+        }
+    }
+
+    /// Waits until the state has changed since the last call.
+    pub(crate) async fn state_change(&self) {
+        self.state_changed.notified().await;
     }
 
     /// State of the process and its explanation.
@@ -62,5 +74,23 @@ impl HealthCounters {
     /// Number of steps of the main loop.
     pub fn progress(&self) -> u64 {
         self.progress.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[tokio::test]
+    async fn state_change_is_noticed_and_another_note_is_not() {
+        let health = HealthCounters::default();
+        health.set_state(ProcessState::Degraded, "no frame for 1 s");
+        health.state_change().await;
+        health.set_state(ProcessState::Degraded, "no frame for 2 s");
+        let again = tokio::time::timeout(Duration::from_millis(20), health.state_change());
+        assert!(again.await.is_err());
+        health.set_state(ProcessState::Ready, "");
+        health.state_change().await;
     }
 }

@@ -1,4 +1,5 @@
-//! Periodic health report, watchdog notification and sweep of dead nodes.
+//! Health report, at intervals and at each change of state; watchdog notification; sweep of dead
+//! nodes.
 
 use crate::{CountingAllocator, HealthCounters, Shutdown, clock::monotonic_ns};
 use channel::topic::ProcessHealth;
@@ -45,13 +46,18 @@ impl HealthReporter {
 
     pub(crate) async fn run(mut self, shutdown: Shutdown) {
         let mut period = tokio::time::interval(PERIOD);
-        for n_reports in 0_u64.. {
+        let mut n_periods = 0_u64;
+        let board = Arc::clone(&self.board);
+        loop {
             tokio::select! {
-                _ = period.tick() => {}
+                _ = period.tick() => {
+                    if n_periods.is_multiple_of(REPORTS_PER_SWEEP) {
+                        self.domain.sweep_dead_nodes();
+                    }
+                    n_periods += 1;
+                }
+                () = board.state_change() => {}
                 () = shutdown.requested() => break,
-            }
-            if n_reports % REPORTS_PER_SWEEP == 0 {
-                self.domain.sweep_dead_nodes();
             }
             self.notify_service_manager();
             self.report();
