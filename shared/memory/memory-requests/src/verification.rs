@@ -3,6 +3,7 @@
 use crate::job_context::{JobContext, Progress};
 use message::control::{JobOutcome, VerificationReport};
 use perceptual_memory::{Error, Verification};
+use std::ops::ControlFlow;
 use std::sync::mpsc::sync_channel;
 
 /// Number of views between two progress updates.
@@ -44,10 +45,14 @@ fn read_all(context: &JobContext, progress: &Progress) -> Result<Verification, E
     let reader = checkpoint.open()?;
     let total = reader.n_views() as u64;
     progress.set(0, total);
-    reader.verify(|done| {
+    reader.verify_while(|done| {
         if done % EVERY == 0 || done == total {
             progress.set(done, total);
         }
+        if progress.is_abandoned() {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
     })
 }
 

@@ -5,6 +5,7 @@
 //! segments are read where they are, and none is dropped meanwhile.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -269,7 +270,22 @@ impl CheckpointReader {
     /// # Errors
     ///
     /// [`StorageError::Io`] when the system is short of something; damage is a finding.
-    pub fn verify(mut self, mut progress: impl FnMut(u64)) -> Result<Verification, Error> {
+    pub fn verify(self, mut progress: impl FnMut(u64)) -> Result<Verification, Error> {
+        self.verify_while(|n_views| {
+            progress(n_views);
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// Verifies like [`Self::verify`] until `progress` breaks.
+    ///
+    /// # Errors
+    ///
+    /// As there, and [`Error::Stopped`] when it does.
+    pub fn verify_while(
+        mut self,
+        mut progress: impl FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Verification, Error> {
         let position = self.position();
         let mut reader = self.engine.reader()?;
         let n_history =
@@ -284,7 +300,9 @@ impl CheckpointReader {
                 found.n_content_bytes += n_bytes;
             }
             found.n_views += 1;
-            progress(found.n_views);
+            if progress(found.n_views).is_break() {
+                return Err(Error::Stopped);
+            }
         }
         let versions: Vec<_> = self
             .index
