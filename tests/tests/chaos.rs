@@ -1,20 +1,20 @@
 //! Chaos test: faults drawn at random in a running daemon. Nothing acknowledged is lost, every
 //! fault is recovered from, a starved process is never ended, and nothing grows.
 
+mod document_writer;
 mod fault;
 mod picture;
 mod scene_watch;
-mod teacher;
 
 use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually};
 use crate::skeleton::{id, wait_for_all};
+use document_writer::DocumentWriter;
 use fault::Fault;
 use random::Random;
 use scene_watch::SceneWatch;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use teacher::Teacher;
 
 /// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "15"];
@@ -42,7 +42,7 @@ struct Recovery {
 struct Chaos<'a> {
     daemon: Daemon<'a>,
     scenes: SceneWatch,
-    teacher: Teacher,
+    writer: DocumentWriter,
 }
 
 impl<'a> Chaos<'a> {
@@ -58,14 +58,14 @@ impl<'a> Chaos<'a> {
         Self {
             daemon,
             scenes,
-            teacher: Teacher::start(sandbox),
+            writer: DocumentWriter::start(sandbox),
         }
     }
 
     fn inject(&self, fault: Fault) -> Recovery {
         self.scenes.begin();
         let found_after = fault.inject(&self.daemon);
-        let until_acknowledged = self.teacher.time_to_acknowledgement(WATCHDOG);
+        let until_acknowledged = self.writer.time_to_acknowledgement(WATCHDOG);
         self.scenes.wait_for_good(N_GOOD, WATCHDOG);
         let without_scene = self.scenes.longest_pause();
         eventually("all processes work", || {
@@ -81,8 +81,8 @@ impl<'a> Chaos<'a> {
 
     /// Stops the daemon and checks that nothing was lost.
     fn stop(self) {
-        let n_acknowledged = self.teacher.n_acknowledged();
-        let lost = self.teacher.stop();
+        let n_acknowledged = self.writer.n_acknowledged();
+        let lost = self.writer.stop();
         assert!(lost.is_empty(), "acknowledged and lost: {lost:?}");
         let verified = self.daemon.ask(&["memory", "verify"]);
         assert_eq!(verified["n_findings"], 0, "{verified}");

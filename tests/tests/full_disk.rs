@@ -48,7 +48,7 @@ fn wait_until_degraded(daemon: &Daemon<'_>) -> String {
     note
 }
 
-/// What a memory without disk answers: categories, history, recognition, and an export.
+/// Reading without disk: categories, history, recognition, and an export.
 fn check_reading(daemon: &Daemon<'_>, track: &str) {
     let categories = daemon.ask(&["categories"]);
     assert_eq!(categories["categories"][0]["category"], "mug");
@@ -77,7 +77,7 @@ fn as_root_memory_on_a_full_disk_reads_exports_and_recovers() {
     let rubbish = Rubbish::fill(&daemon);
     // Larger than what is left in the last block of the log.
     let mut large = tempfile::NamedTempFile::new().unwrap();
-    large.write_all(&[b'x'; 100_000]).unwrap();
+    large.write_all(&vec![b'x'; 100_000]).unwrap();
     let (_, sentence) =
         daemon.refused(&["knowledge", "put", "large", large.path().to_str().unwrap()]);
     let is_told = sentence.contains("No space left");

@@ -154,7 +154,10 @@ fn registered_images_of_another_camera_are_played_to_their_end() {
         health.is_some_and(|health| health["state"] == "idle")
     });
     for process in [ProcessKind::Camera, ProcessKind::Perception] {
-        assert_eq!(count(&daemon, process, "frames"), 5, "{}", process.name());
+        // Processes report one after the other.
+        eventually("all frames are reported", || {
+            count(&daemon, process, "frames") == 5
+        });
         assert_eq!(
             count(&daemon, process, "frames_dropped"),
             0,

@@ -43,6 +43,9 @@ const COMPACTION_BUFFERS: usize = 2;
 
 /// Number of segments by which archiving may fall behind before a busy store does it.
 const MAX_SEGMENTS_BEHIND: u64 = 2;
+/// Steps of archiving after each group while it has fallen behind. A segment takes one step for
+/// each 512 entries and two more, and a group has at most 256 entries.
+const STEPS_WHEN_BEHIND: usize = 2;
 /// Time without requests between two steps of archiving.
 const STEP_PAUSE: Duration = Duration::from_millis(2);
 /// Time until archiving is tried again after it failed, for example on a full disk.
@@ -423,16 +426,19 @@ impl StoreLoop {
         }
     }
 
-    /// Does one step of archiving if a busy store has fallen behind with it.
+    /// Does some steps of archiving if a busy store has fallen behind with it: enough to catch up,
+    /// since a group adds fewer entries than they archive.
     fn archive_when_behind(&mut self) {
         let limits = &self.config.limits.history;
         let slack = limits.segment_entries.saturating_mul(MAX_SEGMENTS_BEHIND);
         let most = limits.kept_entries.saturating_add(slack);
-        if let Some(memory) = &self.memory {
+        for _ in 0..STEPS_WHEN_BEHIND {
+            let Some(memory) = &self.memory else { return };
             self.has_archiving |= memory.is_archiving_due();
-            if memory.n_recent_entries() > most {
-                self.archive();
+            if memory.n_recent_entries() <= most {
+                return;
             }
+            self.archive();
         }
     }
 

@@ -1,4 +1,4 @@
-//! Teacher under chaos: stores documents without end and remembers what was acknowledged.
+//! Writer of documents under chaos: it stores them without end and remembers what was acknowledged.
 
 use crate::daemon::Sandbox;
 use channel::DomainName;
@@ -34,7 +34,7 @@ impl Client {
 }
 
 #[derive(Default)]
-struct Progress {
+struct Acknowledged {
     is_over: AtomicBool,
     n_acknowledged: AtomicU64,
     /// Number of the newest acknowledged document of each name.
@@ -43,9 +43,9 @@ struct Progress {
 
 /// Thread that stores one document after the other; one that is not acknowledged is repeated
 /// with the same id until it is.
-pub(super) struct Teacher {
+pub(super) struct DocumentWriter {
     client: Client,
-    progress: Arc<Progress>,
+    progress: Arc<Acknowledged>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -56,13 +56,13 @@ fn document(number: u64) -> DocumentName {
     }
 }
 
-impl Teacher {
+impl DocumentWriter {
     pub(super) fn start(sandbox: &Sandbox) -> Self {
         let client = Client {
             domain: sandbox.domain.clone(),
             folders: [sandbox.run_folder()],
         };
-        let progress = Arc::new(Progress::default());
+        let progress = Arc::new(Acknowledged::default());
         progress.newest.lock().unwrap().resize(N_NAMES as usize, 0);
         let thread = std::thread::spawn({
             let (client, progress) = (client.clone(), progress.clone());
@@ -126,14 +126,14 @@ impl Teacher {
     }
 }
 
-impl Drop for Teacher {
+impl Drop for DocumentWriter {
     fn drop(&mut self) {
         self.progress.is_over.store(true, Ordering::Relaxed);
     }
 }
 
 /// Stores a document; false when the teacher is over.
-fn store(client: &Client, progress: &Progress, number: u64) -> bool {
+fn store(client: &Client, progress: &Acknowledged, number: u64) -> bool {
     let command = Command::Revise(Revision {
         id: MutationId(u128::from(number)),
         author: "chaos".into(),
