@@ -23,6 +23,16 @@ pub(crate) struct Condition {
     pub(crate) note: String,
 }
 
+impl Condition {
+    /// Condition of a store that cannot do all that it should.
+    pub(crate) fn degraded(note: String) -> Self {
+        Self {
+            is_degraded: true,
+            note,
+        }
+    }
+}
+
 /// Conditions of both stores. The process is degraded while one of them is.
 #[derive(Debug)]
 pub(crate) struct HealthConditions {

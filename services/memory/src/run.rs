@@ -107,8 +107,7 @@ fn open_store(
                 Err(error) => {
                     let note = format!("the memory could not be opened again: {error}");
                     tracing::error!("{note}");
-                    let is_degraded = true;
-                    health.set(Store::Perceptual, Condition { is_degraded, note });
+                    health.set(Store::Perceptual, Condition::degraded(note));
                 }
             }
         }),

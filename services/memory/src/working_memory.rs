@@ -96,18 +96,12 @@ impl WorkingMemory {
 
 /// Logs the result of opening the working memory; a loss degrades the health.
 fn log_report(health: &HealthConditions, report: &WorldReport) {
-    if report.is_loss() {
+    let condition = if report.is_loss() {
         tracing::error!("{report}");
+        Condition::degraded(report.to_string())
     } else {
         tracing::info!("{report}");
-    }
-    let condition = Condition {
-        is_degraded: report.is_loss(),
-        note: if report.is_loss() {
-            report.to_string()
-        } else {
-            String::new()
-        },
+        Condition::default()
     };
     health.set(Store::Working, condition);
 }
@@ -118,8 +112,7 @@ fn on_trouble(health: Arc<HealthConditions>) -> OnTrouble {
         Err(error) => {
             let note = format!("the working memory is not on disk: {error}");
             tracing::error!("{note}");
-            let is_degraded = true;
-            health.set(Store::Working, Condition { is_degraded, note });
+            health.set(Store::Working, Condition::degraded(note));
         }
         Ok(report) => {
             tracing::info!("the working memory is on disk again");

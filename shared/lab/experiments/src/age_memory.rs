@@ -164,9 +164,7 @@ impl Ageing {
         // A read waits for all changes requested before it.
         handle.read_and_wait(|_| Ok(()))
     }
-}
 
-impl Ageing {
     /// Purges all that is due, a part at a time.
     fn purge(&mut self, handle: &StoreHandle) -> Result<(), Error> {
         let now_ns = simulated_clock();

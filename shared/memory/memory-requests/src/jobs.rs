@@ -151,12 +151,9 @@ impl Jobs {
     }
 
     fn ask(&self, job: u64, requester: Requester) -> Result<Reply, Refusal> {
-        let is_last = |entry: &Job, report: &JobReport| {
-            report.outcome.is_some() && entry.is_complete_once_reported()
-        };
         let (report, is_over) = self.with(job, requester, |entry| {
             let report = report(job, &entry.progress);
-            let is_over = is_last(entry, &report);
+            let is_over = report.outcome.is_some() && entry.is_complete_once_reported();
             (report, is_over)
         })?;
         if is_over {

@@ -191,6 +191,9 @@ pub(crate) fn change_refusal(error: &Error) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use geometry::RigidTransform;
+    use message::control::pack_cloud;
+    use point_cloud::Point;
 
     #[test]
     fn failed_write_of_a_change_has_an_unknown_outcome_and_a_failed_read_has_not() {
@@ -204,9 +207,6 @@ mod tests {
         let full = Error::QueueFull { capacity: 4 };
         assert_eq!(change_refusal(&full).kind, RefusalKind::Unavailable);
     }
-    use geometry::RigidTransform;
-    use message::control::pack_cloud;
-    use point_cloud::Point;
 
     fn sent() -> StoredView {
         StoredView {

@@ -1,8 +1,8 @@
 //! Rebuild of a damaged or older database from its intact records, with an account of the losses.
 //!
-//! What the archived history entries imply is stored first, and the intact entries behind them are
-//! replayed on it in order. The effects of lost entries are inferred from the other intact records.
-//! One final entry records the losses and the inferred effects.
+//! Replay of the history: first the content that the archived entries imply is stored, then the
+//! intact entries after them are applied in order. The effects of lost entries are inferred from
+//! the other intact records. One final entry records the losses and the inferred effects.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,7 +1,7 @@
 //! Tombstone records: identity of a purged view and the time at which it was forgotten, at most 48
 //! bytes with what the database adds.
 //!
-//! Who forgot the view is in the history.
+//! The requester of the forgetting is recorded in the history only.
 
 use durable_leveldb::record::{seal, unseal};
 

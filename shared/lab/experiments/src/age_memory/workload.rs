@@ -1,5 +1,6 @@
 //! Workload of an ageing memory: a random series of the changes that a robot and its teachers make.
 
+use super::DAY_NS;
 use geometry::OrientedBox;
 use learning::{CategoryName, InvalidCategoryName, ViewId};
 use nalgebra::{Isometry3, Vector3};
@@ -15,7 +16,6 @@ pub(super) const START_NS: u64 = 1_700_000_000_000_000_000;
 /// Simulated time between two changes: twenty a minute.
 pub(super) const CHANGE_PERIOD_NS: u64 = 3_000_000_000;
 
-const DAY_NS: u64 = 24 * 3600 * 1_000_000_000;
 /// Number of recent tracks that teachers refer to.
 const N_RECENT_TRACKS: usize = 256;
 /// Length of a descriptor; a short one, since its length does not affect what ages.

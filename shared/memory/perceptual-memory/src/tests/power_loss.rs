@@ -279,16 +279,20 @@ impl Disk {
     }
 }
 
+/// Starts the journal of the disk operations of a store; returns the disk as it is now, too.
+fn start_journal(memory: &mut PerceptualMemory, folder: &Path) -> (Disk, Journal) {
+    let disk = Disk::of(folder);
+    let journal = Journal::default();
+    memory.engine.set_observer(journaling(folder, &journal));
+    (disk, journal)
+}
+
 /// Cuts the power after every `step`-th operation of a series of mutations.
 fn check_cuts_while_teaching(step: usize) {
     let folder = folder();
     let (mut memory, _) = open(folder.path());
     memory.lease_track_ids(N_TRACKS).unwrap();
-    let mut disk = Disk::of(folder.path());
-    let journal = Journal::default();
-    memory
-        .engine
-        .set_observer(journaling(folder.path(), &journal));
+    let (mut disk, journal) = start_journal(&mut memory, folder.path());
     let mut acknowledged_at = Vec::new();
     for n in 0..2 * N_TRACKS {
         memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
@@ -334,11 +338,7 @@ fn check_cuts_while_archiving(step: usize) {
     let (mut memory, _) = open(folder.path());
     memory.set_limits(archiving_limits());
     memory.lease_track_ids(N_TRACKS).unwrap();
-    let mut disk = Disk::of(folder.path());
-    let journal = Journal::default();
-    memory
-        .engine
-        .set_observer(journaling(folder.path(), &journal));
+    let (mut disk, journal) = start_journal(&mut memory, folder.path());
     let mut acknowledged_at = Vec::new();
     for n in 0..2 * N_ARCHIVING_TRACKS {
         memory.apply(&mutation(n, 100)).unwrap();
