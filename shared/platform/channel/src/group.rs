@@ -1,9 +1,12 @@
 //! Group look-up in `/etc/group`.
 
+use rustix::fs::Gid;
 use std::path::Path;
 
-/// Group whose members may use the control socket.
-pub(crate) const SOCKET_GROUP: &str = "tabula";
+/// Group whose members may use the control socket; `None` where it does not exist.
+pub(crate) fn socket_group() -> Option<Gid> {
+    group_id("tabula").map(Gid::from_raw)
+}
 
 /// Id of a group, by its name or its number; `None` where it does not exist.
 pub(crate) fn group_id(name: &str) -> Option<u32> {

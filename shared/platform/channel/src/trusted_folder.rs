@@ -7,10 +7,10 @@
 //! no path can be exchanged between check and use.
 
 use crate::Error;
-use crate::group::{SOCKET_GROUP, group_id};
+use crate::group::socket_group;
 use rustix::fs::{
-    AtFlags, CWD, FileType, Gid, Mode, OFlags, Stat, chownat, fchmod, fchown, fstat, mkdirat,
-    openat, renameat, statat, unlinkat,
+    AtFlags, CWD, FileType, Mode, OFlags, Stat, chownat, fchmod, fchown, fstat, mkdirat, openat,
+    renameat, statat, unlinkat,
 };
 use rustix::io::Errno;
 use std::fs::{DirBuilder, File};
@@ -156,14 +156,12 @@ impl TrustedFolder {
     /// Gives the folder to the group tabula; false without that group, or without
     /// the right to do so.
     pub(crate) fn share_with_group(&self) -> bool {
-        group_id(SOCKET_GROUP)
-            .map(Gid::from_raw)
-            .is_some_and(|group| fchown(&self.descriptor, None, Some(group)).is_ok())
+        socket_group().is_some_and(|group| fchown(&self.descriptor, None, Some(group)).is_ok())
     }
 
     /// Gives an entry of the folder to the group tabula, if possible.
     pub(crate) fn share_entry_with_group(&self, name: &str) {
-        if let Some(group) = group_id(SOCKET_GROUP).map(Gid::from_raw) {
+        if let Some(group) = socket_group() {
             let descriptor = self.descriptor.as_fd();
             let flags = AtFlags::SYMLINK_NOFOLLOW;
             let _ = chownat(descriptor, name, None, Some(group), flags);

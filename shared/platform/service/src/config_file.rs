@@ -174,7 +174,7 @@ mod tests {
             let file = ConfigFile { path: None, text };
             let camera = file.check_sections().and_then(|()| file.section("camera"));
             match camera {
-                Ok(Camera { rate_hz }) => assert!(rate_hz.is_nan() || rate_hz == rate_hz),
+                Ok(Camera { .. }) => assert!(toml::from_str::<toml::Table>(&file.text).is_ok()),
                 Err(error) => assert!(error.to_string().contains("the configuration")),
             }
         });
