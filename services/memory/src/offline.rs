@@ -150,7 +150,6 @@ impl OfflineMemory {
                 },
                 ..RetentionLimits::default()
             },
-            volatile: None,
             write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || wall_clock_ns().max(0) as u64,
             on_reopened: Box::new(|_| {}),

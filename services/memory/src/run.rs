@@ -97,7 +97,6 @@ fn open_store(
         folder: context.home.perceptual_memory(),
         queue_capacity: config.queue_requests,
         limits: config.limits,
-        volatile: Some(context.domain.folder().join("perceptual-memory")),
         write_buffer_bytes: config.write_buffer_bytes,
         wall_clock: || wall_clock_ns().max(0) as u64,
         on_reopened: Box::new({

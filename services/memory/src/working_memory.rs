@@ -39,7 +39,6 @@ impl WorkingMemory {
         let (on_disk, written) = watch::channel(0);
         let (thread, handle, report) = WorldThread::start(WorldThreadConfig {
             folder: context.home.working_memory(),
-            volatile: Some(context.domain.folder().join("working-memory")),
             world: config.world,
             period: config.world_period,
             wall_clock: now_ns,

@@ -45,7 +45,6 @@ pub(super) fn store(home: &Path, n_views: usize) -> Result<u64, Failure> {
         folder: Home::at(home.to_owned()).perceptual_memory(),
         queue_capacity: QUEUE,
         limits: RetentionLimits::default(),
-        volatile: None,
         write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| ()),

@@ -158,7 +158,7 @@ impl Ageing {
             self.purge(handle)?;
             // The store of a robot does this when it is idle, which this one never is.
             for step in 0..PerceptualMemory::N_RECORD_STEPS {
-                handle.read_and_wait(move |memory| memory.compact_step(step))?;
+                handle.compact_and_wait(step)?;
             }
         }
         // A read waits for all changes requested before it.
@@ -188,7 +188,6 @@ fn store_config(folder: &Path, limits: RetentionLimits) -> StoreConfig {
         folder: folder.to_owned(),
         queue_capacity: 2 * GROUP_CHANGES as usize,
         limits,
-        volatile: None,
         write_buffer_bytes: WRITE_BUFFER_BYTES,
         wall_clock: simulated_clock,
         on_reopened: Box::new(|_| {}),

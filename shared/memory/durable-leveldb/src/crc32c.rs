@@ -28,6 +28,11 @@ impl IncrementalCrc {
     }
 }
 
+/// Masks a CRC for storing.
+pub(crate) fn mask(crc: u32) -> u32 {
+    crc.rotate_right(15).wrapping_add(MASK_DELTA)
+}
+
 /// Unmasks a stored CRC.
 pub(crate) fn unmask(masked: u32) -> u32 {
     masked.wrapping_sub(MASK_DELTA).rotate_left(15)
@@ -55,7 +60,7 @@ mod tests {
     #[test]
     fn unmask_inverts_the_mask() {
         for crc in [0, 1, 0xe306_9283, u32::MAX] {
-            assert_eq!(unmask(crc.rotate_right(15).wrapping_add(MASK_DELTA)), crc);
+            assert_eq!(unmask(mask(crc)), crc);
         }
     }
 }

@@ -1,59 +1,60 @@
-//! Storage engine: rusty-leveldb with reported errors, caught panics, and correct reads.
+//! Database: a log and a memtable for writing, over the tables of LevelDB.
 //!
-//! It is read by iterator only. Its `get` is wrong in two cases: it stops at the deletion of the
-//! next greater key, and it misses the last written key at the end of a block.
-//!
-//! Every iterator takes a snapshot that is never released: after the first read, compaction keeps
-//! every version of every record, and deleted records stay on disk for ever. The database is
-//! therefore reopened after reads, before the next compaction.
+//! A write is appended to the log, synced, and kept in a memtable. A full memtable is frozen, and
+//! the [engine thread](crate::engine) moves it into tables and compacts these. Neither a write nor a
+//! read waits for that.
 
-use std::io;
-use std::ops::ControlFlow;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use std::sync::Arc;
 
-use rusty_leveldb::{DB, DBIterator, LdbIterator, Options, StatusCode, WriteBatch};
-
-use crate::durable_env::DurableEnv;
 use crate::durable_file::DurableFile;
-use crate::env_health::{EnvHealth, FileOperation, Observer};
+use crate::engine::{Engine, EngineState, Frozen, SharedState};
+use crate::env_health::{EnvHealth, Observer};
 use crate::error::Error;
+use crate::log_file::{LOG, LogFile};
+use crate::manifest::{Manifest, numbered_files};
+use crate::memtable::Memtable;
+use crate::raw_log::visit_log;
+use crate::reader::Reader;
+use crate::table::TableSet;
+use crate::verified_files::read_log;
+use crate::write_batch::WriteBatch;
 
-/// Maximum number of open table files; at eight megabytes each, more than a robot learns.
-const MAX_OPEN_FILES: usize = 256;
-
-/// Capacity of the block cache, blocks. A block is at least as long as a record, and some records
-/// are whole point clouds: the default of a thousand blocks would keep a thousand clouds in memory.
-/// Blocks are rarely read twice, and the page cache of the kernel holds those that are.
-const N_CACHED_BLOCKS: usize = 16;
-
-/// Default size of the write buffer (memtable), bytes; twice the maximum table size. rusty-leveldb
+/// Default size of the write buffer (memtable), bytes; twice the maximum table size. LevelDB
 /// compacts once for each table that it writes from memory. With its defaults of four and two
 /// megabytes, bursts of key views outpace the compaction, and a snapshot is read from dozens of
 /// tables at once.
 pub const WRITE_BUFFER_BYTES: usize = 16 << 20;
 
+/// Extension of LevelDB's own logs, which are read and not written.
+const LEVELDB_LOG: &str = "log";
+
 /// Open LevelDB database with checksummed records.
 pub struct Database {
-    /// LevelDB handle; `None` if reopening failed.
-    db: Option<DB>,
     folder: PathBuf,
     write_buffer_bytes: usize,
-    /// `true` if anything was read since the database was opened.
-    has_been_read: bool,
     health: Arc<EnvHealth>,
+    shared: Arc<SharedState>,
+    /// Memtable that is written to.
+    active: Arc<Memtable>,
+    /// Log of the active memtable; created by the first write.
+    log: Option<LogFile>,
+    next_log: u64,
+    /// Sequence number of the last record.
+    sequence: u64,
+    /// Engine thread; `None` during the examination.
+    engine: Option<Engine>,
 }
 
 impl Database {
-    /// Opens or creates the database in `folder` for examination: corruption is recorded instead of
-    /// being fatal, and no file is deleted before [`Self::accept`].
+    /// Opens the database in `folder` for examination: it is only read, nothing in the folder is
+    /// changed, and corruption is recorded instead of being fatal. An empty or missing folder is an
+    /// empty database. [`Self::accept`] opens it for writing.
     ///
     /// # Errors
     ///
     /// [`Error::Damaged`] when it cannot be opened for what is in its files;
-    /// [`Error::Io`] and [`Error::InUse`] when that is not their fault.
+    /// [`Error::Io`] when that is not their fault.
     pub fn open(folder: &Path, write_buffer_bytes: usize) -> Result<Self, Error> {
         Self::open_monitored(folder, write_buffer_bytes, EnvHealth::examining())
     }
@@ -79,103 +80,203 @@ impl Database {
         write_buffer_bytes: usize,
         health: EnvHealth,
     ) -> Result<Self, Error> {
-        let health = Arc::new(health);
-        Ok(Self {
-            db: Some(open_database(folder, write_buffer_bytes, &health)?),
+        let mut database = Self {
             folder: folder.to_owned(),
             write_buffer_bytes,
-            has_been_read: false,
-            health,
-        })
+            health: Arc::new(health),
+            shared: Arc::default(),
+            active: Arc::default(),
+            log: None,
+            next_log: 1,
+            sequence: 0,
+            engine: None,
+        };
+        let health = &database.health;
+        if let Some(manifest) = Manifest::read(folder, health)? {
+            database.sequence = manifest.last_sequence;
+            database.load_logs(LEVELDB_LOG, |number| manifest.has_log(number))?;
+            let tables = TableSet::of(manifest, folder, &TableSet::default(), &database.health);
+            database.shared.lock().tables = Arc::new(tables);
+        }
+        database.load_logs(LOG, |_| true)?;
+        match database.health.failure() {
+            Some(failure) => Err(failure.into()),
+            None => Ok(database),
+        }
     }
 
-    /// Ends the examination: performs the deferred deletions. From now on corruption stops all
-    /// changes, and compaction drops deleted records.
+    /// Loads the logs with an extension, in order, each into a memtable.
+    fn load_logs(&mut self, extension: &str, is_due: impl Fn(u64) -> bool) -> Result<(), Error> {
+        if !self.folder.exists() {
+            return Ok(());
+        }
+        let logs = numbered_files(&self.folder, extension);
+        let logs = self.health.noted(&self.folder, logs);
+        for (number, path) in logs.map_err(Error::io("listing", &self.folder))? {
+            if extension == LOG {
+                self.next_log = self.next_log.max(number + 1);
+            }
+            if !is_due(number) {
+                continue;
+            }
+            // A failure is recorded by the health monitor.
+            let log = read_log(&path, &self.health).unwrap_or_default();
+            let mut memtable = Memtable::default();
+            visit_log(&log, |record| {
+                self.sequence = self.sequence.max(record.sequence);
+                memtable.insert((record.key.to_vec(), record.value.map(<[u8]>::to_vec)));
+            });
+            let memtable = Arc::new(memtable);
+            let mut state = self.shared.lock();
+            state.frozen.push_back(Frozen {
+                memtable,
+                log: path,
+            });
+        }
+        Ok(())
+    }
+
+    /// Ends the examination: from now on the database can be written, and corruption stops all
+    /// changes.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] when a file cannot be deleted, or [`Error::Damaged`].
+    /// [`Error::InUse`], [`Error::Io`] or [`Error::Damaged`].
     pub fn accept(&mut self) -> Result<(), Error> {
-        for path in self.health.take_deferred_deletions() {
-            let change = FileOperation::Delete(&path);
-            let delete = || match std::fs::remove_file(&path) {
-                Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-                deleted => deleted,
-            };
-            let deleted = self.health.perform("deleting", &path, &change, delete);
-            deleted.map_err(Error::io("deleting", &path))?;
-        }
-        self.reopen_after_reads()
+        self.health.end_examination();
+        self.health.check()?;
+        let engine = Engine::start(
+            &self.folder,
+            self.write_buffer_bytes,
+            &self.health,
+            &self.shared,
+        )?;
+        self.engine = Some(engine);
+        Ok(())
     }
 
     /// Applies a write batch atomically; with `is_synced` it is durable on return. After an error
-    /// it may be on disk or not, until the database is reopened.
+    /// it may be on disk or not, until the database is opened again.
     ///
     /// # Errors
     ///
     /// [`Error::Io`] or [`Error::Damaged`].
     pub fn write(&mut self, batch: WriteBatch, is_synced: bool) -> Result<(), Error> {
-        self.call(|db| db.write(batch, is_synced))?;
+        self.check()?;
+        if self.active.n_bytes() >= self.write_buffer_bytes {
+            self.freeze()?;
+        }
+        let written = self.append(&batch, is_synced);
+        written.map_err(|error| self.error_of(error))?;
+        let active = Arc::make_mut(&mut self.active);
+        for record in batch.into_records() {
+            active.insert(record);
+        }
+        Ok(())
+    }
+
+    fn append(&mut self, batch: &WriteBatch, is_synced: bool) -> std::io::Result<()> {
+        let log = match &mut self.log {
+            Some(log) => log,
+            none => {
+                let path = self.folder.join(format!("{:06}.{LOG}", self.next_log));
+                self.next_log += 1;
+                none.insert(LogFile::create(&path, &self.health)?)
+            }
+        };
+        log.append(&batch.encode(self.sequence + 1))?;
+        self.sequence += batch.len() as u64;
+        if is_synced { log.sync() } else { Ok(()) }
+    }
+
+    /// Freezes the active memtable and gives it to the engine.
+    fn freeze(&mut self) -> Result<(), Error> {
+        let (Some(mut log), Some(engine)) = (self.log.take(), &self.engine) else {
+            return Ok(());
+        };
+        let path = log.path();
+        let synced = log.sync();
+        drop(log);
+        synced.map_err(|error| self.error_of(error))?;
+        engine.freeze(Frozen {
+            memtable: std::mem::take(&mut self.active),
+            log: path,
+        });
         self.check()
     }
 
-    /// Compacts the tables with keys from `from` to `to`, which drops deleted records.
+    /// Starts the compaction of the tables with keys from `from` to `to`, which drops deleted
+    /// records. It goes on in the engine thread.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] or [`Error::Damaged`] of an earlier step.
+    pub fn compact(&mut self, from: &[u8], to: &[u8]) -> Result<(), Error> {
+        self.freeze()?;
+        if let Some(engine) = &self.engine {
+            engine.compact(from, to);
+        }
+        self.check()
+    }
+
+    /// `true` until the compactions that were started have ended.
+    pub fn is_compacting(&self) -> bool {
+        self.engine.as_ref().is_some_and(Engine::is_compacting)
+    }
+
+    /// Waits until the engine thread has nothing to do.
     ///
     /// # Errors
     ///
     /// [`Error::Io`] or [`Error::Damaged`].
-    pub fn compact(&mut self, from: &[u8], to: &[u8]) -> Result<(), Error> {
-        self.reopen_after_reads()?;
-        self.call(|db| db.compact_range(from, to))?;
+    pub fn settle(&self) -> Result<(), Error> {
+        if let Some(engine) = &self.engine {
+            engine.settle();
+        }
         self.check()
     }
 
-    /// Reopens the database if anything was read, to release the snapshots.
-    fn reopen_after_reads(&mut self) -> Result<(), Error> {
-        if !self.has_been_read {
-            return Ok(());
-        }
-        self.call(DB::close)?;
-        self.db = None;
-        let opened = open_database(&self.folder, self.write_buffer_bytes, &self.health)?;
-        self.db = Some(opened);
-        self.has_been_read = false;
-        Ok(())
-    }
-
-    fn call<T>(
-        &mut self,
-        work: impl FnOnce(&mut DB) -> rusty_leveldb::Result<T>,
-    ) -> Result<T, Error> {
-        match &mut self.db {
-            Some(db) => guarded(&self.health, || work(db)),
-            None => Err(Error::io("using", &self.folder)(io::Error::other(
-                "it could not be opened again",
-            ))),
-        }
-    }
-
-    /// Flushes and closes the database.
+    /// Writes all records to tables and closes the database.
     ///
     /// # Errors
     ///
     /// [`Error::Io`]; synced batches are on disk all the same.
     pub fn close(mut self) -> Result<(), Error> {
-        self.call(DB::close)
+        self.freeze()?;
+        if let Some(engine) = self.engine.take() {
+            engine.close();
+        }
+        self.check()
     }
 
     /// Reader of the present state of the database.
+    pub fn reader(&self) -> Reader {
+        let (memtables, tables) = self.state();
+        Reader::new(memtables, tables, Arc::clone(&self.health))
+    }
+
+    /// Reader of the present state with a health monitor of its own, for another thread: what it
+    /// finds damaged is recorded as in an examination, and stops no writes. Once the database has
+    /// been closed and opened again, its reads may fail with [`Error::Io`].
     ///
     /// # Errors
     ///
     /// [`Error::Io`] or [`Error::Damaged`].
-    pub fn reader(&mut self) -> Result<Reader, Error> {
-        self.has_been_read = true;
-        let iter = self.call(DB::new_iter)?;
-        Ok(Reader {
-            iter,
-            health: Arc::clone(&self.health),
-        })
+    pub fn snapshot(&mut self) -> Result<Reader, Error> {
+        self.freeze()?;
+        let (memtables, tables) = self.state();
+        let health = Arc::new(EnvHealth::of_snapshot());
+        Ok(Reader::new(memtables, tables, health))
+    }
+
+    /// Memtables, the newest first, and tables.
+    fn state(&self) -> (Vec<Arc<Memtable>>, Arc<TableSet>) {
+        let EngineState { frozen, tables, .. } = &*self.shared.lock();
+        let frozen = frozen.iter().rev();
+        let frozen = frozen.map(|frozen| Arc::clone(&frozen.memtable));
+        let memtables = std::iter::once(Arc::clone(&self.active)).chain(frozen);
+        let memtables = memtables.filter(|memtable| !memtable.is_empty());
+        (memtables.collect(), Arc::clone(tables))
     }
 
     /// Creates a file beside the database that appears only whole; see [`DurableFile`].
@@ -187,13 +288,21 @@ impl Database {
         DurableFile::create(path, Arc::clone(&self.health))
     }
 
-    /// Error for a failure that rusty-leveldb did not report.
+    /// Error of an earlier step of the engine thread, or of a read.
     ///
     /// # Errors
     ///
     /// [`Error::Io`] or, outside of the examination, [`Error::Damaged`].
     pub fn check(&self) -> Result<(), Error> {
-        check(&self.health)
+        self.health.check()
+    }
+
+    /// Error of a failed write, as the health monitor has recorded it.
+    fn error_of(&self, error: std::io::Error) -> Error {
+        match self.health.check() {
+            Err(recorded) => recorded,
+            Ok(()) => Error::io("writing", &self.folder)(error),
+        }
     }
 
     /// Number of detected corruptions, and the first ones as sentences.
@@ -212,136 +321,4 @@ impl Database {
     pub fn set_observer(&self, observer: Observer) {
         self.health.set_observer(observer);
     }
-}
-
-fn open_database(
-    folder: &Path,
-    write_buffer_bytes: usize,
-    health: &Arc<EnvHealth>,
-) -> Result<DB, Error> {
-    let usual = Options::default();
-    let options = Options {
-        env: Rc::new(Box::new(DurableEnv::new(Arc::clone(health)))),
-        // With either, writes after a truncated log are lost at the next opening.
-        reuse_logs: false,
-        reuse_manifest: false,
-        max_open_files: MAX_OPEN_FILES,
-        block_cache_capacity_bytes: N_CACHED_BLOCKS * usual.block_size,
-        write_buffer_size: write_buffer_bytes,
-        max_file_size: write_buffer_bytes / 2,
-        ..usual
-    };
-    guarded(health, || DB::open(folder, options)).map_err(|error| match error {
-        Error::InUse { .. } => Error::InUse {
-            folder: folder.to_owned(),
-        },
-        other => other,
-    })
-}
-
-/// Reader of records in key order.
-pub struct Reader {
-    iter: DBIterator,
-    health: Arc<EnvHealth>,
-}
-
-impl Reader {
-    /// Reads the newest value of `key`.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Io`] or, outside of the examination, [`Error::Damaged`].
-    pub fn get(&mut self, key: &[u8]) -> Result<Option<Vec<u8>>, Error> {
-        let mut value = None;
-        self.scan(key, |found, bytes| {
-            if found == key {
-                value = Some(bytes.to_vec());
-            }
-            ControlFlow::Break(())
-        })?;
-        Ok(value)
-    }
-
-    /// Visits the records from `from` on until `visit` breaks.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::get`].
-    pub fn scan(
-        &mut self,
-        from: &[u8],
-        mut visit: impl FnMut(&[u8], &[u8]) -> ControlFlow<()>,
-    ) -> Result<(), Error> {
-        guarded(&self.health, || {
-            if from.is_empty() {
-                // A seek into a damaged block would skip the whole table.
-                self.iter.seek_to_first();
-            } else {
-                self.iter.seek(from);
-            }
-            while let Some((key, value)) = self.iter.current() {
-                if visit(&key, &value).is_break() {
-                    break;
-                }
-                self.iter.advance();
-            }
-            Ok(())
-        })?;
-        check(&self.health)
-    }
-
-    /// Visits the records whose key begins with `prefix`.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::get`].
-    pub fn scan_prefix(
-        &mut self,
-        prefix: &[u8],
-        mut visit: impl FnMut(&[u8], &[u8]),
-    ) -> Result<(), Error> {
-        self.scan(prefix, |key, value| {
-            if !key.starts_with(prefix) {
-                return ControlFlow::Break(());
-            }
-            visit(key, value);
-            ControlFlow::Continue(())
-        })
-    }
-}
-
-fn check(health: &EnvHealth) -> Result<(), Error> {
-    if let Some(failure) = health.failure() {
-        return Err(failure.into());
-    }
-    if health.n_damages() > 0 && !health.is_examining() {
-        return Err(Error::Damaged {
-            what: health.damages().1.join("; "),
-        });
-    }
-    Ok(())
-}
-
-/// Calls rusty-leveldb and turns its panics into errors: it asserts on input that may be damaged.
-fn guarded<T>(
-    health: &EnvHealth,
-    call: impl FnOnce() -> rusty_leveldb::Result<T>,
-) -> Result<T, Error> {
-    // After a panic the database is not used again: the corruption is recorded, and
-    // the caller reopens the store.
-    let what = match catch_unwind(AssertUnwindSafe(call)) {
-        Ok(Ok(value)) => return Ok(value),
-        Ok(Err(status)) if status.code == StatusCode::LockError => {
-            return Err(Error::InUse {
-                folder: PathBuf::new(),
-            });
-        }
-        Ok(Err(status)) => status.err,
-        Err(_) => "rusty-leveldb panicked".to_owned(),
-    };
-    if let Some(failure) = health.failure() {
-        return Err(failure.into());
-    }
-    health.note_damage(what.clone());
-    Err(Error::Damaged { what })
 }

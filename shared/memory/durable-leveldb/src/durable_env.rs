@@ -2,8 +2,8 @@
 //!
 //! rusty-leveldb calls `flush` where C++ LevelDB syncs, and syncs nothing. Here `flush` is
 //! `fdatasync`, a file with unsynced bytes is synced when it is closed, and the folder is synced
-//! when a name in it is added or changed. A synced write to the database is then exactly one
-//! `fdatasync`.
+//! when a name in it is added or changed. rusty-leveldb's own log is not written, and tables that it
+//! deletes are only noted; see [`crate::engine`].
 //!
 //! A power cut keeps all synced bytes and any part of the others. The order create, sync folder,
 //! write, sync file, rename, sync folder is therefore essential.
@@ -14,12 +14,15 @@ use std::io::{self, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use parking_lot::Mutex;
 use rusty_leveldb::env::{Env, FileLock, Logger, RandomAccess};
 use rusty_leveldb::{PosixDiskEnv, Result};
 
 use crate::env_health::{EnvHealth, FileOperation};
 use crate::read_retry::retried;
-use crate::verified_files::{VerifiedTable, check_log};
+use crate::synced_file::SyncedFile;
+use crate::table::delete;
+use crate::verified_files::{VerifiedTable, read_file, read_log};
 
 /// Minimum length of a table file: its footer. rusty-leveldb subtracts the footer without checking.
 const MIN_TABLE_BYTES: usize = 48;
@@ -28,13 +31,18 @@ const MIN_TABLE_BYTES: usize = 48;
 pub(crate) struct DurableEnv {
     disk: PosixDiskEnv,
     health: Arc<EnvHealth>,
+    obsolete_tables: ObsoleteTables,
 }
 
+/// Tables that the engine no longer needs.
+pub(crate) type ObsoleteTables = Arc<Mutex<Vec<PathBuf>>>;
+
 impl DurableEnv {
-    pub(crate) fn new(health: Arc<EnvHealth>) -> Self {
+    pub(crate) fn new(health: Arc<EnvHealth>, obsolete_tables: ObsoleteTables) -> Self {
         Self {
             disk: PosixDiskEnv::new(),
             health,
+            obsolete_tables,
         }
     }
 
@@ -43,41 +51,28 @@ impl DurableEnv {
             // Diagnostic log: needs no sync, and its failure is not fatal.
             return Ok(Box::new(options.open(path)?));
         }
-        let file = self
-            .health
-            .perform("creating", path, &FileOperation::Create(path), || {
-                options.open(path)
-            })?;
-        self.health.cancel_deferred_deletion(path);
+        if has_extension(path, "log") {
+            // What the engine is given is in the log of the [`Database`](crate::Database).
+            return Ok(Box::new(io::sink()));
+        }
+        let file = SyncedFile::open(path, options, &self.health)?;
+        // Numbers of tables that a crash left are used again.
+        self.obsolete_tables.lock().retain(|table| table != path);
         // A temporary file is renamed next, and the rename syncs the folder.
-        if path.extension() != Some(OsStr::new("dbtmp")) {
-            self.sync_folder_of(path)?;
+        if !has_extension(path, "dbtmp") {
+            sync_folder_of(path, &self.health)?;
         }
-        let health = Arc::clone(&self.health);
-        Ok(Box::new(SyncedFile {
-            file,
-            path: path.to_owned(),
-            is_dirty: false,
-            health,
-        }))
+        Ok(Box::new(file))
     }
+}
 
-    /// Reports a read error to the health monitor and passes the result on.
-    fn noted<T>(&self, path: &Path, read: io::Result<T>) -> io::Result<T> {
-        if let Err(error) = &read {
-            self.health.note_read_error(path, error);
-        }
-        read
-    }
-
-    fn sync_folder_of(&self, path: &Path) -> io::Result<()> {
-        let folder = path.parent().unwrap_or(Path::new("."));
-        let change = FileOperation::SyncFolder(folder);
-        self.health
-            .perform("syncing the folder", folder, &change, || {
-                sync_folder(folder)
-            })
-    }
+/// Syncs the folder of a file, which makes its name durable.
+pub(crate) fn sync_folder_of(path: &Path, health: &EnvHealth) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let change = FileOperation::SyncFolder(folder);
+    health.perform("syncing the folder", folder, &change, || {
+        sync_folder(folder)
+    })
 }
 
 /// Syncs a folder, which makes its names durable.
@@ -90,44 +85,35 @@ fn is_info_log(path: &Path) -> bool {
         .is_some_and(|name| name == "LOG" || name == "LOG.old")
 }
 
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension() == Some(OsStr::new(extension))
+}
+
+/// `true` for the path of a table.
 fn is_table(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension == "ldb" || extension == "sst")
+    has_extension(path, "ldb") || has_extension(path, "sst")
 }
 
 impl Env for DurableEnv {
     /// Reads the whole file at once, since rusty-leveldb takes a short read for the end.
     fn open_sequential_file(&self, path: &Path) -> Result<Box<dyn Read>> {
         let is_current = path.file_name() == Some(OsStr::new("CURRENT"));
-        let read = retried(|| {
-            self.health.observe(&FileOperation::Read(path))?;
-            fs::read(path)
-        });
-        let bytes = match read {
+        if is_current && !path.exists() {
             // The sign of a new database.
-            Err(error) if is_current && error.kind() == io::ErrorKind::NotFound => {
-                return Err(error.into());
-            }
-            read => self.noted(path, read)?,
-        };
-        if !is_current && let Some(damage) = check_log(&bytes) {
-            self.health
-                .note_damage(format!("{}: {damage}", path.display()));
+            return Err(io::Error::from(io::ErrorKind::NotFound).into());
         }
-        Ok(Box::new(Cursor::new(bytes)))
+        let read = if is_current { read_file } else { read_log };
+        Ok(Box::new(Cursor::new(read(path, &self.health)?)))
     }
 
     fn open_random_access_file(&self, path: &Path) -> Result<Box<dyn RandomAccess>> {
-        let table = retried(|| VerifiedTable::open(path, Arc::clone(&self.health)));
-        Ok(Box::new(self.noted(path, table)?))
+        Ok(Box::new(VerifiedTable::open(
+            path,
+            Arc::clone(&self.health),
+        )?))
     }
 
     fn open_writable_file(&self, path: &Path) -> Result<Box<dyn Write>> {
-        // Of a volatile copy: a table that a crash left in the original, whose number is used
-        // again. It must not be written through the link.
-        if path.is_symlink() {
-            fs::remove_file(path)?;
-        }
         self.create(
             path,
             OpenOptions::new().create(true).truncate(true).write(true),
@@ -139,14 +125,14 @@ impl Env for DurableEnv {
     }
 
     fn exists(&self, path: &Path) -> Result<bool> {
-        Ok(self.noted(path, fs::exists(path))?)
+        Ok(self.health.noted(path, fs::exists(path))?)
     }
 
     /// File names in a folder, without names that are not UTF-8, on which rusty-leveldb would
     /// panic.
     fn children(&self, folder: &Path) -> Result<Vec<PathBuf>> {
         let entries = fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
-        let entries = self.noted(folder, entries)?;
+        let entries = self.health.noted(folder, entries)?;
         let names = entries
             .into_iter()
             .filter_map(|entry| entry.file_name().into_string().ok());
@@ -155,7 +141,7 @@ impl Env for DurableEnv {
 
     fn size_of(&self, path: &Path) -> Result<usize> {
         let size = retried(|| fs::metadata(path));
-        let size = self.noted(path, size)?.len() as usize;
+        let size = self.health.noted(path, size)?.len() as usize;
         if is_table(path) && size < MIN_TABLE_BYTES {
             let error = io::Error::new(io::ErrorKind::InvalidData, "it is too short for a table");
             self.health.note_read_error(path, &error);
@@ -164,19 +150,18 @@ impl Env for DurableEnv {
         Ok(size)
     }
 
+    /// Deletes a file; a table only later, since it may be read.
     fn delete(&self, path: &Path) -> Result<()> {
-        if self.health.defers_deletion(path) {
+        if is_table(path) {
+            self.obsolete_tables.lock().push(path.to_owned());
             return Ok(());
         }
-        let change = FileOperation::Delete(path);
-        Ok(self
-            .health
-            .perform("deleting", path, &change, || fs::remove_file(path))?)
+        Ok(delete(path, &self.health)?)
     }
 
     fn mkdir(&self, path: &Path) -> Result<()> {
         self.disk.mkdir(path)?;
-        Ok(self.sync_folder_of(path)?)
+        Ok(sync_folder_of(path, &self.health)?)
     }
 
     fn rmdir(&self, path: &Path) -> Result<()> {
@@ -190,8 +175,7 @@ impl Env for DurableEnv {
         let change = FileOperation::Rename(old, new);
         self.health
             .perform("renaming", old, &change, || fs::rename(old, new))?;
-        self.health.cancel_deferred_deletion(new);
-        Ok(self.sync_folder_of(new)?)
+        Ok(sync_folder_of(new, &self.health)?)
     }
 
     fn lock(&self, path: &Path) -> Result<FileLock> {
@@ -221,43 +205,5 @@ impl Env for DurableEnv {
 
     fn sleep_for(&self, micros: u32) {
         self.disk.sleep_for(micros);
-    }
-}
-
-/// File whose `flush` is `fdatasync`.
-struct SyncedFile {
-    file: File,
-    path: PathBuf,
-    is_dirty: bool,
-    health: Arc<EnvHealth>,
-}
-
-impl Write for SyncedFile {
-    /// Writes all bytes or fails, since rusty-leveldb ignores the number of written bytes.
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let change = FileOperation::Write(&self.path, bytes);
-        self.is_dirty = true;
-        self.health.perform("writing", &self.path, &change, || {
-            self.file.write_all(bytes)
-        })?;
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        if !self.is_dirty {
-            return Ok(());
-        }
-        let change = FileOperation::Sync(&self.path);
-        self.health
-            .perform("syncing", &self.path, &change, || self.file.sync_data())?;
-        self.is_dirty = false;
-        Ok(())
-    }
-}
-
-impl Drop for SyncedFile {
-    /// Syncs the file. The health monitor keeps an error and so refuses the next change.
-    fn drop(&mut self) {
-        let _ = self.flush();
     }
 }

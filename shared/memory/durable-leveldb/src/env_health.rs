@@ -6,12 +6,12 @@
 //! write and all detected corruption, and then refuses every further change to the folder.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
 
-use crate::error::StorageFailure;
+use crate::error::{Error, StorageFailure};
 
 /// Maximum number of corruptions kept as sentences; further ones are only counted.
 const MAX_DAMAGE_SENTENCES: usize = 32;
@@ -27,8 +27,10 @@ struct HealthState {
     failure: Option<StorageFailure>,
     damages: Vec<String>,
     n_damages: u64,
-    /// Deletions deferred during the examination; `None` afterwards.
-    deferred_deletions: Option<Vec<PathBuf>>,
+    /// `true` while the database is only examined.
+    is_examining: bool,
+    /// `true` for a snapshot, whose files are gone when the database has been opened again.
+    is_snapshot: bool,
     observer: Option<Observer>,
 }
 
@@ -56,10 +58,10 @@ pub enum FileOperation<'a> {
 }
 
 impl EnvHealth {
-    /// Monitor in examination mode, which defers deletions until [`Self::take_deferred_deletions`].
+    /// Monitor of a database that is only read until [`Self::end_examination`].
     pub(crate) fn examining() -> Self {
         let state = HealthState {
-            deferred_deletions: Some(Vec::new()),
+            is_examining: true,
             ..HealthState::default()
         };
         Self {
@@ -67,7 +69,19 @@ impl EnvHealth {
         }
     }
 
-    /// Performs an operation, unless an earlier one failed or, outside of the examination,
+    /// Monitor of a snapshot, which is only read.
+    pub(crate) fn of_snapshot() -> Self {
+        let state = HealthState {
+            is_examining: true,
+            is_snapshot: true,
+            ..HealthState::default()
+        };
+        Self {
+            state: Mutex::new(state),
+        }
+    }
+
+    /// Performs an operation, unless the database is only examined, an earlier operation failed, or
     /// corruption was found. Records a failure.
     pub(crate) fn perform<T>(
         &self,
@@ -92,7 +106,13 @@ impl EnvHealth {
                 "an earlier write failed",
             ));
         }
-        if state.n_damages > 0 && state.deferred_deletions.is_none() {
+        if state.is_examining {
+            return Err(io::Error::new(
+                io::ErrorKind::ReadOnlyFilesystem,
+                "the database is open for reading only",
+            ));
+        }
+        if state.n_damages > 0 {
             return Err(io::Error::other("damage was found, so nothing may change"));
         }
         Ok(())
@@ -105,6 +125,7 @@ impl EnvHealth {
         const EIO: i32 = 5;
         const EBADMSG: i32 = 74;
         const EUCLEAN: i32 = 117;
+        let is_gone = error.kind() == io::ErrorKind::NotFound && self.state.lock().is_snapshot;
         let is_lost = matches!(
             error.kind(),
             io::ErrorKind::NotFound
@@ -116,11 +137,19 @@ impl EnvHealth {
                 | io::ErrorKind::IsADirectory
                 | io::ErrorKind::NotADirectory
         ) || matches!(error.raw_os_error(), Some(EIO | EBADMSG | EUCLEAN));
-        if is_lost {
+        if is_lost && !is_gone {
             self.note_damage(format!("{}: {error}", path.display()));
         } else {
             self.note_failure("reading", path, error);
         }
+    }
+
+    /// Records the error of a read and passes the result on.
+    pub(crate) fn noted<T>(&self, path: &Path, read: io::Result<T>) -> io::Result<T> {
+        if let Err(error) = &read {
+            self.note_read_error(path, error);
+        }
+        read
     }
 
     fn note_failure(&self, doing: &'static str, path: &Path, error: &io::Error) {
@@ -142,37 +171,14 @@ impl EnvHealth {
         }
     }
 
-    /// Defers a deletion and returns `true` during the examination.
-    pub(crate) fn defers_deletion(&self, path: &Path) -> bool {
-        match &mut self.state.lock().deferred_deletions {
-            Some(held) => {
-                held.push(path.to_owned());
-                true
-            }
-            None => false,
-        }
-    }
-
-    /// Cancels the deferred deletion of a file that is created again. Numbers of tables orphaned by
-    /// a crash are reused.
-    pub(crate) fn cancel_deferred_deletion(&self, path: &Path) {
-        if let Some(held) = &mut self.state.lock().deferred_deletions {
-            held.retain(|deleted| deleted != path);
-        }
-    }
-
-    /// `true` during the examination: corruption does not stop reading, and deletions are deferred.
+    /// `true` during the examination: corruption does not stop reading, and nothing is changed.
     pub(crate) fn is_examining(&self) -> bool {
-        self.state.lock().deferred_deletions.is_some()
+        self.state.lock().is_examining
     }
 
-    /// Ends the examination; the caller performs the deferred deletions.
-    pub(crate) fn take_deferred_deletions(&self) -> Vec<PathBuf> {
-        self.state
-            .lock()
-            .deferred_deletions
-            .take()
-            .unwrap_or_default()
+    /// Ends the examination.
+    pub(crate) fn end_examination(&self) {
+        self.state.lock().is_examining = false;
     }
 
     /// First failed file operation.
@@ -189,6 +195,19 @@ impl EnvHealth {
     /// Number of detected corruptions.
     pub(crate) fn n_damages(&self) -> u64 {
         self.state.lock().n_damages
+    }
+
+    /// Error of a failed file operation or, outside of the examination, of corruption.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        if let Some(failure) = self.failure() {
+            return Err(failure.into());
+        }
+        if self.n_damages() > 0 && !self.is_examining() {
+            return Err(Error::Damaged {
+                what: self.damages().1.join("; "),
+            });
+        }
+        Ok(())
     }
 
     /// Calls the observer, which may make the operation fail.

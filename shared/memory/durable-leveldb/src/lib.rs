@@ -1,5 +1,5 @@
-//! Durable LevelDB: rusty-leveldb with real syncs, verified reads, reported errors, and readers
-//! that recover the intact records of damaged files.
+//! Durable LevelDB: a log with real syncs, verified reads and reported errors over rusty-leveldb,
+//! which works in a thread of its own, and readers that recover the intact records of damaged files.
 //!
 //! Invariants:
 //!
@@ -12,8 +12,11 @@
 //! - A damaged database is renamed, and a rebuilt copy replaces it atomically. The two newest
 //!   damaged ones are kept.
 //! - A [`StoreFolder`] is open in one process at a time.
+//! - Neither a write nor a read waits for the making of tables and their compaction, unless a writer
+//!   is faster than these for long.
 //!
-//! The files are those of LevelDB, in both directions. The crate knows nothing of the content of
+//! The files are those of LevelDB, in both directions, but for the log: its format is LevelDB's, its
+//! name is not, and a database that is [closed](Database::close) has none. The crate knows nothing of the content of
 //! the records except their [framing](record). It reads no clock and writes no log.
 //!
 //! ```
@@ -29,7 +32,7 @@
 //! batch.put(b"cup", &record::seal(b"cup", &"on the table"));
 //! database.write(batch, true)?;
 //!
-//! let found = database.reader()?.get(b"cup")?.ok_or("it was written")?;
+//! let found = database.reader().get(b"cup")?.ok_or("it was written")?;
 //! assert_eq!(record::unseal::<String>(b"cup", &found)?, "on the table");
 //! // The checksum covers the key too.
 //! assert!(record::unseal::<String>(b"mug", &found).is_err());
@@ -38,29 +41,38 @@
 //! # }
 //! ```
 
+mod block;
 mod crc32c;
 mod database;
 mod durable_env;
 mod durable_file;
+mod engine;
 mod env_health;
 mod error;
+mod log_file;
+mod manifest;
+mod memtable;
 mod mutation_id;
 mod raw_database;
 mod raw_log;
 mod raw_table;
 mod read_retry;
+mod reader;
 mod store_folder;
+mod synced_file;
+mod table;
+mod table_cursor;
 mod verified_files;
-mod volatile_copy;
+mod write_batch;
 
 pub mod record;
 
-pub use database::{Database, Reader, WRITE_BUFFER_BYTES};
+pub use database::{Database, WRITE_BUFFER_BYTES};
 pub use durable_file::DurableFile;
 pub use env_health::{FileOperation, Observer};
 pub use error::{Error, StorageFailure};
 pub use mutation_id::{MutationId, random_id};
 pub use raw_database::RawDatabase;
-pub use rusty_leveldb::WriteBatch;
+pub use reader::Reader;
 pub use store_folder::{MAX_DAMAGED, StoreFolder};
-pub use volatile_copy::VolatileCopy;
+pub use write_batch::WriteBatch;

@@ -3,10 +3,12 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry as Slot;
 use std::fs::{self, File};
+use std::io;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use crate::error::Error;
+use crate::log_file::LOG;
 use crate::raw_log::visit_log;
 use crate::raw_table::{RawRecord, visit_table};
 use crate::record;
@@ -38,22 +40,30 @@ enum RecordLocation {
 }
 
 impl RawDatabase {
-    /// Reads all tables and logs in `folder` and skips damaged parts.
+    /// Reads all tables and logs in `folder` and skips damaged parts. A missing folder has none.
     ///
     /// # Errors
     ///
     /// [`Error::Io`] when the folder cannot be listed.
     pub fn read(folder: &Path) -> Result<Self, Error> {
-        let entries = fs::read_dir(folder).map_err(Error::io("listing", folder))?;
+        let entries = match fs::read_dir(folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            entries => Some(entries.map_err(Error::io("listing", folder))?),
+        };
         let mut raw = Self {
             files: Vec::new(),
             newest: HashMap::new(),
             unreadable: Vec::new(),
         };
-        for path in entries.flatten().map(|entry| entry.path()) {
+        for path in entries
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path())
+        {
             match path.extension().and_then(|extension| extension.to_str()) {
                 Some("ldb" | "sst") => raw.read_file(path, true),
-                Some("log") => raw.read_file(path, false),
+                Some("log" | LOG) => raw.read_file(path, false),
                 _ => {}
             }
         }

@@ -9,24 +9,32 @@ const BATCH_HEADER_BYTES: usize = 12;
 
 /// Visits every record of the intact batches.
 pub(crate) fn visit_log(log: &[u8], mut visit: impl FnMut(RawRecord<'_>)) {
-    let mut batch = Vec::new();
+    visit_log_records(log, |batch| {
+        // The records up to the first invalid one.
+        let _ = visit_batch(batch, &mut visit);
+    });
+}
+
+/// Visits every intact log record: a batch, or an edit of a manifest.
+pub(crate) fn visit_log_records(log: &[u8], mut visit: impl FnMut(&[u8])) {
+    let mut record = Vec::new();
     let mut is_begun = false;
     let mut next_offset = 0;
     for piece in log_pieces(log) {
-        // After a damaged part the pending batch is incomplete.
+        // After a damaged part the pending record is incomplete.
         let is_next = piece.offset == next_offset;
         next_offset = piece.next_offset;
         if piece.kind == LOG_FULL || piece.kind == LOG_FIRST {
-            batch.clear();
+            record.clear();
             is_begun = true;
         }
         is_begun &= is_next || piece.kind == LOG_FULL || piece.kind == LOG_FIRST;
         if !is_begun {
             continue;
         }
-        batch.extend_from_slice(piece.data);
+        record.extend_from_slice(piece.data);
         if piece.kind == LOG_FULL || piece.kind == LOG_LAST {
-            visit_batch(&batch, &mut visit);
+            visit(&record);
             is_begun = false;
         }
     }
@@ -53,7 +61,8 @@ fn visit_batch(batch: &[u8], visit: &mut impl FnMut(RawRecord<'_>)) -> Option<()
     Some(())
 }
 
-fn take_slice<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+/// Takes a slice with its length before it, and advances.
+pub(crate) fn take_slice<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
     let n_bytes = usize::try_from(take_varint(rest)?).ok()?;
     let (slice, behind) = rest.split_at_checked(n_bytes)?;
     *rest = behind;

@@ -5,11 +5,12 @@
 
 use std::ops::Range;
 
+use crate::block::BlockCursor;
 use crate::crc32c::{crc32c, unmask};
-use crate::verified_files::{FOOTER_BYTES, TRAILER_BYTES, footer_handles, le_u32, take_varint};
+use crate::verified_files::{
+    FOOTER_BYTES, TRAILER_BYTES, UNCOMPRESSED, footer_handles, le_u32, take_varint,
+};
 
-/// Block type of an uncompressed block, the only one this program writes.
-const UNCOMPRESSED: u8 = 0;
 /// Length of the key suffix: sequence number and kind in one number.
 const KEY_TAIL_BYTES: usize = 8;
 
@@ -28,17 +29,28 @@ pub(crate) fn visit_table(table: &[u8], mut visit: impl FnMut(RawRecord<'_>)) {
     let blocks = indexed_blocks(table).unwrap_or_else(|| consecutive_blocks(table));
     for block in blocks {
         visit_block(&table[block], &mut |key, value| {
-            let Some((key, tail)) = key.split_last_chunk::<KEY_TAIL_BYTES>() else {
-                return;
-            };
-            let tail = u64::from_le_bytes(*tail);
-            visit(RawRecord {
-                key,
-                sequence: tail >> 8,
-                value: (tail & 0xff == 1).then_some(value),
-            });
+            if let Some(record) = record_of(key, value) {
+                visit(record);
+            }
         });
     }
+}
+
+/// Record of an entry of a data block; `None` if its key is too short.
+pub(crate) fn record_of<'a>(key: &'a [u8], value: &'a [u8]) -> Option<RawRecord<'a>> {
+    let (key, tail) = key.split_last_chunk::<KEY_TAIL_BYTES>()?;
+    let tail = u64::from_le_bytes(*tail);
+    Some(RawRecord {
+        key,
+        sequence: tail >> 8,
+        value: (tail & 0xff == 1).then_some(value),
+    })
+}
+
+/// Key of a record in a key of LevelDB, which has sequence number and kind behind it.
+pub(crate) fn user_key(key: &[u8]) -> Option<&[u8]> {
+    let (key, _) = key.split_last_chunk::<KEY_TAIL_BYTES>()?;
+    Some(key)
 }
 
 /// Data blocks in the index whose checksum matches; `None` without an intact index.
@@ -93,26 +105,11 @@ fn end_of_block(table: &[u8], start: usize) -> Option<usize> {
 }
 
 /// Visits the records of a block up to the first invalid one.
-fn visit_block(block: &[u8], visit: &mut dyn FnMut(&[u8], &[u8])) -> Option<()> {
-    let n_restarts = u32::from_le_bytes(*block.last_chunk::<4>()?) as usize;
-    let n_entry_bytes = block
-        .len()
-        .checked_sub(n_restarts.checked_mul(4)?.checked_add(4)?)?;
-    let mut rest = &block[..n_entry_bytes];
-    let mut key = Vec::new();
-    while !rest.is_empty() {
-        let n_shared = take_varint(&mut rest)? as usize;
-        let n_new = take_varint(&mut rest)? as usize;
-        let n_value = take_varint(&mut rest)? as usize;
-        let (new, behind) = rest.split_at_checked(n_new)?;
-        let (value, behind) = behind.split_at_checked(n_value)?;
-        if n_shared > key.len() {
-            return None;
-        }
-        key.truncate(n_shared);
-        key.extend_from_slice(new);
-        visit(&key, value);
-        rest = behind;
+fn visit_block(block: &[u8], visit: &mut dyn FnMut(&[u8], &[u8])) {
+    let Some(mut cursor) = BlockCursor::new(block) else {
+        return;
+    };
+    while cursor.advance() == Some(true) {
+        visit(cursor.key(), cursor.value());
     }
-    Some(())
 }

@@ -6,18 +6,18 @@
 //! database.damaged-1/   set aside, never modified again; the two newest are kept
 //! database.rebuilding/  incomplete copy; removed when the store is opened
 //! database.rebuilt/     complete copy that is about to replace the database
-//! checkpoint-1/         copy of the database for a long read; removed after it, or
-//!                       when the store is opened
 //! ```
 //!
 //! Other files in the folder belong to its owner and are left alone.
 
+use std::ffi::OsStr;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::database::{Database, WRITE_BUFFER_BYTES};
 use crate::durable_env::sync_folder;
 use crate::error::Error;
+use crate::log_file::LOG;
 
 /// Name prefix of databases that were set aside.
 const DAMAGED: &str = "database.damaged-";
@@ -25,7 +25,7 @@ const DAMAGED: &str = "database.damaged-";
 /// Number of databases that were set aside and are kept.
 pub const MAX_DAMAGED: usize = 2;
 
-/// Name prefix of checkpoint folders.
+/// Name prefix of copies that earlier versions made for long reads.
 const CHECKPOINT: &str = "checkpoint-";
 
 /// Locked store folder; dropping it releases the lock.
@@ -140,7 +140,7 @@ impl StoreFolder {
         self.path.join("database.rebuilt")
     }
 
-    /// Removes checkpoints and incomplete copies of an earlier process, and finishes an interrupted
+    /// Removes incomplete copies of an earlier process, and those of earlier versions, and finishes an interrupted
     /// replacement.
     ///
     /// # Errors
@@ -164,13 +164,6 @@ impl StoreFolder {
             self.put_rebuilt_in_place()?;
         }
         Ok(())
-    }
-
-    /// Path of a new checkpoint folder.
-    pub fn new_checkpoint(&self) -> PathBuf {
-        let paths = (1_u64..).map(|n| self.path.join(format!("{CHECKPOINT}{n}")));
-        let mut free = paths.filter(|path| !path.exists());
-        free.next().unwrap_or_else(|| self.path.join(CHECKPOINT))
     }
 
     /// Replaces the database by the rebuilt copy; returns the path of the old database.
@@ -243,7 +236,10 @@ impl StoreFolder {
             return Ok(false);
         }
         let entries = fs::read_dir(&database).map_err(Error::io("listing", &database))?;
-        let is_data = |path: PathBuf| path.extension().is_some_and(|e| e == "ldb" || e == "log");
+        let is_data = |path: PathBuf| {
+            let extension = path.extension().and_then(OsStr::to_str);
+            matches!(extension, Some("ldb" | "log" | LOG))
+        };
         Ok(entries.flatten().any(|entry| is_data(entry.path())))
     }
 

@@ -21,16 +21,40 @@ use crate::read_retry::retried;
 /// Length of a table footer: two block handles, padding, and the magic number.
 pub(crate) const FOOTER_BYTES: usize = 48;
 const FOOTER_MAGIC: [u8; 8] = 0xdb47_7524_8b80_fb57_u64.to_le_bytes();
+/// Compression type of a block that is not compressed, as this program writes them.
+pub(crate) const UNCOMPRESSED: u8 = 0;
+/// Compression type of a block that another program compressed.
+const SNAPPY: u8 = 1;
 /// Length of a block trailer: compression type (one byte) and checksum (four bytes).
 pub(crate) const TRAILER_BYTES: usize = 5;
 
+/// Reads a whole file; the health monitor records a failure.
+pub(crate) fn read_file(path: &Path, health: &EnvHealth) -> io::Result<Vec<u8>> {
+    let read = retried(|| {
+        health.observe(&FileOperation::Read(path))?;
+        std::fs::read(path)
+    });
+    health.noted(path, read)
+}
+
+/// Reads a whole log or manifest; the health monitor records a failure and any corruption.
+pub(crate) fn read_log(path: &Path, health: &EnvHealth) -> io::Result<Vec<u8>> {
+    let bytes = read_file(path, health)?;
+    if let Some(damage) = check_log(&bytes) {
+        health.note_damage(format!("{}: {damage}", path.display()));
+    }
+    Ok(bytes)
+}
+
 /// Length of a log block. No record header crosses the end of a block.
-const LOG_BLOCK_BYTES: usize = 32 * 1024;
-const LOG_HEADER_BYTES: usize = 7;
+pub(crate) const LOG_BLOCK_BYTES: usize = 32 * 1024;
+pub(crate) const LOG_HEADER_BYTES: usize = 7;
 /// Type of a log fragment that is a complete record.
 pub(crate) const LOG_FULL: u8 = 1;
 /// Type of the first fragment of a log record.
 pub(crate) const LOG_FIRST: u8 = 2;
+/// Type of a fragment in the middle of a log record.
+pub(crate) const LOG_MIDDLE: u8 = 3;
 /// Type of the last fragment of a log record.
 pub(crate) const LOG_LAST: u8 = 4;
 
@@ -43,9 +67,14 @@ pub(crate) struct VerifiedTable {
 }
 
 impl VerifiedTable {
+    /// Opens a table; the health monitor records a failure.
     pub(crate) fn open(path: &Path, health: Arc<EnvHealth>) -> io::Result<Self> {
-        let file = File::open(path)?;
-        let n_bytes = file.metadata()?.len();
+        let opened = retried(|| {
+            let file = File::open(path)?;
+            let n_bytes = file.metadata()?.len();
+            Ok((file, n_bytes))
+        });
+        let (file, n_bytes) = health.noted(path, opened)?;
         Ok(Self {
             file,
             path: path.to_owned(),
@@ -54,18 +83,61 @@ impl VerifiedTable {
         })
     }
 
-    /// Reads `bytes`; returns a description of their corruption, if any. After a failure it reads
+    /// Handles of the two blocks in the footer; the health monitor records its corruption.
+    pub(crate) fn footer(&self) -> io::Result<[(u64, u64); 2]> {
+        let mut footer = [0; FOOTER_BYTES];
+        let offset = self.n_bytes.checked_sub(FOOTER_BYTES as u64);
+        let Some(offset) = offset else {
+            return Err(self.damaged(0, "it is too short for a table"));
+        };
+        self.read(offset, &mut footer)?;
+        footer_handles(&footer, self.n_bytes).map_err(|wrong| self.damaged(offset, wrong))
+    }
+
+    /// Reads and decompresses the block behind a handle; the health monitor records its corruption.
+    pub(crate) fn block(&self, (offset, size): (u64, u64)) -> io::Result<Vec<u8>> {
+        let n_bytes = size.checked_add(TRAILER_BYTES as u64);
+        let end = n_bytes.and_then(|n| offset.checked_add(n));
+        if end.is_none_or(|end| end > self.n_bytes) {
+            return Err(self.damaged(offset, "a block is beyond the end of the file"));
+        }
+        let mut block = vec![0; size as usize + TRAILER_BYTES];
+        self.read(offset, &mut block)?;
+        let compression = block[size as usize];
+        block.truncate(size as usize);
+        match compression {
+            UNCOMPRESSED => Ok(block),
+            SNAPPY => snap::raw::Decoder::new()
+                .decompress_vec(&block)
+                .map_err(|_| self.damaged(offset, "a block cannot be decompressed")),
+            _ => Err(self.damaged(offset, "the compression of a block is not known")),
+        }
+    }
+
+    /// Records a corruption, and returns the error that reports it.
+    pub(crate) fn damaged(&self, offset: u64, wrong: &str) -> io::Error {
+        let what = format!("{} at byte {offset}: {wrong}", self.path.display());
+        self.health.note_damage(what.clone());
+        io::Error::new(io::ErrorKind::InvalidData, what)
+    }
+
+    /// Reads and verifies `bytes`; the health monitor records a failure. After a failure it reads
     /// again through another descriptor.
-    fn read(&self, offset: u64, bytes: &mut [u8]) -> io::Result<Option<&'static str>> {
+    fn read(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
         let mut is_first = true;
-        retried(|| {
+        let read = retried(|| {
             self.health.observe(&FileOperation::Read(&self.path))?;
             if std::mem::take(&mut is_first) {
                 self.read_from(&self.file, offset, bytes)
             } else {
                 self.read_from(&File::open(&self.path)?, offset, bytes)
             }
-        })
+        });
+        match read {
+            Ok(None) => Ok(()),
+            Ok(Some(wrong)) => Err(self.damaged(offset, wrong)),
+            Err(error) => Err(self.damaged(offset, &error.to_string())),
+        }
     }
 
     fn read_from(
@@ -92,14 +164,8 @@ impl VerifiedTable {
 
 impl RandomAccess for VerifiedTable {
     fn read_at(&self, offset: usize, bytes: &mut [u8]) -> rusty_leveldb::Result<usize> {
-        let wrong = match self.read(offset as u64, bytes) {
-            Ok(None) => return Ok(bytes.len()),
-            Ok(Some(wrong)) => wrong.to_owned(),
-            Err(error) => error.to_string(),
-        };
-        let what = format!("{} at byte {offset}: {wrong}", self.path.display());
-        self.health.note_damage(what.clone());
-        Err(io::Error::new(io::ErrorKind::InvalidData, what).into())
+        self.read(offset as u64, bytes)?;
+        Ok(bytes.len())
     }
 }
 
@@ -246,43 +312,13 @@ fn whole_log_record(rest: &[u8]) -> Option<(u8, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::log_file::tests::log_of;
 
     /// Test log with records of these lengths, and the offset of each record.
     fn log(records: &[usize]) -> (Vec<usize>, Vec<u8>) {
-        let (mut starts, mut log) = (Vec::new(), Vec::<u8>::new());
-        for (i, &n_bytes) in records.iter().enumerate() {
-            let data = vec![i as u8 + 0x50; n_bytes];
-            let mut rest = &data[..];
-            let mut is_first = true;
-            loop {
-                let mut room = LOG_BLOCK_BYTES - log.len() % LOG_BLOCK_BYTES;
-                if room < LOG_HEADER_BYTES {
-                    log.extend(std::iter::repeat_n(0, room));
-                    room = LOG_BLOCK_BYTES;
-                }
-                if is_first {
-                    starts.push(log.len());
-                }
-                let (part, later) = rest.split_at(rest.len().min(room - LOG_HEADER_BYTES));
-                let kind = match (is_first, later.is_empty()) {
-                    (true, true) => LOG_FULL,
-                    (true, false) => LOG_FIRST,
-                    (false, false) => 3,
-                    (false, true) => LOG_LAST,
-                };
-                let crc = crc32c(&[&[kind], part]);
-                let masked = crc.rotate_right(15).wrapping_add(0xa282_ead8);
-                log.extend(masked.to_le_bytes());
-                log.extend((part.len() as u16).to_le_bytes());
-                log.push(kind);
-                log.extend(part);
-                (rest, is_first) = (later, false);
-                if rest.is_empty() {
-                    break;
-                }
-            }
-        }
-        (starts, log)
+        let records = records.iter().enumerate();
+        let records: Vec<_> = records.map(|(i, &n)| vec![i as u8 + 0x50; n]).collect();
+        log_of(records.iter().map(Vec::as_slice))
     }
 
     #[test]

@@ -40,8 +40,7 @@ fn try_run(
     let n_steps = PerceptualMemory::N_COMPACT_STEPS;
     for step in 0..n_steps {
         progress.set(step as u64, n_steps as u64);
-        // A separate request, so that teaching requests are served between two steps.
-        store.read_and_wait(move |memory| memory.compact_step(step))?;
+        store.compact_and_wait(step)?;
     }
     let after = store.read_and_wait(|memory| memory.stats())?;
     Ok(JobOutcome::Compacted {

@@ -2,7 +2,7 @@
 
 use crate::job_context::{JobContext, Progress};
 use message::control::{ExportReport, JobOutcome, MAX_MESSAGE_BYTES};
-use perceptual_memory::{Error, PortableCounts, PortableWriter};
+use perceptual_memory::{Error, PerceptualMemory, PortableCounts, PortableWriter};
 use std::io::{self, Write};
 
 /// Maximum number of bytes in one reply.
@@ -13,7 +13,7 @@ const BUFFER_BYTES: usize = 8 << 20;
 /// Exports a checkpoint of the store.
 pub(crate) fn run(context: &JobContext, progress: &Progress) -> Result<JobOutcome, String> {
     let failed = |error: Error| error.to_string();
-    let checkpoint = context.store.read_and_wait(|memory| memory.checkpoint());
+    let checkpoint = context.store.read_and_wait(PerceptualMemory::checkpoint);
     let mut reader = checkpoint
         .and_then(perceptual_memory::Checkpoint::open)
         .map_err(failed)?;

@@ -2,7 +2,7 @@
 
 use crate::job_context::{JobContext, Progress};
 use message::control::{JobOutcome, VerificationReport};
-use perceptual_memory::{Error, Verification};
+use perceptual_memory::{Error, PerceptualMemory, Verification};
 use std::ops::ControlFlow;
 use std::sync::mpsc::sync_channel;
 
@@ -41,7 +41,7 @@ pub(crate) fn repair(context: &JobContext, progress: &Progress) -> Result<JobOut
 }
 
 fn read_all(context: &JobContext, progress: &Progress) -> Result<Verification, Error> {
-    let checkpoint = context.store.read_and_wait(|memory| memory.checkpoint())?;
+    let checkpoint = context.store.read_and_wait(PerceptualMemory::checkpoint)?;
     let reader = checkpoint.open()?;
     let total = reader.n_views() as u64;
     progress.set(0, total);

@@ -97,7 +97,6 @@ fn start(folder: &TempDir) -> (StoreThread, StoreHandle) {
         folder: folder.path().to_owned(),
         queue_capacity: 1024,
         limits: perceptual_memory::RetentionLimits::default(),
-        volatile: None,
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock,
         on_reopened: Box::new(|_| {}),

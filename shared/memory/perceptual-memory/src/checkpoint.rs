@@ -1,15 +1,13 @@
-//! Checkpoints: consistent copies of the database, on which exports and verifications run in their
-//! own thread.
+//! Checkpoints: states of the store on which exports and verifications run in their own thread.
 //!
-//! Table files are immutable and shared by hard links; log and manifest are copied. Archive
-//! segments are read where they are, and none is dropped meanwhile.
+//! Later writes do not change what a checkpoint reads, and wait for it in no way: tables that
+//! compaction replaces meanwhile are deleted after it, and no archive segment is dropped.
 
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use durable_leveldb::{Database, StoreFolder, WRITE_BUFFER_BYTES};
+use durable_leveldb::{Database, Reader, StoreFolder, WRITE_BUFFER_BYTES};
 use learning::ViewId;
 
 use crate::archive::{self, HistoryArchive};
@@ -33,105 +31,43 @@ use crate::view_phrase::view_phrase;
 use crate::view_record::ViewMetadata;
 use crate::watermark::{self, Watermark, WatermarkRecord};
 
-/// Copy of the database files; dropping it removes them.
-#[derive(Debug)]
+/// State of the store at one time; dropping it releases its files.
 pub struct Checkpoint {
-    folder: PathBuf,
+    reader: Reader,
     /// Folder of the archived history.
     history: PathBuf,
     /// Keeps the archive segments from being dropped.
-    _pin: Arc<()>,
-    /// History position of the copy.
+    pin: Arc<()>,
+    /// History position of the state.
     pub position: Position,
 }
 
-impl Drop for Checkpoint {
-    fn drop(&mut self) {
-        // Files that remain are removed at the next opening of the store.
-        let _ = fs::remove_dir_all(&self.folder);
-    }
-}
-
 impl PerceptualMemory {
-    /// Makes a checkpoint of the durable state; takes milliseconds.
+    /// Makes a checkpoint of the durable state; takes microseconds.
     ///
     /// # Errors
     ///
-    /// [`StorageError::Io`] when the disk has no room for a copy of the log.
-    pub fn checkpoint(&self) -> Result<Checkpoint, Error> {
+    /// [`Error::Failed`] or [`StorageError::Io`].
+    pub fn checkpoint(&mut self) -> Result<Checkpoint, Error> {
         self.usable()?;
-        // A store whose disk has no room is copied where it is read.
-        let (database, path) = match &self.read_only {
-            Some(read_only) => {
-                let copy = read_only.copy.folder();
-                (copy.to_owned(), new_volatile_checkpoint(copy))
-            }
-            None => (self.folder.database(), self.folder.new_checkpoint()),
-        };
-        let checkpoint = Checkpoint::begin(
-            path,
-            archive::path(&self.folder),
-            (self.position(), self.archive.pin()),
-        )?;
-        checkpoint.copy_files(&database)?;
-        Ok(checkpoint)
-    }
-}
-
-/// Path of a new checkpoint beside a volatile copy.
-fn new_volatile_checkpoint(copy: &Path) -> PathBuf {
-    let paths = (1_u64..).map(|n| copy.with_extension(format!("checkpoint-{n}")));
-    let mut free = paths.filter(|path| !path.exists());
-    free.next()
-        .unwrap_or_else(|| copy.with_extension("checkpoint"))
-}
-
-impl Checkpoint {
-    /// Creates an empty checkpoint in a folder of its own. `pin` keeps the archive segments.
-    fn begin(
-        folder: PathBuf,
-        history: PathBuf,
-        (position, pin): (Position, Arc<()>),
-    ) -> Result<Self, Error> {
-        fs::create_dir(&folder).map_err(StorageError::io("creating", &folder))?;
-        // From here on, an error removes the folder again.
-        Ok(Self {
-            folder,
-            history,
-            _pin: pin,
-            position,
+        Ok(Checkpoint {
+            reader: self.engine.snapshot()?,
+            history: archive::path(&self.folder),
+            pin: self.archive.pin(),
+            position: self.position(),
         })
     }
-
-    fn copy_files(&self, database: &Path) -> Result<(), Error> {
-        let entries = fs::read_dir(database).map_err(StorageError::io("listing", database))?;
-        for entry in entries {
-            let entry = entry.map_err(StorageError::io("listing", database))?;
-            let to = self.folder.join(entry.file_name());
-            copy(&entry.path(), &to).map_err(StorageError::io("copying", entry.path()))?;
-        }
-        Ok(())
-    }
-}
-
-fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
-    let is_table = from
-        .extension()
-        .is_some_and(|extension| extension == "ldb" || extension == "sst");
-    if is_table && fs::hard_link(from, to).is_ok() {
-        return Ok(());
-    }
-    fs::copy(from, to).map(|_| ())
 }
 
 /// Checkpoint opened for reading.
 pub struct CheckpointReader {
-    engine: Database,
+    reader: Reader,
     archive: HistoryArchive,
     index: StoreIndex,
     findings: Findings,
-    /// Checkpoint files; the last field, so that the database is closed before they are removed.
-    checkpoint: Checkpoint,
+    position: Position,
+    #[expect(dead_code, reason = "keeps the archive segments from being dropped")]
+    pin: Arc<()>,
 }
 
 /// Result of a full verification.
@@ -171,10 +107,17 @@ pub fn verify_folder(
         store_id: StoreId(0),
         sequence: 0,
     };
-    let path = folder.new_checkpoint();
-    let checkpoint = Checkpoint::begin(path, archive::path(&folder), (nowhere, Arc::default()))?;
-    checkpoint.copy_files(&folder.database())?;
-    let mut reader = match checkpoint.open_marked(mark.ok().flatten().as_ref()) {
+    let opened = Database::open(&folder.database(), WRITE_BUFFER_BYTES);
+    let opened = opened.map_err(Error::from).and_then(|database| {
+        let checkpoint = Checkpoint {
+            reader: database.reader(),
+            history: archive::path(&folder),
+            pin: Arc::default(),
+            position: nowhere,
+        };
+        checkpoint.open_marked(mark.ok().flatten().as_ref())
+    });
+    let mut reader = match opened {
         Ok(reader) => reader,
         Err(Error::Storage(StorageError::Damaged { what })) => {
             return Ok(Verification {
@@ -206,8 +149,7 @@ impl Checkpoint {
 
     /// Opens the checkpoint and compares it with the watermark.
     fn open_marked(mut self, mark: Option<&WatermarkRecord>) -> Result<CheckpointReader, Error> {
-        let mut engine = Database::open(&self.folder, WRITE_BUFFER_BYTES)?;
-        if let Some(schema) = schema(&mut engine)?.filter(|schema| *schema < SCHEMA) {
+        if let Some(schema) = schema(&self.reader)?.filter(|schema| *schema < SCHEMA) {
             return Err(Error::Storage(StorageError::Damaged {
                 what: format!(
                     "it has schema {schema}, not {SCHEMA}; it is brought over when the daemon \
@@ -221,7 +163,7 @@ impl Checkpoint {
             meta,
             archived,
             ..
-        } = check_consistency(&mut engine, mark)?;
+        } = check_consistency(&self.reader, mark)?;
         if let Some(meta) = meta {
             self.position = Position {
                 store_id: meta.store_id(),
@@ -229,11 +171,12 @@ impl Checkpoint {
             };
         }
         Ok(CheckpointReader {
-            engine,
-            archive: HistoryArchive::open(self.history.clone(), archived)?,
+            reader: self.reader,
+            archive: HistoryArchive::open(self.history, archived)?,
             index,
             findings,
-            checkpoint: self,
+            position: self.position,
+            pin: self.pin,
         })
     }
 }
@@ -256,7 +199,7 @@ impl Verification {
 impl CheckpointReader {
     /// History position at which the checkpoint was made.
     pub fn position(&self) -> Position {
-        self.checkpoint.position
+        self.position
     }
 
     /// Number of views with content in the checkpoint.
@@ -287,9 +230,14 @@ impl CheckpointReader {
         mut progress: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Verification, Error> {
         let position = self.position();
-        let mut reader = self.engine.reader()?;
-        let n_history =
-            verify_history(&self.archive, &mut reader, &self.index, &mut self.findings)?;
+        let Self {
+            reader,
+            archive,
+            index,
+            findings,
+            ..
+        } = &mut self;
+        let n_history = verify_history(archive, reader, index, findings)?;
         let mut found = Verification {
             n_history,
             ..Verification::of(position)
@@ -321,8 +269,7 @@ impl CheckpointReader {
 
     /// Verifies one view; returns its content size in bytes if it is intact.
     fn verify_view(&mut self, view: ViewId) -> Result<Option<u64>, Error> {
-        let mut reader = self.engine.reader()?;
-        match read_parts(&mut reader, view) {
+        match read_parts(&self.reader, view) {
             Ok(parts) if !self.matches_row(view, &parts.metadata) => {
                 let finding = || format!("the index row of {} is another's", view_phrase(view));
                 self.findings.add(finding);
@@ -352,8 +299,7 @@ impl CheckpointReader {
     }
 
     fn verify_document(&mut self, document: &DocumentKey, digest: Digest) -> Result<(), Error> {
-        let mut reader = self.engine.reader()?;
-        match read_content(&mut reader, &keys::digest_key(keys::BLOB, digest)) {
+        match read_content(&self.reader, &keys::digest_key(keys::BLOB, digest)) {
             Ok(content) if Digest::of(&content) == digest => Ok(()),
             Ok(_) => {
                 self.findings
@@ -429,7 +375,7 @@ impl CheckpointReader {
         if register.standing == LabelStatus::Forgotten {
             return Ok(forgotten(register.decided.stamp_ns));
         }
-        let parts = read_parts(&mut self.engine.reader()?, view)?;
+        let parts = read_parts(&self.reader, view)?;
         let is_decided = register.decided.stamp_ns > 0;
         Ok(ForeignView::Present {
             origin: parts.metadata.origin(),
@@ -448,7 +394,7 @@ impl CheckpointReader {
         Ok(MemoryDocument {
             key: key.clone(),
             media_type: content.media_type,
-            content: read_content(&mut self.engine.reader()?, &blob)?,
+            content: read_content(&self.reader, &blob)?,
         })
     }
 }

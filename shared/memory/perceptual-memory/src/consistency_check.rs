@@ -6,7 +6,7 @@
 use std::ops::ControlFlow;
 
 use durable_leveldb::{
-    Database, Reader,
+    Reader,
     record::{unseal, unseal_any},
 };
 use serde::de::DeserializeOwned;
@@ -62,8 +62,8 @@ impl ConsistencyReport {
 /// # Errors
 ///
 /// [`StorageError::NewerSchema`].
-pub(crate) fn schema(engine: &mut Database) -> Result<Option<u32>, Error> {
-    let record = engine.reader()?.get(&[keys::META])?;
+pub(crate) fn schema(reader: &Reader) -> Result<Option<u32>, Error> {
+    let record = reader.get(&[keys::META])?;
     record.map_or(Ok(None), |record| schema_of(&record))
 }
 
@@ -91,35 +91,34 @@ pub(crate) fn schema_of(meta: &[u8]) -> Result<Option<u32>, Error> {
 ///
 /// Only when the database cannot be read at all: damage is among the findings.
 pub(crate) fn check_consistency(
-    engine: &mut Database,
+    reader: &Reader,
     mark: Option<&WatermarkRecord>,
 ) -> Result<ConsistencyReport, Error> {
-    let mut reader = engine.reader()?;
     let mut found = ConsistencyReport::default();
-    if let Some(meta) = read_single(&mut reader, keys::META, &mut found.findings)? {
+    if let Some(meta) = read_single(reader, keys::META, &mut found.findings)? {
         found.meta = meta;
     }
-    if let Some(archived) = read_single(&mut reader, keys::ARCHIVE, &mut found.findings)? {
+    if let Some(archived) = read_single(reader, keys::ARCHIVE, &mut found.findings)? {
         found.archived = archived;
     }
-    if let Some(sizes) = read_single(&mut reader, keys::SIZES, &mut found.findings)? {
+    if let Some(sizes) = read_single(reader, keys::SIZES, &mut found.findings)? {
         found.sizes = sizes;
     }
-    let (index, damaged_rows) = load_rows(&mut reader)?;
+    let (index, damaged_rows) = load_rows(reader)?;
     found.index = index;
     found.findings.merge(&damaged_rows);
-    read_history(&mut reader, &mut found)?;
-    read_documents(&mut reader, &mut found)?;
-    read_tombstones(&mut reader, &mut found)?;
+    read_history(reader, &mut found)?;
+    read_documents(reader, &mut found)?;
+    read_tombstones(reader, &mut found)?;
     check_counts(&mut found, mark);
-    let (n_damages, damages) = engine.damages();
+    let (n_damages, damages) = reader.damages();
     found.findings.extend(n_damages, damages);
     Ok(found)
 }
 
 /// Reads the record of a table with one record; `None` if it is missing or damaged.
 fn read_single<T: DeserializeOwned>(
-    reader: &mut Reader,
+    reader: &Reader,
     table: u8,
     findings: &mut Findings,
 ) -> Result<Option<T>, Error> {
@@ -135,7 +134,7 @@ fn read_single<T: DeserializeOwned>(
 }
 
 /// Reads the entries after the archived ones.
-fn read_history(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
+fn read_history(reader: &Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
     let archived = &found.archived;
     let mut chain = HistoryChain::after(archived.sequence, archived.head);
     found.index.add_lost(&archived.lost);
@@ -171,7 +170,7 @@ fn read_history(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<()
     Ok(())
 }
 
-fn read_documents(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
+fn read_documents(reader: &Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
     reader.scan_prefix(&[keys::DOCUMENT], |key, record| {
         let version = unseal::<DocumentVersion>(key, record);
         match (keys::document_of(key), version) {
@@ -189,7 +188,7 @@ fn read_documents(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<
     Ok(())
 }
 
-fn read_tombstones(reader: &mut Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
+fn read_tombstones(reader: &Reader, found: &mut ConsistencyReport) -> Result<(), Error> {
     reader.scan_prefix(&[keys::TOMBSTONE], |key, record| {
         match (keys::digest_of(key), unseal_tombstone(key, record)) {
             (Some(identity), Ok(forgotten_ns)) => found.index.bury(identity, forgotten_ns),

@@ -20,7 +20,7 @@ use crate::store_index::StoreIndex;
 /// Only when the database cannot be read at all: damage is among the findings.
 pub(crate) fn verify_history(
     archive: &HistoryArchive,
-    reader: &mut Reader,
+    reader: &Reader,
     index: &StoreIndex,
     findings: &mut Findings,
 ) -> Result<u64, Error> {

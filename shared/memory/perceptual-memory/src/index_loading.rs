@@ -55,7 +55,7 @@ pub(crate) type DigestedRow = (ViewId, IndexedView, Digest);
 /// # Errors
 ///
 /// Only when the database cannot be read at all.
-pub(crate) fn load_rows(reader: &mut Reader) -> Result<(StoreIndex, Findings), Error> {
+pub(crate) fn load_rows(reader: &Reader) -> Result<(StoreIndex, Findings), Error> {
     std::thread::scope(|scope| {
         let (sender, batches) = sync_channel(QUEUE_BATCHES);
         let builder = scope.spawn(move || build(&batches));

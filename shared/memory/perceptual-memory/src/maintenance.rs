@@ -19,8 +19,8 @@ const RECORD_TABLES: [u8; 6] = [
     keys::VIEW,
 ];
 const CONTENT_TABLES: [u8; 2] = [keys::BLOB, keys::DESCRIPTOR];
-/// Number of compaction steps per content table. Each step covers a part of the keys, so that no
-/// request waits long.
+/// Number of compaction steps per content table. Each step covers a part of the keys, so that a
+/// store that is stopped does not compact for long.
 const CONTENT_STEPS: usize = 64;
 /// Estimated size of the records of a view besides its content, bytes.
 const VIEW_RECORD_BYTES: u64 = 1000;
@@ -78,8 +78,8 @@ impl PerceptualMemory {
     /// Number of the first steps, which leave out descriptors, point clouds and document content.
     pub const N_RECORD_STEPS: usize = RECORD_TABLES.len();
 
-    /// Compacts the tables of a part of the keys, which frees the space of deleted records. An
-    /// incomplete compaction loses nothing.
+    /// Starts the compaction of the tables of a part of the keys, which frees the space of deleted
+    /// records. Reads and writes do not wait for it, and an incomplete one loses nothing.
     ///
     /// # Errors
     ///
@@ -90,6 +90,11 @@ impl PerceptualMemory {
         let (from, to) = range_of(step);
         let compacted = self.engine.compact(&from, &to);
         compacted.map_err(|error| self.fail(error.into()))
+    }
+
+    /// `true` until the compaction that was started has ended.
+    pub fn is_compacting(&self) -> bool {
+        self.engine.is_compacting()
     }
 
     /// `true` if anything was forgotten or replaced before a time and is not purged yet.

@@ -58,7 +58,7 @@ pub enum Condition {
         /// Path of the database before the migration.
         set_aside: Option<PathBuf>,
     },
-    /// Intact store whose disk cannot be written; it is read from a volatile copy.
+    /// Intact store whose disk cannot be written; it is only read.
     ReadOnly {
         /// Error that keeps the store from being written, as a sentence.
         reason: String,
@@ -315,13 +315,13 @@ fn open_database(
         Err(error) => return Err(error),
     };
     // An older schema is migrated by a rebuild.
-    let schema = match consistency_check::schema(&mut engine) {
+    let schema = match consistency_check::schema(&engine.reader()) {
         Err(error @ Error::Storage(StorageError::NewerSchema { .. })) => return Err(error),
         schema => schema.unwrap_or(None),
     };
     let examined = match schema {
         Some(schema) if schema < SCHEMA => None,
-        _ => Some(check_consistency(&mut engine, mark)),
+        _ => Some(check_consistency(&engine.reader(), mark)),
     };
     let findings = match examined {
         None => Vec::new(),
@@ -333,8 +333,11 @@ fn open_database(
             vec!["the folder of the database is missing or empty".to_owned()]
         }
         Some(Ok(examination)) if examination.findings.is_empty() && !must_rebuild => {
-            engine.accept()?;
-            return Ok((engine, examination, Condition::Sound));
+            match engine.accept().map_err(Error::from) {
+                Ok(()) => return Ok((engine, examination, Condition::Sound)),
+                Err(Error::Storage(StorageError::Damaged { what })) => vec![what],
+                Err(error) => return Err(error),
+            }
         }
         Some(Ok(examination)) => examination.findings.into_words(),
         Some(Err(Error::Storage(StorageError::Damaged { what }))) => vec![what],
@@ -425,7 +428,7 @@ fn rebuild(
     copy.close()?;
     let set_aside = folder.replace_by_rebuilding()?;
     let mut engine = folder.open_database()?;
-    let copied = check_consistency(&mut engine, None)?;
+    let copied = check_consistency(&engine.reader(), None)?;
     if !copied.findings.is_empty() {
         let findings = copied.findings.into_words().join("; ");
         return Err(Error::Storage(StorageError::Damaged {
@@ -482,9 +485,8 @@ mod tests {
                 .any(|name| name.to_string_lossy().contains("damaged"))
         );
         // The newer program finds everything as it was.
-        let mut engine =
-            Database::open(&folder.path().join("database"), WRITE_BUFFER_BYTES).unwrap();
-        let record = engine.reader().unwrap().get(b"m").unwrap().unwrap();
+        let engine = Database::open(&folder.path().join("database"), WRITE_BUFFER_BYTES).unwrap();
+        let record = engine.reader().get(b"m").unwrap().unwrap();
         let meta: Meta = durable_leveldb::record::unseal(b"m", &record).unwrap();
         let found = Position {
             store_id: meta.store_id(),

@@ -49,8 +49,7 @@ pub struct PerceptualMemory {
     watermark: Watermark,
     staged: Staged,
     failure: Option<Arc<Error>>,
-    /// Volatile copy that is read instead of the database; behind the engine, so that it is
-    /// closed before the copy is removed.
+    /// Reason why the store can only be read, if that is so.
     pub(crate) read_only: Option<ReadOnly>,
     /// Locked folder; the last field, so that the database is closed before the lock is released.
     pub(crate) folder: StoreFolder,
@@ -364,11 +363,9 @@ impl PerceptualMemory {
     /// Runs a read; an error makes the store unusable until it is opened again.
     pub(crate) fn read<T>(
         &mut self,
-        read: impl FnOnce(&mut Reader) -> Result<T, Error>,
+        read: impl FnOnce(&Reader) -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.usable()?;
-        let reader = self.engine.reader().map_err(Error::from);
-        let found = reader.and_then(|mut reader| read(&mut reader));
-        found.map_err(|error| self.fail(error))
+        read(&self.engine.reader()).map_err(|error| self.fail(error))
     }
 }

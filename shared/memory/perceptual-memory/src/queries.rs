@@ -304,7 +304,7 @@ fn runs_from(
 }
 
 fn read_labelled(
-    reader: &mut Reader,
+    reader: &Reader,
     view: ViewId,
     category: CategoryName,
     entry: &IndexedView,
@@ -320,7 +320,7 @@ fn read_labelled(
 
 /// Reads a run of neighbouring descriptor records in key order.
 fn read_run(
-    reader: &mut Reader,
+    reader: &Reader,
     run: DescriptorRun,
     views: &mut Vec<LabelledView>,
 ) -> Result<(), Error> {

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use durable_leveldb::{StoreFolder, VolatileCopy};
+use durable_leveldb::StoreFolder;
 
 use crate::archive::{self, HistoryArchive};
 use crate::consistency_check::{check_consistency, schema};
@@ -15,16 +15,15 @@ use crate::opening::{Condition, OpenReport};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::watermark::{self, Watermark};
 
-/// Volatile copy that is read, and the reason for it.
+/// State of a store that can only be read.
 pub(crate) struct ReadOnly {
+    /// Error that keeps it from being written.
     pub(crate) reason: Arc<Error>,
-    pub(crate) copy: VolatileCopy,
     /// Sequence number of the last entry that was acknowledged: later ones may not be on disk.
     acknowledged: u64,
 }
 
-/// Opens an existing store for reading, over a volatile copy of its database in `volatile`, a
-/// folder in memory-backed storage that is replaced. `reason` is why it cannot be written.
+/// Opens an existing store for reading, and changes nothing. `reason` is why it cannot be written.
 ///
 /// # Errors
 ///
@@ -32,8 +31,6 @@ pub(crate) struct ReadOnly {
 /// schema, which only an opening for writing mends; [`StorageError::Io`].
 pub(crate) fn open(
     folder: &Path,
-    volatile: &Path,
-    write_buffer_bytes: usize,
     limits: RetentionLimits,
     (wall_ns, reason): (u64, Error),
 ) -> Result<(PerceptualMemory, OpenReport), Error> {
@@ -43,12 +40,11 @@ pub(crate) fn open(
         Watermark::open_for_reading(&path).map_err(StorageError::io("opening", path))?;
     let damaged = |what: String| Error::Storage(StorageError::Damaged { what });
     let mark = mark.map_err(|wrong| damaged(format!("the watermark is unreadable: {wrong}")))?;
-    let copy = VolatileCopy::of(&folder.database(), volatile)?;
-    let mut engine = copy.open(write_buffer_bytes)?;
-    if schema(&mut engine)?.is_none_or(|schema| schema < SCHEMA) {
+    let engine = folder.open_database()?;
+    if schema(&engine.reader())?.is_none_or(|schema| schema < SCHEMA) {
         return Err(damaged("it is of an older schema".to_owned()));
     }
-    let examination = check_consistency(&mut engine, mark.as_ref())?;
+    let examination = check_consistency(&engine.reader(), mark.as_ref())?;
     let findings = examination.findings.into_words();
     let meta = examination.meta.filter(|_| findings.is_empty());
     let meta = meta.ok_or_else(|| damaged(findings.join("; ")))?;
@@ -65,7 +61,6 @@ pub(crate) fn open(
     memory.last_wall_ns = wall_ns;
     memory.read_only = Some(ReadOnly {
         reason: Arc::new(reason),
-        copy,
         acknowledged: mark.map_or(0, |mark| mark.sequence),
     });
     Ok((memory, report))

@@ -13,10 +13,7 @@ use crate::view::StoredView;
 use crate::view_record::{ViewMetadata, ViewParts};
 
 /// Reads a database record that must exist.
-pub(crate) fn read_record<T: DeserializeOwned>(
-    reader: &mut Reader,
-    key: &[u8],
-) -> Result<T, Error> {
+pub(crate) fn read_record<T: DeserializeOwned>(reader: &Reader, key: &[u8]) -> Result<T, Error> {
     let record = reader.get(key)?;
     let value = record
         .ok_or("it is missing")
@@ -25,12 +22,12 @@ pub(crate) fn read_record<T: DeserializeOwned>(
 }
 
 /// Reads stored content that must exist.
-pub(crate) fn read_content(reader: &mut Reader, key: &[u8]) -> Result<Vec<u8>, Error> {
+pub(crate) fn read_content(reader: &Reader, key: &[u8]) -> Result<Vec<u8>, Error> {
     Ok(read_record::<ByteBuf>(reader, key)?.into_vec())
 }
 
 /// Reads a history entry that must exist.
-pub(crate) fn read_entry(reader: &mut Reader, sequence: u64) -> Result<HistoryEntry, Error> {
+pub(crate) fn read_entry(reader: &Reader, sequence: u64) -> Result<HistoryEntry, Error> {
     let key = keys::history_key(sequence);
     let record = reader.get(&key)?;
     let entry = record
@@ -40,7 +37,7 @@ pub(crate) fn read_entry(reader: &mut Reader, sequence: u64) -> Result<HistoryEn
 }
 
 /// Reads all parts of a view that must exist.
-pub(crate) fn read_parts(reader: &mut Reader, view: ViewId) -> Result<ViewParts, Error> {
+pub(crate) fn read_parts(reader: &Reader, view: ViewId) -> Result<ViewParts, Error> {
     let metadata = read_record::<ViewMetadata>(reader, &keys::view_key(keys::VIEW, view))?;
     let key = keys::digest_key(keys::DESCRIPTOR, metadata.descriptor.digest);
     let descriptor = read_content(reader, &key)?;
@@ -60,7 +57,7 @@ pub(crate) fn read_parts(reader: &mut Reader, view: ViewId) -> Result<ViewParts,
 
 /// Reads a view; its label status comes from the index.
 pub(crate) fn read_view(
-    reader: &mut Reader,
+    reader: &Reader,
     view: ViewId,
     entry: &IndexedView,
 ) -> Result<StoredView, Error> {

@@ -8,8 +8,8 @@
 //! delays a request for long. A store that is never idle archives between two groups.
 //!
 //! After a failure the pending callers get the error, and the thread reopens the store before the
-//! next request. A store that cannot be written, on a full disk for example, is read from a
-//! volatile copy, and opened for writing again as soon as that succeeds.
+//! next request. A store that cannot be written, on a full disk for example, is only read, and
+//! opened for writing again as soon as that succeeds.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -38,6 +38,8 @@ const GROUP_REQUESTS: usize = 256;
 const GROUP_BYTES: usize = 4 << 20;
 /// Time without requests after which the store compacts.
 const IDLE_TIMEOUT: Duration = Duration::from_millis(200);
+/// Time between two looks at a running compaction.
+const COMPACTION_POLL: Duration = Duration::from_millis(2);
 /// Number of filled write buffers that make a compaction worthwhile.
 const COMPACTION_BUFFERS: usize = 2;
 
@@ -67,9 +69,6 @@ pub struct StoreConfig {
     pub queue_capacity: usize,
     /// Retention limits.
     pub limits: RetentionLimits,
-    /// Folder in memory-backed storage, for reading a store that cannot be written; it is replaced.
-    /// Without it such a store is not read.
-    pub volatile: Option<PathBuf>,
     /// Size of the write buffer (memtable), bytes; usually
     /// [`WRITE_BUFFER_BYTES`](crate::WRITE_BUFFER_BYTES).
     pub write_buffer_bytes: usize,
@@ -92,12 +91,11 @@ impl StoreConfig {
     /// Opens the store for reading after it could not be opened for an error of its disk; otherwise
     /// returns that error.
     fn open_for_reading(&self, error: Error) -> Result<(PerceptualMemory, OpenReport), Error> {
-        let (Some(volatile), Error::Storage(StorageError::Io(_))) = (&self.volatile, &error) else {
+        if !matches!(error, Error::Storage(StorageError::Io(_))) {
             return Err(error);
-        };
+        }
         let why = ((self.wall_clock)(), error.clone());
-        let bytes = self.write_buffer_bytes;
-        let opened = read_only::open(&self.folder, volatile, bytes, self.limits, why);
+        let opened = read_only::open(&self.folder, self.limits, why);
         opened.map_err(|_| error)
     }
 
@@ -235,6 +233,20 @@ impl StoreHandle {
         read: impl FnOnce(&mut PerceptualMemory) -> Result<T, Error> + Send + 'static,
     ) -> Result<T, Error> {
         wait(|reply| self.read(read, reply))
+    }
+
+    /// Compacts a part of the store, see [`PerceptualMemory::compact_step`], and blocks until that
+    /// has ended. Other requests are served meanwhile.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`PerceptualMemory::compact_step`], [`Error::QueueFull`], and [`Error::Stopped`].
+    pub fn compact_and_wait(&self, step: usize) -> Result<(), Error> {
+        self.read_and_wait(move |memory| memory.compact_step(step))?;
+        while self.read_and_wait(|memory| Ok(memory.is_compacting()))? {
+            std::thread::sleep(COMPACTION_POLL);
+        }
+        Ok(())
     }
 
     /// Enqueues a request, or answers it with an error if the queue is full or closed.
@@ -478,7 +490,7 @@ impl StoreLoop {
         }
     }
 
-    /// Runs one compaction step if enough was written since the last compaction: of the small
+    /// Starts one compaction step if enough was written since the last compaction: of the small
     /// records, and of all content if much of it is garbage.
     fn compact_when_idle(&mut self) {
         let Some(memory) = &mut self.memory else {
@@ -486,7 +498,7 @@ impl StoreLoop {
         };
         let buffer_bytes = self.config.write_buffer_bytes;
         let is_due = self.n_uncompacted_bytes >= COMPACTION_BUFFERS * buffer_bytes;
-        if !is_due || memory.failure().is_some() {
+        if !is_due || memory.failure().is_some() || memory.is_compacting() {
             return;
         }
         // A failure makes the store unusable, which the next request finds.

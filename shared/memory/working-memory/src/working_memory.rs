@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use durable_leveldb::{
-    Database, StoreFolder, VolatileCopy, WriteBatch,
+    Database, StoreFolder, WriteBatch,
     record::{seal, unseal},
 };
 use serde::{Deserialize, Serialize};
@@ -145,22 +145,19 @@ impl WorkingMemory {
         Ok((memory, model, report))
     }
 
-    /// Loads the model of a working memory that cannot be written, over a volatile copy of its
-    /// database in `volatile`, a folder in memory-backed storage that is replaced.
+    /// Loads the model of a working memory that cannot be written, and changes nothing.
     ///
     /// # Errors
     ///
     /// [`StorageError::InUse`], [`StorageError::Damaged`] or [`StorageError::Io`].
     pub(crate) fn load(
         folder: &Path,
-        volatile: &Path,
         config: WorldConfig,
         wall_ns: u64,
     ) -> Result<(WorldModel, WorldReport), Error> {
         let folder = StoreFolder::hold_for_reading(folder)?;
-        let copy = VolatileCopy::of(&folder.database(), volatile)?;
-        let mut engine = copy.open(config.write_buffer_bytes)?;
-        let loaded = load_model(&mut engine, config)?;
+        let engine = folder.open_database()?;
+        let loaded = load_model(&engine, config)?;
         let mut model = loaded.unwrap_or_else(|| WorldModel::new(config));
         let report = WorldReport::of(WorldCondition::Sound, &model);
         model.begin_session(wall_ns);
@@ -212,15 +209,15 @@ fn read_database(
         return Err(damaged("its file CURRENT is missing".to_owned()));
     }
     let mut engine = folder.open_database()?;
-    let model = load_model(&mut engine, config)?;
+    let model = load_model(&engine, config)?;
     engine.accept()?;
     Ok((engine, model))
 }
 
 /// Loads the model from an opened database; `None` for a new database.
-fn load_model(engine: &mut Database, config: WorldConfig) -> Result<Option<WorldModel>, Error> {
+fn load_model(engine: &Database, config: WorldConfig) -> Result<Option<WorldModel>, Error> {
     let mut loader = ModelLoader::new(config);
-    engine.reader()?.scan(&[], |key, record| {
+    engine.reader().scan(&[], |key, record| {
         loader.take(key, record);
         ControlFlow::Continue(())
     })?;

@@ -31,9 +31,6 @@ pub type OnTrouble = Box<dyn FnMut(&Result<WorldReport, Error>) + Send>;
 pub struct WorldThreadConfig {
     /// Folder of the working memory.
     pub folder: PathBuf,
-    /// Folder in memory-backed storage, for loading a working memory that cannot be written; it is
-    /// replaced. Without it such a memory is not loaded.
-    pub volatile: Option<PathBuf>,
     /// Configuration of the world model.
     pub world: WorldConfig,
     /// Minimum time between two writes to disk.
@@ -57,10 +54,10 @@ impl WorldThreadConfig {
             Ok((memory, model, report)) => return Ok((Some(memory), model, report)),
             Err(error) => error,
         };
-        let (Some(volatile), Error::Storage(StorageError::Io(_))) = (&self.volatile, &error) else {
+        if !matches!(error, Error::Storage(StorageError::Io(_))) {
             return Err(error);
-        };
-        match WorkingMemory::load(&self.folder, volatile, self.world, wall_ns) {
+        }
+        match WorkingMemory::load(&self.folder, self.world, wall_ns) {
             Ok((model, report)) => Ok((None, model, report)),
             Err(_) => Err(error),
         }

@@ -117,7 +117,6 @@ fn start(folder: &Path) -> (StoreThread, StoreHandle) {
         folder: folder.to_owned(),
         queue_capacity: 1024,
         limits: perceptual_memory::RetentionLimits::default(),
-        volatile: None,
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| panic!("the store was reopened after a fault")),
@@ -146,7 +145,7 @@ fn mutate(handle: &StoreHandle, mutation: Mutation) -> u64 {
 /// Full compaction of the database; `true` if every step succeeded.
 fn compact(handle: &StoreHandle) -> bool {
     (0..PerceptualMemory::N_COMPACT_STEPS).all(|step| {
-        let compacted = handle.read_and_wait(move |memory| memory.compact_step(step));
+        let compacted = handle.compact_and_wait(step);
         compacted.is_ok()
     })
 }

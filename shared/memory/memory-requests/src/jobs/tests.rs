@@ -28,7 +28,6 @@ impl Fixture {
             folder: folder.path().join("store"),
             queue_capacity: 16,
             limits: RetentionLimits::default(),
-            volatile: None,
             write_buffer_bytes: WRITE_BUFFER_BYTES,
             wall_clock: || 1,
             on_reopened: Box::new(|_| {}),

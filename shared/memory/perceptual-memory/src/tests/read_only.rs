@@ -1,6 +1,6 @@
-//! A store that cannot be written: it is read from a volatile copy, and refuses changes.
+//! A store that cannot be written: it is read, and refuses changes.
 
-use durable_leveldb::{MutationId, StorageFailure, WRITE_BUFFER_BYTES};
+use durable_leveldb::{MutationId, StorageFailure};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -35,15 +35,15 @@ fn put(id: u128, content: &str) -> Mutation {
 fn no_room() -> Error {
     Error::Storage(StorageError::Io(StorageFailure {
         doing: "syncing",
-        path: PathBuf::from("000003.log"),
+        path: PathBuf::from("000003.wal"),
         source: Arc::new(std::io::Error::from(std::io::ErrorKind::StorageFull)),
     }))
 }
 
-fn open(folder: &Path, volatile: &Path) -> Result<PerceptualMemory, Error> {
+fn open(folder: &Path) -> Result<PerceptualMemory, Error> {
     let limits = RetentionLimits::default();
     let why = (9, no_room());
-    let opened = read_only::open(folder, volatile, WRITE_BUFFER_BYTES, limits, why);
+    let opened = read_only::open(folder, limits, why);
     opened.map(|(memory, report)| {
         assert!(report.is_read_only(), "{report}");
         memory
@@ -67,7 +67,7 @@ fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 #[test]
 fn read_only_store_is_read_and_exported_and_left_as_it_is() {
     let guard = tempfile::tempdir().unwrap();
-    let (folder, volatile) = (guard.path().join("store"), guard.path().join("volatile"));
+    let folder = guard.path().join("store");
     let (mut memory, _) = PerceptualMemory::open(&folder, 1).unwrap();
     let receipt = memory.apply(&put(1, "kept")).unwrap();
     let key = DocumentKey {
@@ -77,7 +77,7 @@ fn read_only_store_is_read_and_exported_and_left_as_it_is() {
     drop(memory);
     let before = contents(&folder);
 
-    let mut memory = open(&folder, &volatile).unwrap();
+    let mut memory = open(&folder).unwrap();
     assert_eq!(memory.document(&key).unwrap().content, b"kept");
     assert_eq!(memory.history(1, 9).unwrap().len(), 1);
     // What was acknowledged is acknowledged again; what is new is refused.
@@ -108,7 +108,6 @@ fn read_only_store_is_read_and_exported_and_left_as_it_is() {
     drop(reader);
     drop(memory);
     assert_eq!(contents(&folder), before);
-    assert!(!volatile.exists());
 
     // With room again it goes on.
     let (mut memory, report) = PerceptualMemory::open(&folder, 10).unwrap();
@@ -120,14 +119,14 @@ fn read_only_store_is_read_and_exported_and_left_as_it_is() {
 #[test]
 fn read_only_store_acknowledges_nothing_that_was_not_acknowledged() {
     let guard = tempfile::tempdir().unwrap();
-    let (folder, volatile) = (guard.path().join("store"), guard.path().join("volatile"));
+    let folder = guard.path().join("store");
     let (mut memory, _) = PerceptualMemory::open(&folder, 1).unwrap();
     memory.apply(&put(1, "acknowledged")).unwrap();
     let mark = fs::read(folder.join("acknowledged")).unwrap();
     memory.apply(&put(2, "in the log only")).unwrap();
     drop(memory);
     fs::write(folder.join("acknowledged"), mark).unwrap();
-    let mut memory = open(&folder, &volatile).unwrap();
+    let mut memory = open(&folder).unwrap();
     memory.apply(&put(1, "acknowledged")).unwrap();
     let refused = memory.apply(&put(2, "in the log only")).unwrap_err();
     assert!(matches!(refused, Error::ReadOnly { .. }), "{refused}");
@@ -136,16 +135,16 @@ fn read_only_store_acknowledges_nothing_that_was_not_acknowledged() {
 #[test]
 fn damaged_store_is_not_read_only() {
     let guard = tempfile::tempdir().unwrap();
-    let (folder, volatile) = (guard.path().join("store"), guard.path().join("volatile"));
+    let folder = guard.path().join("store");
     let (mut memory, _) = PerceptualMemory::open(&folder, 1).unwrap();
     memory.apply(&put(1, "kept")).unwrap();
     drop(memory);
     for (path, mut bytes) in contents(&folder.join("database")) {
-        if path.extension().is_some_and(|extension| extension == "log") {
+        if path.extension().is_some_and(|extension| extension == "wal") {
             let middle = bytes.len() / 2;
             bytes[middle] ^= 0xff;
             fs::write(path, bytes).unwrap();
         }
     }
-    assert!(open(&folder, &volatile).is_err());
+    assert!(open(&folder).is_err());
 }

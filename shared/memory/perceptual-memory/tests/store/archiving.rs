@@ -66,7 +66,7 @@ fn history(memory: &mut PerceptualMemory) -> Vec<HistoryEntry> {
     memory.history(1, usize::MAX).unwrap()
 }
 
-fn verify(memory: &PerceptualMemory) -> Verification {
+fn verify(memory: &mut PerceptualMemory) -> Verification {
     let checkpoint = memory.checkpoint().unwrap().open().unwrap();
     checkpoint.verify(|_| {}).unwrap()
 }
@@ -98,7 +98,7 @@ fn archive_keeps_the_whole_history_readable() {
         let sequences: Vec<u64> = page.iter().map(|entry| entry.sequence).collect();
         let first = 2 * N_TRACKS - KEPT - 1;
         assert_eq!(sequences, (first..first + 4).collect::<Vec<_>>());
-        let found = verify(&memory);
+        let found = verify(&mut memory);
         assert_eq!(found.findings, [""; 0]);
         assert_eq!(found.n_history, 2 * N_TRACKS);
         drop(memory);
@@ -130,7 +130,7 @@ fn archived_mutation_is_answered_and_undone() {
     assert_eq!(memory.sequence(), 2 * N_TRACKS, "nothing was made twice");
     apply(&mut memory, &[undo(100, 2)]);
     assert_eq!(counts(&memory), [("Mug".to_owned(), N_TRACKS - 1)]);
-    assert_eq!(verify(&memory).findings, [""; 0]);
+    assert_eq!(verify(&mut memory).findings, [""; 0]);
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn segment_beyond_the_archive_record_does_not_count() {
     memory.set_limits(limits());
     archive(&mut memory);
     assert_eq!(history(&mut memory), before);
-    assert_eq!(verify(&memory).findings, [""; 0]);
+    assert_eq!(verify(&mut memory).findings, [""; 0]);
 }
 
 /// Number of files in the archive that are complete.
@@ -229,7 +229,7 @@ fn check_damaged_segment(how: &str, damage: impl FnOnce(&Path), n_lost: u64) {
     damage(&segments(folder.path())[1]);
     let (mut memory, report) = open(&folder);
     assert_eq!(report.condition, Condition::Sound, "{how}: {report}");
-    assert!(verify(&memory).n_findings > 0, "{how}");
+    assert!(verify(&mut memory).n_findings > 0, "{how}");
     // The store works, and reading the damaged part is an error, not a loss of the store.
     let read = memory.history(1, usize::MAX);
     let is_told = matches!(read, Err(Error::ArchiveDamaged { .. }));
@@ -244,12 +244,12 @@ fn check_damaged_segment(how: &str, damage: impl FnOnce(&Path), n_lost: u64) {
         "{how}: {report}"
     );
     assert_eq!(counts(&memory), [("Mug".to_owned(), N_TRACKS)], "{how}");
-    assert_eq!(verify(&memory).findings, [""; 0], "{how}");
+    assert_eq!(verify(&mut memory).findings, [""; 0], "{how}");
     let n_entries = history(&mut memory).len() as u64;
     assert_eq!(n_entries, 2 * N_TRACKS + 2 - n_lost, "{how}");
     memory.set_limits(limits());
     archive(&mut memory);
-    assert_eq!(verify(&memory).findings, [""; 0], "{how}");
+    assert_eq!(verify(&mut memory).findings, [""; 0], "{how}");
 }
 
 #[test]
@@ -283,7 +283,7 @@ fn damaged_database_is_rebuilt_from_the_archive() {
     let after = history(&mut memory);
     assert_eq!(after[..before.len()], before);
     assert_eq!(counts(&memory), [("Mug".to_owned(), N_TRACKS)]);
-    assert_eq!(verify(&memory).findings, [""; 0]);
+    assert_eq!(verify(&mut memory).findings, [""; 0]);
     assert_eq!(apply(&mut memory, &[teach(2, 1, "Mug")]), [answer(2, 1)]);
 }
 
@@ -302,7 +302,7 @@ fn archive_survives_the_loss_of_the_database() {
     let n_archived = n_archived as usize;
     assert_eq!(after[..n_archived], before[..n_archived]);
     assert_eq!(counts(&memory), []);
-    assert_eq!(verify(&memory).findings, [""; 0]);
+    assert_eq!(verify(&mut memory).findings, [""; 0]);
     assert!(memory.lease_track_ids(1).unwrap() > N_TRACKS);
 }
 
@@ -330,7 +330,7 @@ fn archive_above_its_limit_drops_the_oldest_entries() {
     );
     for must_rebuild in [false, true] {
         assert_eq!(history(&mut memory)[0].sequence, last + 1);
-        assert_eq!(verify(&memory).findings, [""; 0]);
+        assert_eq!(verify(&mut memory).findings, [""; 0]);
         assert_eq!(counts(&memory), [("Mug".to_owned(), N_TRACKS)]);
         drop(memory);
         let open = if must_rebuild {
@@ -342,7 +342,7 @@ fn archive_above_its_limit_drops_the_oldest_entries() {
         (memory, report) = open(folder.path(), 5).unwrap();
         assert!(!report.is_loss(), "{report}");
     }
-    assert_eq!(verify(&memory).findings, [""; 0]);
+    assert_eq!(verify(&mut memory).findings, [""; 0]);
 }
 
 #[test]
@@ -351,7 +351,7 @@ fn archive_skips_lost_entries() {
     drop(memory);
     let logs = fs::read_dir(folder.path().join("database")).unwrap();
     let mut logs: Vec<PathBuf> = logs.map(|file| file.unwrap().path()).collect();
-    logs.retain(|path| path.extension().is_some_and(|extension| extension == "log"));
+    logs.retain(|path| path.extension().is_some_and(|extension| extension == "wal"));
     let log = logs.iter().max().unwrap();
     let mut bytes = fs::read(log).unwrap();
     let middle = bytes.len() / 3;
@@ -366,7 +366,7 @@ fn archive_skips_lost_entries() {
         archive(&mut memory);
     }
     assert_eq!(history(&mut memory)[..before.len()], before);
-    let found = verify(&memory);
+    let found = verify(&mut memory);
     assert_eq!(found.findings, [""; 0]);
     assert_eq!(found.n_history, before.len() as u64 + 10);
     let n_lost = memory.stats().unwrap().n_lost_entries;

@@ -19,7 +19,7 @@ struct Exported {
     documents: Vec<ForeignDocument>,
 }
 
-fn exported(memory: &PerceptualMemory) -> Exported {
+fn exported(memory: &mut PerceptualMemory) -> Exported {
     let mut all = Exported {
         views: Vec::new(),
         documents: Vec::new(),
@@ -39,7 +39,7 @@ fn exported(memory: &PerceptualMemory) -> Exported {
 }
 
 /// Export of a memory, without local view ids.
-fn meaning(memory: &PerceptualMemory) -> Exported {
+fn meaning(memory: &mut PerceptualMemory) -> Exported {
     let mut all = exported(memory);
     for view in &mut all.views {
         if let ForeignView::Present { view, origin, .. } = view {
@@ -100,13 +100,13 @@ fn taught(robot: u32) -> (TempDir, PerceptualMemory) {
 fn import_merges_two_memories() {
     let (_a, mut ours) = taught(1);
     let (_b, mut theirs) = taught(2);
-    let (from_ours, from_theirs) = (exported(&ours), exported(&theirs));
+    let (from_ours, from_theirs) = (exported(&mut ours), exported(&mut theirs));
     let answer = apply(&mut ours, &[import(900, &from_theirs)]).remove(0);
     // Two views of the mug and one without a name; the forgotten one only as such.
     assert_eq!(answer.n_views, 3);
     assert_eq!(counts(&ours), [("Mug".to_owned(), 4)]);
     apply(&mut theirs, &[import(900, &from_ours)]);
-    assert_eq!(meaning(&ours), meaning(&theirs));
+    assert_eq!(meaning(&mut ours), meaning(&mut theirs));
     // Views of one track stay together, apart from our own.
     let tracks: Vec<usize> = (1..9)
         .map(|track| ours.views_of_track(track).unwrap().len())
@@ -114,13 +114,16 @@ fn import_merges_two_memories() {
     assert_eq!(tracks.iter().sum::<usize>(), 6);
     assert_eq!(tracks.iter().filter(|n| **n == 2).count(), 2);
     // Again, and what they know of us: nothing new.
-    let before = meaning(&ours);
+    let before = meaning(&mut ours);
     let again = apply(
         &mut ours,
-        &[import(901, &from_theirs), import(902, &exported(&theirs))],
+        &[
+            import(901, &from_theirs),
+            import(902, &exported(&mut theirs)),
+        ],
     );
     assert!(again.iter().all(|answer| answer.n_views == 0));
-    assert_eq!(meaning(&ours), before);
+    assert_eq!(meaning(&mut ours), before);
     let found = ours.checkpoint().unwrap().open().unwrap();
     assert_eq!(found.verify(|_| {}).unwrap().findings, [""; 0]);
 }
@@ -131,23 +134,23 @@ fn import_keeps_the_later_of_two_decisions() {
     let (_b, mut theirs) = {
         let folder = fast_folder();
         let (mut memory, _) = open(&folder);
-        apply(&mut memory, &[import(1, &exported(&ours))]);
+        apply(&mut memory, &[import(1, &exported(&mut ours))]);
         (folder, memory)
     };
     assert_eq!(counts(&theirs), [("Mug".to_owned(), 2)]);
     apply(&mut ours, &[correct(500, 1, "Cup")]);
     apply(&mut theirs, &[forget(600, "Mug")]);
-    let (from_ours, from_theirs) = (exported(&ours), exported(&theirs));
+    let (from_ours, from_theirs) = (exported(&mut ours), exported(&mut theirs));
     apply(&mut ours, &[import(901, &from_theirs)]);
     apply(&mut theirs, &[import(902, &from_ours)]);
     assert_eq!(counts(&ours), [], "forgetting was later");
-    assert_eq!(meaning(&ours), meaning(&theirs));
+    assert_eq!(meaning(&mut ours), meaning(&mut theirs));
 }
 
 #[test]
 fn import_does_not_revive_purged_views() {
     let (_a, mut ours) = taught(1);
-    let early = exported(&ours);
+    let early = exported(&mut ours);
     apply(
         &mut ours,
         &[mutation(700, StoreChange::Forget(Target::Track(1)))],
@@ -168,7 +171,7 @@ fn import_does_not_revive_purged_views() {
         .find(|track| other.views_of_track(*track).unwrap().len() == 2)
         .unwrap();
     apply(&mut other, &[correct(800, track, "Cup")]);
-    apply(&mut ours, &[import(703, &exported(&other))]);
+    apply(&mut ours, &[import(703, &exported(&mut other))]);
     assert_eq!(counts(&ours), [("Cup".to_owned(), 2)]);
 }
 
@@ -184,7 +187,7 @@ proptest! {
         twice in 0..3_usize,
     ) {
         let mut robots: Vec<_> = (1..4).map(taught).collect();
-        let first = exported(&robots[0].1);
+        let first = exported(&mut robots[0].1);
         for (_, memory) in &mut robots[1..] {
             apply(memory, &[import(400, &first)]);
         }
@@ -199,14 +202,14 @@ proptest! {
             // A track may be forgotten already.
             let _ = robots[robot].1.apply(&asked);
         }
-        let all: Vec<Exported> = robots.iter().map(|(_, memory)| exported(memory)).collect();
+        let all: Vec<Exported> = robots.iter_mut().map(|(_, memory)| exported(memory)).collect();
         let merged = |order: &[usize]| {
             let folder = fast_folder();
             let (mut memory, _) = open(&folder);
             for (id, robot) in (1..).zip(order) {
                 apply(&mut memory, &[import(id, &all[*robot])]);
             }
-            meaning(&memory)
+            meaning(&mut memory)
         };
         let [a, b, c] = order;
         prop_assert_eq!(merged(&[0, 1, 2]), merged(&[a, b, c, twice]));
@@ -225,8 +228,8 @@ fn import_of_a_backup_restores_a_lost_cloud() {
     };
     let views = vec![with_cloud, view(1, 1, 0)];
     apply(&mut memory, &[store(1, views), teach(2, 1, "Mug")]);
-    let backup = exported(&memory);
-    let before = meaning(&memory);
+    let backup = exported(&mut memory);
+    let before = meaning(&mut memory);
     drop(memory);
     drop(open(&folder));
     let files = std::fs::read_dir(folder.path().join("database")).unwrap();
@@ -244,10 +247,10 @@ fn import_of_a_backup_restores_a_lost_cloud() {
     let loss = report.loss();
     assert_eq!((loss.n_views, loss.n_clouds), (0, 1), "{report}");
     assert_eq!(counts(&memory), [("Mug".to_owned(), 2)]);
-    assert_ne!(meaning(&memory), before);
+    assert_ne!(meaning(&mut memory), before);
     for id in [900, 901] {
         apply(&mut memory, &[import(id, &backup)]);
-        assert_eq!(meaning(&memory), before);
+        assert_eq!(meaning(&mut memory), before);
     }
 }
 
@@ -290,7 +293,7 @@ fn tombstone_blocks_a_merge_until_it_is_purged() {
         &mut memory,
         &[store(1, vec![view(1, 0, 0)]), teach(2, 1, "Mug")],
     );
-    let before = exported(&memory);
+    let before = exported(&mut memory);
     let forget = StoreChange::Forget(Target::Track(1));
     let purge = |before_ns| StoreChange::Purge { before_ns };
     let purge_notes = |before_ns| StoreChange::PurgeTombstones { before_ns };

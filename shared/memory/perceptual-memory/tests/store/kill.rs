@@ -49,7 +49,6 @@ fn child_teaches_until_killed() {
         folder: folder.into(),
         queue_capacity: 16,
         limits: archiving::limits(),
-        volatile: None,
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| {}),

@@ -99,7 +99,6 @@ fn retention_limit_frees_disk_space() {
             max_unnamed_views: 20,
             ..RetentionLimits::default()
         },
-        volatile: None,
         write_buffer_bytes: 256 << 10,
         wall_clock: || 1,
         on_reopened: Box::new(|report| panic!("opened again: {report:?}")),
@@ -118,7 +117,7 @@ fn retention_limit_frees_disk_space() {
         }
     }
     for step in 0..PerceptualMemory::N_COMPACT_STEPS {
-        let merged = handle.read_and_wait(move |memory| memory.compact_step(step));
+        let merged = handle.compact_and_wait(step);
         assert!(merged.is_ok(), "{merged:?}");
     }
     let stats = handle.read_and_wait(|memory| memory.stats()).unwrap();

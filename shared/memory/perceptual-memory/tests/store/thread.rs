@@ -23,7 +23,6 @@ fn start(folder: &TempDir, queue_capacity: usize) -> (StoreThread, StoreHandle) 
         folder: folder.path().to_owned(),
         queue_capacity,
         limits: perceptual_memory::RetentionLimits::default(),
-        volatile: None,
         write_buffer_bytes: perceptual_memory::WRITE_BUFFER_BYTES,
         wall_clock: || 1,
         on_reopened: Box::new(|_| {}),

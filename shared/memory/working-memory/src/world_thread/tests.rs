@@ -16,7 +16,6 @@ fn start(folder: &TempDir) -> (WorldThread, WorldHandle, Receiver<u64>, Trouble)
     let (written, versions) = channel();
     let (trouble, troubles) = channel();
     let config = WorldThreadConfig {
-        volatile: None,
         folder: folder.path().to_owned(),
         world: CONFIG,
         period: Duration::from_millis(5),
