@@ -358,7 +358,7 @@ fn long_kills_at_random_instants_lose_nothing_acknowledged() {
 fn a_stopped_perception_blocks_neither_camera_nor_memory_and_is_replaced() {
     let sandbox = Sandbox::new();
     // Time for what is asked meanwhile, on however busy a computer.
-    sandbox.configure("[run]\nwatchdog_s = 30.0");
+    sandbox.configure("[run]\nwatchdog_s = 30.0\nmemory_watchdog_s = 30.0");
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let mug = id(nearest(&daemon.objects(), place_of(0, "mug")));
@@ -386,7 +386,7 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory_and_is_replaced() {
 #[test]
 fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
     let sandbox = Sandbox::new();
-    sandbox.configure("[run]\nwatchdog_s = 3600.0\nstartup_watchdog_s = 3600.0");
+    sandbox.configure("[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0");
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let memory = daemon.pid(ProcessKind::Memory).unwrap();

@@ -4,7 +4,7 @@ use super::config::SupervisionConfig;
 use super::health_feed::HealthFeed;
 use super::process_record::{ProcessRecord, RecordedState};
 use super::program;
-use super::progress_watch::{BootTime, ProgressLimits, ProgressWatch};
+use super::progress_watch::{BootTime, ProgressWatch};
 use super::restart_streak::RestartStreak;
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
@@ -307,10 +307,7 @@ impl RunningProcess {
         config: &SupervisionConfig,
         now: BootTime,
     ) -> Result<Self, Failure> {
-        let limits = ProgressLimits {
-            starting: config.startup_watchdog,
-            ready: config.watchdog,
-        };
+        let limits = config.progress_limits(process);
         Ok(Self {
             child: program::spawn(process, arguments)?,
             watch: ProgressWatch::new(limits, now),

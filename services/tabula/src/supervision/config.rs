@@ -1,5 +1,7 @@
 //! Configuration section `[run]`: watchdog and restarts of the daemon's processes.
 
+use super::progress_watch::ProgressLimits;
+use message::ProcessKind;
 use serde::Deserialize;
 use service::{ConfigFile, Failure, check_rules};
 use std::time::Duration;
@@ -9,6 +11,7 @@ use std::time::Duration;
 #[serde(deny_unknown_fields, default)]
 struct RawConfig {
     watchdog_s: f64,
+    memory_watchdog_s: f64,
     startup_watchdog_s: f64,
     watchdog_core_dump: bool,
     restart_delay_max_s: f64,
@@ -17,7 +20,8 @@ struct RawConfig {
 impl Default for RawConfig {
     fn default() -> Self {
         Self {
-            watchdog_s: 15.0,
+            watchdog_s: 4.0,
+            memory_watchdog_s: 15.0,
             startup_watchdog_s: 120.0,
             watchdog_core_dump: false,
             restart_delay_max_s: 30.0,
@@ -28,10 +32,12 @@ impl Default for RawConfig {
 /// Validated configuration of the supervision of processes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SupervisionConfig {
-    /// Longest time without progress of a process that is ready.
-    pub(crate) watchdog: Duration,
+    /// Longest time without progress of a process that is ready, but for the memory.
+    watchdog: Duration,
+    /// Longest time without progress of the memory when it is ready: it waits for the disk.
+    memory_watchdog: Duration,
     /// Longest time without progress of a process that is starting.
-    pub(crate) startup_watchdog: Duration,
+    startup_watchdog: Duration,
     /// `true` to end a process without progress by SIGABRT, for a core dump.
     pub(crate) wants_core_dump: bool,
     /// Longest delay before a restart.
@@ -48,10 +54,22 @@ impl SupervisionConfig {
         raw.check().map_err(|rule| file.wrong(rule))?;
         Ok(Self {
             watchdog: Duration::from_secs_f64(raw.watchdog_s),
+            memory_watchdog: Duration::from_secs_f64(raw.memory_watchdog_s),
             startup_watchdog: Duration::from_secs_f64(raw.startup_watchdog_s),
             wants_core_dump: raw.watchdog_core_dump,
             restart_delay_max: Duration::from_secs_f64(raw.restart_delay_max_s),
         })
+    }
+
+    /// Longest times without progress of a process.
+    pub(crate) fn progress_limits(&self, process: ProcessKind) -> ProgressLimits {
+        ProgressLimits {
+            starting: self.startup_watchdog,
+            ready: match process {
+                ProcessKind::Memory => self.memory_watchdog,
+                _ => self.watchdog,
+            },
+        }
     }
 }
 
@@ -62,8 +80,12 @@ impl RawConfig {
             (
                 // A process that waits for another one, or for a device, records progress
                 // every 3 s at the latest, and reports it 0.5 s later.
-                (5.0..=3600.0).contains(&self.watchdog_s),
-                "[run] watchdog_s must lie between 5 and 3600",
+                (4.0..=3600.0).contains(&self.watchdog_s),
+                "[run] watchdog_s must lie between 4 and 3600",
+            ),
+            (
+                (4.0..=3600.0).contains(&self.memory_watchdog_s),
+                "[run] memory_watchdog_s must lie between 4 and 3600",
             ),
             (
                 (self.watchdog_s..=86_400.0).contains(&self.startup_watchdog_s),
@@ -89,7 +111,9 @@ mod tests {
             change(&mut raw);
             assert!(raw.check().is_err(), "{raw:?}");
         };
-        violates(&|raw| raw.watchdog_s = 4.9);
+        violates(&|raw| raw.watchdog_s = 3.9);
+        violates(&|raw| raw.memory_watchdog_s = 3.9);
+        violates(&|raw| raw.memory_watchdog_s = f64::NAN);
         violates(&|raw| raw.watchdog_s = f64::NAN);
         violates(&|raw| raw.startup_watchdog_s = raw.watchdog_s - 1.0);
         violates(&|raw| raw.startup_watchdog_s = f64::INFINITY);

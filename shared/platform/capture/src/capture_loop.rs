@@ -19,6 +19,9 @@ use tokio::runtime::Handle;
 
 /// Longest sleep between two checks of the shutdown request.
 const NAP: Duration = Duration::from_millis(50);
+/// Longest time for which the opening of a device counts as progress. Chosen: a Kinect whose
+/// firmware is loaded again takes some seconds.
+const OPENING_LIMIT: Duration = Duration::from_secs(20);
 /// Capture time of the first frame in lockstep, nanoseconds; lockstep has its own
 /// clock.
 const LOCKSTEP_START_NS: u64 = 1_000_000_000;
@@ -148,7 +151,7 @@ impl CaptureLoop {
     /// Captures and sends the next frame; `false` at the end of the recording.
     fn capture_frame(&mut self) -> Result<bool, SourceError> {
         let mut watch = Stopwatch::start();
-        let Some(size) = self.source.prepare()? else {
+        let Some(size) = self.prepare()? else {
             return Ok(false);
         };
         let preparing = watch.lap(Stage::Preparing, 0);
@@ -172,6 +175,15 @@ impl CaptureLoop {
         // A frame of which it is not known whether it was sent keeps its number.
         self.sequence += 1;
         sent.map(|()| true)
+    }
+
+    /// Prepares the next frame. After an outage that may mean to open a device.
+    fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
+        if !self.outage.is_ongoing() {
+            return self.source.prepare();
+        }
+        let health = &self.context.health;
+        health.record_progress_during(OPENING_LIMIT, || self.source.prepare())
     }
 
     fn loan_filled(

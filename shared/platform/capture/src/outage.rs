@@ -59,6 +59,11 @@ impl Outage {
         }
     }
 
+    /// `true` during an outage.
+    pub fn is_ongoing(&self) -> bool {
+        self.ongoing.is_some()
+    }
+
     /// Ends the outage, if there is one, and restores the health of the process.
     pub fn end(&mut self, source_name: &str) {
         if let Some(ongoing) = self.ongoing.take() {

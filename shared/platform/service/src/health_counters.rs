@@ -3,6 +3,8 @@
 use message::{ProcessState, Text};
 use parking_lot::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
 use tokio::sync::Notify;
 
 /// Counters and state of a process, written by its loops and read by the health
@@ -71,6 +73,27 @@ impl HealthCounters {
         self.progress.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// Runs a step that may take longer than the watchdog allows, such as the opening of a device,
+    /// and records progress meanwhile, for at most `limit`.
+    pub fn record_progress_during<T>(&self, limit: Duration, step: impl FnOnce() -> T) -> T {
+        /// Time between two records of progress.
+        const PERIOD: Duration = Duration::from_millis(250);
+        let (running, is_over) = channel::<()>();
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                let began = Instant::now();
+                while began.elapsed() < limit
+                    && is_over.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout)
+                {
+                    self.record_progress();
+                }
+            });
+            let done = step();
+            drop(running);
+            done
+        })
+    }
+
     /// Number of steps of the main loop.
     pub fn progress(&self) -> u64 {
         self.progress.load(Ordering::Relaxed)
@@ -80,7 +103,17 @@ impl HealthCounters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
+
+    #[test]
+    fn progress_is_recorded_during_a_long_step_until_its_limit() {
+        let health = HealthCounters::default();
+        let step = || std::thread::sleep(Duration::from_millis(900));
+        health.record_progress_during(Duration::from_secs(60), step);
+        assert!((1..=3).contains(&health.progress()));
+        let before = health.progress();
+        health.record_progress_during(Duration::from_millis(300), step);
+        assert!(health.progress() <= before + 2);
+    }
 
     #[tokio::test]
     async fn state_change_is_noticed_and_another_note_is_not() {
