@@ -2,11 +2,12 @@
 //! fault is recovered from, a starved process is never ended, and nothing grows.
 
 mod document_writer;
+mod fake_clock;
 mod fault;
 mod picture;
 mod scene_watch;
 
-use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually};
+use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually, with_mounts};
 use crate::skeleton::{id, wait_for_all};
 use document_writer::DocumentWriter;
 use fault::Fault;
@@ -14,12 +15,15 @@ use random::Random;
 use scene_watch::SceneWatch;
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "15"];
 /// The memory is found as fast as the others, which are found in the default time.
-const CONFIGURATION: &str = "[run]\nmemory_watchdog_s = 4.0\nrestart_delay_max_s = 0.5\n";
+/// With a small write buffer the memory has tables soon.
+const CONFIGURATION: &str = "[run]\nmemory_watchdog_s = 4.0\nrestart_delay_max_s = 0.5\n\
+                             [memory]\nwrite_buffer_mb = 1\n";
 /// Objects that are taught.
 const N_TAUGHT: usize = 2;
 /// Good scenes that end a fault.
@@ -92,28 +96,64 @@ impl<'a> Chaos<'a> {
     }
 }
 
+/// Sandbox, and the faults that can be injected into it.
 fn sandbox() -> (Sandbox, Vec<Fault>) {
     let mut faults = Fault::FOR_ALL.to_vec();
-    let is_root = rustix::process::geteuid().is_root();
-    if is_root {
+    let mut sandbox = if has_own_shared_memory() {
         faults.extend(Fault::FOR_ROOT);
-    } else {
-        eprintln!("SKIPPED: faults of the disk, which need root");
-    }
-    let sandbox = if is_root {
         Sandbox::on_own_disk(CONFIGURATION)
     } else {
+        eprintln!("SKIPPED: faults of disk and shared memory, which need root");
         let sandbox = Sandbox::new();
         sandbox.configure(CONFIGURATION);
         sandbox
     };
+    if fault::can_strace() {
+        faults.extend(Fault::BY_STRACE);
+    } else {
+        eprintln!("SKIPPED: errors of the medium, which need strace and may not trace");
+    }
+    if fake_clock::prepare(&mut sandbox) {
+        faults.push(Fault::ClockJumps);
+    } else {
+        eprintln!("SKIPPED: jumps of the clock, which need libfaketime");
+    }
     (sandbox, faults)
+}
+
+/// Variable that is set in a test process with shared memory of its own.
+const OWN_SHARED_MEMORY: &str = "TABULA_CHAOS_OWN_SHARED_MEMORY";
+
+fn has_own_shared_memory() -> bool {
+    std::env::var_os(OWN_SHARED_MEMORY).is_some()
+}
+
+/// Runs a test again, as root in a process of its own with shared memory of its own, which can be
+/// filled without harm to others; elsewhere here. `body` is the test.
+fn with_own_shared_memory(test: &str, body: fn()) {
+    if has_own_shared_memory() || !rustix::process::geteuid().is_root() {
+        return body();
+    }
+    let mut again = Command::new(std::env::current_exe().unwrap());
+    again
+        .args([test, "--exact", "--include-ignored", "--nocapture"])
+        .env(OWN_SHARED_MEMORY, "1");
+    let mounts = "mount -t tmpfs -o size=700m tmpfs /dev/shm";
+    let status = with_mounts(&again, mounts).status().unwrap();
+    assert!(status.success(), "{test} failed");
 }
 
 #[test]
 fn chaos_of_a_minute_is_recovered_from_and_loses_nothing() {
+    with_own_shared_memory(
+        "chaos::chaos_of_a_minute_is_recovered_from_and_loses_nothing",
+        chaos_of_a_minute,
+    );
+}
+
+/// Each fault once, in an order of their own, and one starved process.
+fn chaos_of_a_minute() {
     let (sandbox, mut faults) = sandbox();
-    // In an order of their own, and one starved process.
     let mut random = Random::from_seed(23);
     random.shuffle(&mut faults);
     faults.push(Fault::STARVATION[random.below(Fault::STARVATION.len())]);
@@ -128,6 +168,14 @@ fn chaos_of_a_minute_is_recovered_from_and_loses_nothing() {
 #[test]
 #[ignore = "long"]
 fn long_chaos_of_an_hour_is_recovered_from_and_loses_nothing() {
+    with_own_shared_memory(
+        "chaos::long_chaos_of_an_hour_is_recovered_from_and_loses_nothing",
+        chaos_of_an_hour,
+    );
+}
+
+/// Faults at random.
+fn chaos_of_an_hour() {
     let seconds = std::env::var("TABULA_CHAOS_S").ok();
     let duration = seconds.map_or(LONG, |s| Duration::from_secs(s.parse().unwrap()));
     let seed = std::env::var("TABULA_CHAOS_SEED").map_or(1, |seed| seed.parse().unwrap());

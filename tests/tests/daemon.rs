@@ -87,6 +87,8 @@ pub(crate) struct Sandbox {
     own_programs_guard: Option<TempDir>,
     /// Shell commands that mount what the daemon sees differently.
     mounts: Option<String>,
+    /// Further variables in the environment of all programs.
+    environment: Vec<(String, String)>,
 }
 
 impl Sandbox {
@@ -101,6 +103,7 @@ impl Sandbox {
             programs: PROGRAMS.clone(),
             own_programs_guard: None,
             mounts: None,
+            environment: Vec::new(),
         }
     }
 
@@ -185,7 +188,13 @@ impl Sandbox {
             programs: self.programs.clone(),
             own_programs_guard: None,
             mounts: None,
+            environment: self.environment.clone(),
         }
+    }
+
+    /// Sets a variable in the environment of all programs that are started from now on.
+    pub(crate) fn set_variable(&mut self, name: &str, value: &str) {
+        self.environment.push((name.to_owned(), value.to_owned()));
     }
 
     /// Permits other accounts to enter the run folder, as `/run` does.
@@ -196,6 +205,11 @@ impl Sandbox {
 
     pub(crate) fn home(&self) -> &Path {
         self.home.path()
+    }
+
+    /// File on memory-backed storage that test and daemon share.
+    pub(crate) fn shared_file(&self, name: &str) -> PathBuf {
+        self.runtime_dir.path().join(name)
     }
 
     /// Run folder of the daemons in this sandbox.
@@ -211,6 +225,7 @@ impl Sandbox {
             .env("TABULA_DOMAIN", self.domain.to_string())
             .env("TABULA_HOME", self.home.path())
             .env_remove("RUST_LOG")
+            .envs(self.environment.iter().cloned())
             .stdin(Stdio::null());
         command
     }

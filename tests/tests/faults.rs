@@ -386,7 +386,9 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory_and_is_replaced() {
 #[test]
 fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
     let sandbox = Sandbox::new();
-    sandbox.configure("[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0");
+    sandbox.configure(
+        "[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0",
+    );
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let memory = daemon.pid(ProcessKind::Memory).unwrap();

@@ -14,7 +14,8 @@ use std::time::Instant;
 /// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
 /// Watchdog that never ends a stopped camera during a test.
-const WITHOUT_WATCHDOG: &str = "[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0\n";
+const WITHOUT_WATCHDOG: &str =
+    "[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0\n";
 
 /// State and note of a process in `tabula status`.
 fn state(daemon: &Daemon<'_>, process: ProcessKind) -> (String, String) {

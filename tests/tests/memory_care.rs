@@ -144,7 +144,7 @@ fn largest(folder: &Path) -> PathBuf {
     let files = std::fs::read_dir(folder).unwrap().flatten();
     let files = files.map(|entry| entry.path()).filter(|path| {
         let extension = path.extension().and_then(|e| e.to_str());
-        matches!(extension, Some("ldb" | "log"))
+        matches!(extension, Some("ldb" | "wal"))
     });
     files
         .max_by_key(|path| path.metadata().unwrap().len())
@@ -184,20 +184,20 @@ fn damage_is_found_reported_and_repaired() {
     daemon.stop();
 }
 
-/// Sentence of `tabula` with the home folder mounted in another way.
-fn with_home_mounted(sandbox: &Sandbox, mounts: &str, arguments: &[&str]) -> String {
+/// `tabula` with the home folder mounted in another way: success, and its sentences.
+fn with_home_mounted(sandbox: &Sandbox, mounts: &str, arguments: &[&str]) -> (bool, String) {
     let home = sandbox.home().to_str().unwrap();
     let mounts = mounts.replace("HOME", home);
     let mut command = sandbox.command("tabula");
     let output = with_mounts(command.args(arguments), &mounts)
         .output()
         .unwrap();
-    assert!(!output.status.success(), "{output:?}");
-    String::from_utf8(output.stderr).unwrap()
+    let sentences = String::from_utf8(output.stderr).unwrap();
+    (output.status.success(), sentences)
 }
 
 #[test]
-fn as_root_disk_that_is_read_only_or_full_is_refused_and_loses_nothing() {
+fn as_root_disk_that_is_read_only_or_full_takes_nothing_and_loses_nothing() {
     let sandbox = Sandbox::new();
     let (daemon, _) = taught(&sandbox);
     let file = sandbox.home().join("memory.export");
@@ -207,19 +207,25 @@ fn as_root_disk_that_is_read_only_or_full_is_refused_and_loses_nothing() {
     let before = offline(&sandbox, &["memory", "stats"])["sequence"].clone();
 
     let read_only = "mount --bind HOME HOME && mount -o remount,ro,bind HOME";
-    let sentence = with_home_mounted(&sandbox, read_only, &["memory", "stats"]);
-    assert!(sentence.contains("Read-only file system"), "{sentence}");
-    assert!(
-        sentence.contains("belongs to the daemon's user"),
-        "{sentence}"
-    );
+    let (is_read, sentence) = with_home_mounted(&sandbox, read_only, &["memory", "stats"]);
+    assert!(is_read, "{sentence}");
+    let put = ["knowledge", "put", "large", "/proc/cpuinfo"];
+    let (is_put, refusal) = with_home_mounted(&sandbox, read_only, &put);
+    assert!(!is_put, "{refusal}");
+    for sentence in [sentence, refusal] {
+        assert!(sentence.contains("Read-only file system"), "{sentence}");
+        assert!(
+            sentence.contains("belongs to the daemon's user"),
+            "{sentence}"
+        );
+    }
 
     // A copy of the home folder on a disk that has no room for anything more.
     let full = "mkdir -p /tmp/full-$$ && cp -r HOME/. /tmp/full-$$ && \
                 mount -t tmpfs -o size=2m none HOME && cp -r /tmp/full-$$/. HOME && \
                 rm -r /tmp/full-$$ && (head -c 4m /dev/zero > HOME/rubbish; true)";
-    let put = ["knowledge", "put", "large", "/proc/cpuinfo"];
-    let sentence = with_home_mounted(&sandbox, full, &put);
+    let (is_put, sentence) = with_home_mounted(&sandbox, full, &put);
+    assert!(!is_put, "{sentence}");
     assert!(sentence.contains("No space left on device"), "{sentence}");
     assert!(
         sentence.contains("see that the disk has room"),

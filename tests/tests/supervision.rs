@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
 /// Shortest watchdog time that a configuration may have.
-const SHORT_WATCHDOG: Duration = Duration::from_secs(5);
+const SHORT_WATCHDOG: Duration = Duration::from_secs(4);
 const WITH_SHORT_WATCHDOG: &str = "[run]\nwatchdog_s = 4.0\nmemory_watchdog_s = 4.0\n";
 /// Restarts without a growing delay, so that there are many in a short time.
 const WITH_FAST_RESTARTS: &str = "[run]\nrestart_delay_max_s = 0.05\n";
@@ -155,7 +155,9 @@ fn wait_for_another_process_is_no_stall() {
 #[test]
 fn stalled_process_is_named_and_goes_on_when_it_is_continued_in_time() {
     let sandbox = Sandbox::new();
-    sandbox.configure("[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0\n");
+    sandbox.configure(
+        "[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0\n",
+    );
     let daemon = sandbox.start(&TABLE);
     wait_until_well(&sandbox);
     let pid = daemon.pid(ProcessKind::Perception).unwrap();

@@ -1,11 +1,14 @@
 //! Faults of the chaos test, and their injection.
 
+use super::fake_clock;
 use crate::daemon::{Daemon, eventually, send_signal, suspend};
 use crate::full_disk::Rubbish;
 use crate::hostile_clients::HostileClients;
 use message::ProcessKind;
 use rustix::process::Signal;
+use std::io::Write;
 use std::path::PathBuf;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// Time for which a fault lasts that has an end of its own.
@@ -33,6 +36,16 @@ pub(super) enum Fault {
     FullDiskAndKill,
     /// A sparse file of another program in shared memory that claims more than there is.
     SparseSharedMemory,
+    /// Shared memory without room, for some seconds.
+    FullSharedMemory,
+    /// Shared memory without room, and a process is killed meanwhile.
+    FullSharedMemoryAndKill(ProcessKind),
+    /// A medium that takes nothing for some seconds (EIO).
+    WriteErrors,
+    /// A medium that cannot be read for some seconds (EIO).
+    ReadErrors,
+    /// The clock is set forward by hours, back by a day, and right again.
+    ClockJumps,
 }
 
 impl Fault {
@@ -53,8 +66,16 @@ impl Fault {
         Self::Starve(ProcessKind::Perception),
         Self::Starve(ProcessKind::Camera),
     ];
-    /// Faults that need a file system of their own, so root.
-    pub(super) const FOR_ROOT: [Self; 2] = [Self::FullDisk, Self::FullDiskAndKill];
+    /// Faults that need file systems of their own, so root.
+    pub(super) const FOR_ROOT: [Self; 5] = [
+        Self::FullDisk,
+        Self::FullDiskAndKill,
+        Self::FullSharedMemory,
+        Self::FullSharedMemoryAndKill(ProcessKind::Camera),
+        Self::FullSharedMemoryAndKill(ProcessKind::Perception),
+    ];
+    /// Faults that need strace, and the permission to trace.
+    pub(super) const BY_STRACE: [Self; 2] = [Self::WriteErrors, Self::ReadErrors];
 
     /// Name in reports.
     pub(super) fn name(self) -> String {
@@ -66,6 +87,13 @@ impl Fault {
             Self::FullDisk => "full disk".into(),
             Self::FullDiskAndKill => "full disk, kill memory".into(),
             Self::SparseSharedMemory => "sparse shared memory".into(),
+            Self::FullSharedMemory => "full shared memory".into(),
+            Self::FullSharedMemoryAndKill(process) => {
+                format!("full shared memory, kill {}", process.name())
+            }
+            Self::WriteErrors => "write errors".into(),
+            Self::ReadErrors => "read errors".into(),
+            Self::ClockJumps => "clock jumps".into(),
         }
     }
 
@@ -98,9 +126,80 @@ impl Fault {
                 daemon.signal(ProcessKind::Camera, Signal::KILL);
                 std::thread::sleep(LASTS);
             }
+            Self::FullSharedMemory => {
+                let _full = full_shared_memory();
+                std::thread::sleep(LASTS);
+            }
+            Self::FullSharedMemoryAndKill(process) => {
+                let _full = full_shared_memory();
+                daemon.signal(process, Signal::KILL);
+                std::thread::sleep(LASTS);
+            }
+            Self::WriteErrors => fail_system_calls(daemon, "fdatasync,fsync", || {
+                std::thread::sleep(LASTS);
+            }),
+            Self::ReadErrors => {
+                // Makes tables of what is in memory.
+                daemon.ask(&["memory", "compact"]);
+                fail_system_calls(daemon, "pread64", || {
+                    let verified = daemon.sandbox.tabula(&["memory", "verify"]);
+                    assert!(!verified.status.success(), "{verified:?}");
+                });
+            }
+            Self::ClockJumps => {
+                for (jump, seconds) in [("+3h", 10_800.0), ("-1d", -86_400.0), ("+0", 0.0)] {
+                    fake_clock::set(daemon.sandbox, jump);
+                    eventually("the memory has the other clock", || {
+                        (fake_clock::offset_s(daemon) - seconds).abs() < 60.0
+                    });
+                    std::thread::sleep(LASTS);
+                }
+            }
         }
         None
     }
+}
+
+/// File that takes all room of the shared memory, which is a test's own.
+fn full_shared_memory() -> tempfile::NamedTempFile {
+    let mut file = tempfile::NamedTempFile::new_in("/dev/shm").unwrap();
+    for block in [1 << 20, 4096] {
+        let block = vec![1; block];
+        while file.write_all(&block).is_ok() {}
+    }
+    file
+}
+
+/// `true` if a process may be traced, so that its system calls can be made to fail.
+pub(super) fn can_strace() -> bool {
+    let traced = Command::new("strace")
+        .args(["-qq", "-e", "trace=none", "true"])
+        .output();
+    traced.is_ok_and(|output| output.status.success())
+}
+
+/// Lets system calls of the memory fail with EIO during `work`; some of them must.
+fn fail_system_calls(daemon: &Daemon<'_>, calls: &str, work: impl FnOnce()) {
+    let pid = daemon.pid(ProcessKind::Memory).expect("it runs");
+    let traced = tempfile::NamedTempFile::new().unwrap();
+    let mut strace = Command::new("strace")
+        .args(["-qq", "-f", "-p", &pid.to_string()])
+        .args(["-e", &format!("trace={calls}")])
+        .args(["-e", &format!("inject={calls}:error=EIO")])
+        .arg("-o")
+        .arg(traced.path())
+        .spawn()
+        .unwrap();
+    eventually("the memory is traced", || {
+        let status = std::fs::read_to_string(format!("/proc/{pid}/status"));
+        let tracer = format!("TracerPid:\t{}\n", strace.id());
+        status.is_ok_and(|status| status.contains(&tracer))
+    });
+    work();
+    let _ = send_signal(strace.id(), Signal::INT);
+    strace.wait().unwrap();
+    let traced = std::fs::read_to_string(traced.path()).unwrap();
+    assert!(traced.contains("(INJECTED)"), "no call of {calls} failed");
 }
 
 /// Stops a process until the watchdog has ended it; the time that this took.

@@ -11,7 +11,18 @@ const RANGE_S: (f64, f64) = (0.01, 20.0);
 
 /// Kind of a fault: the first word of its name, or two for a disk.
 fn kind(name: &str) -> &'static str {
-    const KINDS: [&str; 6] = ["kill", "stop", "starve", "hostile", "full disk", "sparse"];
+    const KINDS: [&str; 10] = [
+        "kill",
+        "stop",
+        "starve",
+        "hostile",
+        "full disk",
+        "sparse",
+        "full shared memory",
+        "write errors",
+        "read errors",
+        "clock",
+    ];
     KINDS
         .into_iter()
         .find(|kind| name.starts_with(kind))

@@ -232,19 +232,34 @@ impl StoreFolder {
     /// [`Error::Io`] when the folder of the database cannot be listed.
     pub fn database_is_headless(&self) -> Result<bool, Error> {
         let database = self.database();
-        if !database.exists() || database.join("CURRENT").exists() {
-            return Ok(false);
-        }
-        let entries = fs::read_dir(&database).map_err(Error::io("listing", &database))?;
-        let is_data = |path: PathBuf| {
-            let extension = path.extension().and_then(OsStr::to_str);
-            matches!(extension, Some("ldb" | "log" | LOG))
-        };
-        Ok(entries.flatten().any(|entry| is_data(entry.path())))
+        let has_head = database.join("CURRENT").exists();
+        Ok(!has_head && has_files(&database, &["ldb", "log", LOG])?)
+    }
+
+    /// `true` if the folder of the database has a table, whatever its manifest says.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] when the folder of the database cannot be listed.
+    pub fn database_has_tables(&self) -> Result<bool, Error> {
+        has_files(&self.database(), &["ldb", "sst"])
     }
 
     fn rename(&self, from: &Path, to: &Path) -> Result<(), Error> {
         fs::rename(from, to).map_err(Error::io("renaming", from))?;
         sync_folder(&self.path).map_err(Error::io("syncing the folder", &self.path))
     }
+}
+
+/// `true` if a folder exists and has a file with one of some extensions.
+fn has_files(folder: &Path, extensions: &[&str]) -> Result<bool, Error> {
+    if !folder.exists() {
+        return Ok(false);
+    }
+    let entries = fs::read_dir(folder).map_err(Error::io("listing", folder))?;
+    let is_wanted = |path: PathBuf| {
+        let extension = path.extension().and_then(OsStr::to_str);
+        extension.is_some_and(|extension| extensions.contains(&extension))
+    };
+    Ok(entries.flatten().any(|entry| is_wanted(entry.path())))
 }

@@ -325,13 +325,14 @@ fn open_database(
     };
     let findings = match examined {
         None => Vec::new(),
-        Some(Ok(examination)) if examination.is_empty() && !archive::has_segments(folder)? => {
-            return begin(engine, mark);
-        }
-        // The archive has the history of a database that is gone.
-        Some(Ok(examination)) if examination.is_empty() => {
-            vec!["the folder of the database is missing or empty".to_owned()]
-        }
+        Some(Ok(examination)) if examination.is_empty() => match remains(folder)? {
+            Some(finding) => vec![finding],
+            None => match begin(&mut engine, mark) {
+                Ok((examination, condition)) => return Ok((engine, examination, condition)),
+                Err(Error::Storage(StorageError::Damaged { what })) => vec![what],
+                Err(error) => return Err(error),
+            },
+        },
         Some(Ok(examination)) if examination.findings.is_empty() && !must_rebuild => {
             match engine.accept().map_err(Error::from) {
                 Ok(()) => return Ok((engine, examination, Condition::Sound)),
@@ -348,10 +349,27 @@ fn open_database(
     rebuild(findings)
 }
 
+/// Finding about a database without records from which something can be rebuilt; `None` if nothing
+/// is left of it.
+fn remains(folder: &StoreFolder) -> Result<Option<String>, Error> {
+    let finding = if folder.database_has_tables()? {
+        "the tables of the database are missing in its manifest"
+    } else if archive::has_segments(folder)? {
+        // The archive has the history of a database that is gone.
+        "the folder of the database is missing or empty"
+    } else {
+        return Ok(None);
+    };
+    Ok(Some(finding.to_owned()))
+}
+
 /// Initialises an empty database: a new one, or the replacement of a missing one.
-fn begin(mut engine: Database, mark: Option<&WatermarkRecord>) -> Result<Opened, Error> {
+fn begin(
+    engine: &mut Database,
+    mark: Option<&WatermarkRecord>,
+) -> Result<(ConsistencyReport, Condition), Error> {
     engine.accept()?;
-    let examination = commit_empty(&mut engine, mark)?;
+    let examination = commit_empty(engine, mark)?;
     let condition = match mark.filter(|mark| mark.sequence > 0) {
         None => Condition::New,
         Some(lost) => Condition::Replaced {
@@ -360,7 +378,7 @@ fn begin(mut engine: Database, mark: Option<&WatermarkRecord>) -> Result<Opened,
             set_aside: None,
         },
     };
-    Ok((engine, examination, condition))
+    Ok((examination, condition))
 }
 
 fn all_of(mark: &WatermarkRecord) -> DataLoss {
