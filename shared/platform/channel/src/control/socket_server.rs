@@ -6,7 +6,7 @@ use super::connection_table::{ConnectionTable, Limits};
 use super::{Handler, RoleGroups};
 use crate::Error;
 use crate::trusted_folder::TrustedFolder;
-use rustix::process::{Resource, getrlimit};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use std::io;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::UnixListener as BlockingListener;
@@ -16,10 +16,12 @@ use std::time::Duration;
 use tokio::net::{UnixListener, UnixStream};
 use tokio::sync::oneshot;
 
-/// Limits of the control socket. All chosen.
+/// Limits of the control socket. Chosen; those of connections are high, since a client whose
+/// connection is closed for newer ones connects again: among a thousand hostile clients, half as
+/// many connections were made and a stop took half the time with 2048 as with 128.
 const LIMITS: Limits = Limits {
-    connections: 1024,
-    connections_of_user: 128,
+    connections: 4096,
+    connections_of_user: 2048,
     requests_of_user: 8,
     waits_of_user: 16,
     patience: Duration::from_secs(4),
@@ -188,14 +190,30 @@ fn begin(
 
 /// Limits that leave half of the process's file descriptors free.
 fn limits() -> Limits {
-    let descriptors = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
-    let half = usize::try_from(descriptors / 2)
-        .unwrap_or(usize::MAX)
-        .max(1);
+    let half = n_descriptors() / 2;
+    let half = usize::try_from(half).unwrap_or(usize::MAX).max(1);
     Limits {
         connections: LIMITS.connections.min(half),
         connections_of_user: LIMITS.connections_of_user.min(half),
         ..LIMITS
+    }
+}
+
+/// Raises the soft limit of file descriptors to what the connections need, as far as the hard
+/// limit permits; returns the limit.
+fn n_descriptors() -> u64 {
+    let wanted = 2 * LIMITS.connections as u64;
+    let limit = getrlimit(Resource::Nofile);
+    let present = limit.current.unwrap_or(u64::MAX);
+    let possible = wanted.min(limit.maximum.unwrap_or(u64::MAX));
+    let raised = Rlimit {
+        current: Some(possible),
+        ..limit
+    };
+    if present < possible && setrlimit(Resource::Nofile, raised).is_ok() {
+        possible
+    } else {
+        present
     }
 }
 
