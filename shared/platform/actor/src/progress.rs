@@ -1,6 +1,6 @@
 //! Heartbeat of a long handler, read by the watchdog.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use crate::sync::{AtomicU64, Ordering};
 
 /// Progress counter by which the watchdog distinguishes slow work from stuck work.
 ///

@@ -20,11 +20,13 @@ use tokio::sync::watch;
 use crate::error::Error;
 use crate::job::{Job, JobResult, Task};
 use crate::progress::Progress;
+use worker_watch::{WatchedWorker, Worker};
 
 pub use crate::job::JobLost;
 pub use fork_join::ForkJoin;
 
 mod fork_join;
+mod worker_watch;
 
 /// Number of watchdog checks within one stall time.
 const CHECKS_PER_STALL: u32 = 4;
@@ -64,20 +66,6 @@ struct WorkerSet {
     queue: Receiver<Arc<dyn Task>>,
     n_started: usize,
     checked_at: Option<Instant>,
-}
-
-/// Watchdog's record of one worker.
-struct WatchedWorker {
-    thread: Arc<Worker>,
-    last_count: u64,
-    last_progress_at: Instant,
-}
-
-/// State shared by a worker's thread and the watchdog.
-#[derive(Default)]
-struct Worker {
-    progress: Progress,
-    current_job: Mutex<Option<Arc<dyn Task>>>,
 }
 
 impl WorkerPool {
@@ -215,14 +203,10 @@ impl WorkerSet {
         let thread = Arc::new(Worker::default());
         let (own, queue) = (Arc::clone(&thread), self.queue.clone());
         start_thread(format!("{name}-{}", self.n_started), move || {
-            own.work(&queue);
+            work(&own, &queue);
         })?;
         self.n_started += 1;
-        self.watched.push(WatchedWorker {
-            thread,
-            last_count: 0,
-            last_progress_at: now,
-        });
+        self.watched.push(WatchedWorker::new(thread, now));
         Ok(())
     }
 
@@ -239,41 +223,17 @@ impl WorkerSet {
         if !was_watched {
             self.watched
                 .iter_mut()
-                .for_each(|worker| worker.last_progress_at = now);
+                .for_each(|worker| worker.forget_silence(now));
         }
         n_before - self.watched.len()
     }
 }
 
-impl WatchedWorker {
-    /// Current job and the time since its last progress.
-    fn silent_job(&mut self, now: Instant) -> Option<(Arc<dyn Task>, Duration)> {
-        // The job first, then the count: a job that has just begun has ticked.
-        let current_job = self.thread.current_job.lock().clone();
-        let count = self.thread.progress.count();
-        if current_job.is_none() || count != self.last_count {
-            self.last_count = count;
-            self.last_progress_at = now;
-        }
-        Some((
-            current_job?,
-            now.saturating_duration_since(self.last_progress_at),
-        ))
-    }
-}
-
-impl Worker {
-    fn work(&self, queue: &Receiver<Arc<dyn Task>>) {
-        while let Ok(task) = queue.recv() {
-            // Before the job is visible, so that a watchdog that sees it also sees
-            // its beginning as progress.
-            self.progress.tick();
-            *self.current_job.lock() = Some(Arc::clone(&task));
-            let is_kept = task.run(&self.progress);
-            *self.current_job.lock() = None;
-            if !is_kept {
-                return;
-            }
+/// Runs the queued jobs until the pool ends or the watchdog has replaced this worker.
+fn work(worker: &Worker, queue: &Receiver<Arc<dyn Task>>) {
+    while let Ok(task) = queue.recv() {
+        if !worker.run(&task) {
+            return;
         }
     }
 }

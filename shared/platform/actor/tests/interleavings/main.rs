@@ -1,4 +1,4 @@
-//! Model checking of mailbox, job and fork-join under loom (Norris and Demsky 2013):
+//! Model checking of mailbox, job, fork-join and worker watch under loom (Norris and Demsky 2013):
 //! each test runs in every interleaving of its threads, up to a bounded number of
 //! preemptions.
 //!
@@ -41,10 +41,13 @@ mod job;
 mod panic_boundary;
 #[path = "../../src/progress.rs"]
 mod progress;
+#[path = "../../src/worker_pool/worker_watch.rs"]
+mod worker_watch;
 
 mod fork_join_orders;
 mod job_orders;
 mod mailbox_orders;
+mod worker_watch_orders;
 
 /// Preemption bound of one run: two find nearly every known error (Musuvathi and
 /// Qadeer 2007), and a third multiplies the time by ten.
