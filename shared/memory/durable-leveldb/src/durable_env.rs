@@ -107,10 +107,8 @@ impl Env for DurableEnv {
     }
 
     fn open_random_access_file(&self, path: &Path) -> Result<Box<dyn RandomAccess>> {
-        Ok(Box::new(VerifiedTable::open(
-            path,
-            Arc::clone(&self.health),
-        )?))
+        let table = VerifiedTable::open(path.into(), Arc::clone(&self.health));
+        Ok(Box::new(table?))
     }
 
     fn open_writable_file(&self, path: &Path) -> Result<Box<dyn Write>> {

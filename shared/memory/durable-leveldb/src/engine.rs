@@ -379,7 +379,7 @@ impl<'a> EngineLoop<'a> {
     fn delete_unknown(&mut self) -> Result<(), Error> {
         let obsolete = std::mem::take(&mut *self.obsolete.lock());
         for path in obsolete {
-            let is_read = |table: &Weak<Table>| table.upgrade().is_some_and(|t| t.path == path);
+            let is_read = |table: &Weak<Table>| table.upgrade().is_some_and(|t| *t.path == *path);
             if path.exists() && !self.replaced.iter().any(is_read) {
                 delete(&path, &self.health).map_err(Error::io("deleting", path))?;
             }

@@ -2,9 +2,10 @@
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
-use std::fs;
+use std::fs::{self, File};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use crate::block::BlockCursor;
@@ -13,11 +14,20 @@ use crate::manifest::{Manifest, TableMetadata};
 use crate::raw_table::user_key;
 use crate::verified_files::{VerifiedTable, take_varint};
 
+/// Maximum number of tables of a process that are kept open for reading: a quarter of the usual
+/// limit of descriptors. Further ones are opened for each read.
+const MAX_KEPT_OPEN: usize = 256;
+
+/// Number of tables that are kept open.
+static N_KEPT_OPEN: AtomicUsize = AtomicUsize::new(0);
+
 /// Table file. It never changes; one that compaction has replaced is deleted when its last reader
 /// has ended.
 pub(crate) struct Table {
     pub(crate) metadata: TableMetadata,
-    pub(crate) path: PathBuf,
+    pub(crate) path: Arc<Path>,
+    /// The open file, of the first tables that are read.
+    file: OnceLock<Arc<File>>,
     /// Entries of the index block, once they were read.
     index: OnceLock<Box<[BlockEntry]>>,
     /// Health monitor of the deletion of a table that was replaced; unset before.
@@ -54,14 +64,27 @@ impl Table {
         }
         Self {
             metadata,
-            path,
+            path: path.into(),
+            file: OnceLock::new(),
             index: OnceLock::new(),
             replaced: OnceLock::new(),
         }
     }
 
+    /// Opens the table for reading. It stays open unless too many do.
     pub(crate) fn open(&self, health: &Arc<EnvHealth>) -> io::Result<VerifiedTable> {
-        VerifiedTable::open(&self.path, Arc::clone(health))
+        let (path, health) = (Arc::clone(&self.path), Arc::clone(health));
+        if let Some(file) = self.file.get() {
+            let file = (Arc::clone(file), self.metadata.n_bytes);
+            return Ok(VerifiedTable::of(file, path, health));
+        }
+        let table = VerifiedTable::open(path, health)?;
+        if N_KEPT_OPEN.fetch_add(1, Ordering::Relaxed) >= MAX_KEPT_OPEN
+            || self.file.set(table.file()).is_err()
+        {
+            N_KEPT_OPEN.fetch_sub(1, Ordering::Relaxed);
+        }
+        Ok(table)
     }
 
     /// Index of the table, read by the first caller.
@@ -94,6 +117,9 @@ impl Table {
 
 impl Drop for Table {
     fn drop(&mut self) {
+        if self.file.get().is_some() {
+            N_KEPT_OPEN.fetch_sub(1, Ordering::Relaxed);
+        }
         if let Some(health) = self.replaced.get() {
             // The health monitor records a failure, and the next opening deletes the file.
             let _ = delete(&self.path, health);

@@ -9,7 +9,7 @@
 use std::fs::File;
 use std::io;
 use std::os::unix::fs::FileExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use rusty_leveldb::env::RandomAccess;
@@ -60,27 +60,41 @@ pub(crate) const LOG_LAST: u8 = 4;
 
 /// Table file with verified reads.
 pub(crate) struct VerifiedTable {
-    file: File,
-    path: PathBuf,
+    file: Arc<File>,
+    path: Arc<Path>,
     n_bytes: u64,
     health: Arc<EnvHealth>,
 }
 
 impl VerifiedTable {
     /// Opens a table; the health monitor records a failure.
-    pub(crate) fn open(path: &Path, health: Arc<EnvHealth>) -> io::Result<Self> {
+    pub(crate) fn open(path: Arc<Path>, health: Arc<EnvHealth>) -> io::Result<Self> {
         let opened = retried(|| {
-            let file = File::open(path)?;
+            let file = File::open(&path)?;
             let n_bytes = file.metadata()?.len();
-            Ok((file, n_bytes))
+            Ok((Arc::new(file), n_bytes))
         });
-        let (file, n_bytes) = health.noted(path, opened)?;
-        Ok(Self {
+        let (file, n_bytes) = health.noted(&path, opened)?;
+        Ok(Self::of((file, n_bytes), path, health))
+    }
+
+    /// Table in an open file of a known length, bytes.
+    pub(crate) fn of(
+        (file, n_bytes): (Arc<File>, u64),
+        path: Arc<Path>,
+        health: Arc<EnvHealth>,
+    ) -> Self {
+        Self {
             file,
-            path: path.to_owned(),
+            path,
             n_bytes,
             health,
-        })
+        }
+    }
+
+    /// The open file, for further readers.
+    pub(crate) fn file(&self) -> Arc<File> {
+        Arc::clone(&self.file)
     }
 
     /// Handles of the two blocks in the footer; the health monitor records its corruption.

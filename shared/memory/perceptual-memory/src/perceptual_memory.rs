@@ -17,7 +17,7 @@ use crate::model::{Effect, MutationReceipt, RetentionLimits};
 use crate::mutation::{Mutation, StoreChange};
 use crate::read_only::ReadOnly;
 use crate::record_batch::RecordBatch;
-use crate::record_reader::read_entry;
+use crate::record_reader::{read_entries, read_entry};
 use crate::size_record::SizeRecord;
 use crate::store_index::StoreIndex;
 use crate::undo;
@@ -28,6 +28,8 @@ pub const MAX_LEASE: u64 = 1 << 20;
 
 /// Number of recent history entries that an undo without a sequence number searches.
 const UNDO_LOOKS_BACK: u64 = 4096;
+/// Number of history entries that it reads at once.
+const UNDO_READS: u64 = 64;
 
 /// Perceptual memory of one robot, open in one process.
 ///
@@ -253,20 +255,41 @@ impl PerceptualMemory {
 
     /// Sequence number of the last teaching entry of this author that the requester can undo.
     fn last_teaching(&mut self, request: &Mutation) -> Result<u64, Error> {
-        let first = self.meta.sequence.saturating_sub(UNDO_LOOKS_BACK);
-        for sequence in (first + 1..=self.meta.sequence).rev() {
-            if self.index.is_lost(sequence) {
-                continue;
+        let mut last = self.meta.sequence;
+        let first = last.saturating_sub(UNDO_LOOKS_BACK);
+        while last > first {
+            let before = last.saturating_sub(UNDO_READS).max(first);
+            for entry in self.entries(before + 1, last)?.into_iter().rev() {
+                let is_own = *entry.author == request.author
+                    && request.requester.may_undo(&entry)
+                    && undo::is_teaching(&entry.operation);
+                if is_own && undo::decide(&self.index, &entry).is_ok() {
+                    return Ok(entry.sequence);
+                }
             }
-            let entry = self.entry(sequence)?;
-            let is_own = *entry.author == request.author
-                && request.requester.may_undo(&entry)
-                && undo::is_teaching(&entry.operation);
-            if is_own && undo::decide(&self.index, &entry).is_ok() {
-                return Ok(sequence);
-            }
+            last = before;
         }
         Err(StoreRefusal::NothingToUndo.into())
+    }
+
+    /// History entries from sequence number `first` to `last`, without those that are lost.
+    fn entries(&mut self, first: u64, last: u64) -> Result<Vec<HistoryEntry>, Error> {
+        let known = (first..=last).filter(|sequence| !self.index.is_lost(*sequence));
+        let (archived, known): (Vec<u64>, Vec<u64>) =
+            known.partition(|sequence| *sequence <= self.archive.record.sequence);
+        let is_staged = |sequence: &u64| self.staged.entries.contains_key(sequence);
+        let (staged, stored): (Vec<u64>, Vec<u64>) = known.into_iter().partition(is_staged);
+        let mut entries = Vec::new();
+        for sequence in archived {
+            entries.extend(self.archive.entry(sequence)?);
+        }
+        entries.extend(self.read(|reader| read_entries(reader, &stored))?);
+        entries.extend(
+            staged
+                .iter()
+                .map(|sequence| self.staged.entries[sequence].clone()),
+        );
+        Ok(entries)
     }
 
     /// History entry by sequence number: staged, in the database, or archived.

@@ -16,7 +16,7 @@ use crate::keys;
 use crate::meta::StoreId;
 use crate::model::Effect;
 use crate::perceptual_memory::PerceptualMemory;
-use crate::record_reader::{read_content, read_entry, read_view};
+use crate::record_reader::{read_content, read_entries, read_entry, read_view};
 use crate::store_index::{CategorySummary, StoreIndex};
 use crate::view::{StoredDescriptor, StoredView};
 use crate::view_record;
@@ -202,12 +202,8 @@ impl PerceptualMemory {
         for sequence in sequences {
             entries.extend(self.archive.entry(sequence)?);
         }
-        self.read(|reader| {
-            for sequence in recent {
-                entries.push(read_entry(reader, sequence)?);
-            }
-            Ok(entries)
-        })
+        entries.extend(self.read(|reader| read_entries(reader, &recent))?);
+        Ok(entries)
     }
 
     /// All documents, without their content.

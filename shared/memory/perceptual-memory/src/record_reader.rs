@@ -1,5 +1,7 @@
 //! Readers of single records that must exist: history entries, content, views.
 
+use std::ops::ControlFlow;
+
 use durable_leveldb::{Reader, record::unseal};
 use learning::ViewId;
 use serde::de::DeserializeOwned;
@@ -34,6 +36,40 @@ pub(crate) fn read_entry(reader: &Reader, sequence: u64) -> Result<HistoryEntry,
         .ok_or("it is missing")
         .and_then(|record| HistoryEntry::unseal(sequence, &record));
     Ok(entry.map_err(|wrong| keys::record_error(&key, wrong))?.0)
+}
+
+/// Reads history entries that must exist, with one scan. The sequence numbers ascend.
+pub(crate) fn read_entries(reader: &Reader, sequences: &[u64]) -> Result<Vec<HistoryEntry>, Error> {
+    let Some(&first) = sequences.first() else {
+        return Ok(Vec::new());
+    };
+    let mut wanted = sequences.iter().copied().peekable();
+    let mut entries = Vec::with_capacity(sequences.len());
+    reader.scan(&keys::history_key(first), |key, record| {
+        let Some(sequence) = wanted.peek().copied() else {
+            return ControlFlow::Break(());
+        };
+        let wanted_key = keys::history_key(sequence);
+        if key > &wanted_key[..] {
+            return ControlFlow::Break(());
+        }
+        if key == wanted_key {
+            wanted.next();
+            let entry = HistoryEntry::unseal(sequence, record);
+            entries.push(entry.map_err(|wrong| keys::record_error(key, wrong)));
+        }
+        ControlFlow::Continue(())
+    })?;
+    if let Some(missing) = wanted.next()
+        && entries.iter().all(Result::is_ok)
+    {
+        return Err(keys::record_error(
+            &keys::history_key(missing),
+            "it is missing",
+        ));
+    }
+    let entries = entries.into_iter();
+    entries.map(|entry| Ok(entry?.0)).collect()
 }
 
 /// Reads all parts of a view that must exist.
