@@ -28,7 +28,8 @@ const CONFIGURATION: &str = "[run]\nmemory_watchdog_s = 4.0\nrestart_delay_max_s
 const N_TAUGHT: usize = 2;
 /// Good scenes that end a fault.
 const N_GOOD: u64 = 15;
-/// Duration of the long test: an hour, or what `TABULA_CHAOS_S` says, seconds.
+/// Duration of the long test: an hour, or what `TABULA_CHAOS_S` says, seconds. With
+/// `TABULA_CHAOS_ONLY` only faults with that text in their names are drawn.
 const LONG: Duration = Duration::from_secs(3600);
 
 /// Recovery from one fault.
@@ -58,19 +59,40 @@ impl<'a> Chaos<'a> {
             daemon.ask(&["teach", &track, &format!("thing {track}")]);
         }
         let scenes = SceneWatch::start(sandbox, N_TAUGHT);
-        scenes.wait_for_good(N_GOOD, WATCHDOG);
-        Self {
+        let chaos = Self {
             daemon,
             scenes,
             writer: DocumentWriter::start(sandbox),
-        }
+        };
+        chaos.wait_for_good();
+        chaos
+    }
+
+    fn wait_for_good(&self) {
+        let good = self.scenes.wait_for_good(N_GOOD, WATCHDOG);
+        good.unwrap_or_else(|| panic!("no good scene comes\n{}", self.end_of_log()));
+    }
+
+    /// Last lines of the daemon's log.
+    fn end_of_log(&self) -> String {
+        const N_LINES: usize = 80;
+        let log = self.daemon.log();
+        let lines: Vec<&str> = log.lines().collect();
+        lines[lines.len().saturating_sub(N_LINES)..].join("\n")
     }
 
     fn inject(&self, fault: Fault) -> Recovery {
         self.scenes.begin();
         let found_after = fault.inject(&self.daemon);
         let until_acknowledged = self.writer.time_to_acknowledgement(WATCHDOG);
-        self.scenes.wait_for_good(N_GOOD, WATCHDOG);
+        let until_acknowledged = until_acknowledged.unwrap_or_else(|| {
+            panic!(
+                "after {} the memory does not answer\n{}",
+                fault.name(),
+                self.end_of_log()
+            )
+        });
+        self.wait_for_good();
         let without_scene = self.scenes.longest_pause();
         eventually("all processes work", || {
             let status = self.daemon.sandbox.tabula(&["status", "--json"]);
@@ -181,6 +203,9 @@ fn chaos_of_an_hour() {
     let seed = std::env::var("TABULA_CHAOS_SEED").map_or(1, |seed| seed.parse().unwrap());
     let (sandbox, mut faults) = sandbox();
     faults.extend(Fault::STARVATION);
+    if let Ok(only) = std::env::var("TABULA_CHAOS_ONLY") {
+        faults.retain(|fault| fault.name().contains(&only));
+    }
     let chaos = Chaos::start(&sandbox);
     let before = Holdings::of(&chaos.daemon);
     let (mut random, begin) = (Random::from_seed(seed), Instant::now());
