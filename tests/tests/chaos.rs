@@ -121,12 +121,21 @@ impl<'a> Chaos<'a> {
 /// Sandbox, and the faults that can be injected into it.
 fn sandbox() -> (Sandbox, Vec<Fault>) {
     let mut faults = Fault::FOR_ALL.to_vec();
-    let mut sandbox = if has_own_shared_memory() {
+    let sandbox = fake_clock::sandbox().map_or_else(
+        || {
+            eprintln!("SKIPPED: jumps of the clock, which need libfaketime");
+            Sandbox::new()
+        },
+        |sandbox| {
+            faults.push(Fault::ClockJumps);
+            sandbox
+        },
+    );
+    let sandbox = if has_own_shared_memory() {
         faults.extend(Fault::FOR_ROOT);
-        Sandbox::on_own_disk(CONFIGURATION)
+        sandbox.with_own_disk(CONFIGURATION)
     } else {
         eprintln!("SKIPPED: faults of disk and shared memory, which need root");
-        let sandbox = Sandbox::new();
         sandbox.configure(CONFIGURATION);
         sandbox
     };
@@ -134,11 +143,6 @@ fn sandbox() -> (Sandbox, Vec<Fault>) {
         faults.extend(Fault::BY_STRACE);
     } else {
         eprintln!("SKIPPED: errors of the medium, which need strace and may not trace");
-    }
-    if fake_clock::prepare(&mut sandbox) {
-        faults.push(Fault::ClockJumps);
-    } else {
-        eprintln!("SKIPPED: jumps of the clock, which need libfaketime");
     }
     (sandbox, faults)
 }

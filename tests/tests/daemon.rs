@@ -87,8 +87,6 @@ pub(crate) struct Sandbox {
     own_programs_guard: Option<TempDir>,
     /// Shell commands that mount what the daemon sees differently.
     mounts: Option<String>,
-    /// Further variables in the environment of all programs.
-    environment: Vec<(String, String)>,
 }
 
 impl Sandbox {
@@ -103,7 +101,6 @@ impl Sandbox {
             programs: PROGRAMS.clone(),
             own_programs_guard: None,
             mounts: None,
-            environment: Vec::new(),
         }
     }
 
@@ -165,18 +162,22 @@ impl Sandbox {
 
     /// Sandbox whose daemons have their data folder on a small disk of its own. Needs root.
     pub(crate) fn on_own_disk(configuration: &str) -> Self {
-        let mut sandbox = Self::new();
-        sandbox.configure(configuration);
-        let home = sandbox.home().display().to_string();
-        let file = sandbox.home().join("tabula.toml");
-        let kept = sandbox.runtime_dir.path().join("tabula.toml");
+        Self::new().with_own_disk(configuration)
+    }
+
+    /// This sandbox with a small disk for the home folder, and its configuration file.
+    pub(crate) fn with_own_disk(mut self, configuration: &str) -> Self {
+        self.configure(configuration);
+        let home = self.home().display().to_string();
+        let file = self.home().join("tabula.toml");
+        let kept = self.runtime_dir.path().join("tabula.toml");
         std::fs::copy(&file, &kept).unwrap();
-        sandbox.mounts = Some(format!(
+        self.mounts = Some(format!(
             "mount -t tmpfs -o size=96m none {home} && cp {} {}",
             kept.display(),
             file.display()
         ));
-        sandbox
+        self
     }
 
     /// Another domain in the same run folder; its name has this one's as a prefix.
@@ -188,13 +189,7 @@ impl Sandbox {
             programs: self.programs.clone(),
             own_programs_guard: None,
             mounts: None,
-            environment: self.environment.clone(),
         }
-    }
-
-    /// Sets a variable in the environment of all programs that are started from now on.
-    pub(crate) fn set_variable(&mut self, name: &str, value: &str) {
-        self.environment.push((name.to_owned(), value.to_owned()));
     }
 
     /// Permits other accounts to enter the run folder, as `/run` does.
@@ -225,7 +220,6 @@ impl Sandbox {
             .env("TABULA_DOMAIN", self.domain.to_string())
             .env("TABULA_HOME", self.home.path())
             .env_remove("RUST_LOG")
-            .envs(self.environment.iter().cloned())
             .stdin(Stdio::null());
         command
     }
