@@ -298,6 +298,8 @@ fn check_cuts_while_teaching(step: usize) {
         memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
         acknowledged_at.push(journal.lock().unwrap().len());
     }
+    // The engine thread may be behind.
+    memory.engine.settle().unwrap();
     let journal = journal.lock().unwrap();
     let is_table = |path: &Path| path.extension().is_some_and(|e| e == "ldb");
     let n_tables = journal
