@@ -69,6 +69,13 @@ pub(crate) struct EngineState {
     has_ended: bool,
 }
 
+impl EngineState {
+    /// `true` until all compactions that were asked for are done.
+    fn has_compactions(&self) -> bool {
+        self.is_compacting || !self.compactions.is_empty()
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stop {
     /// After all frozen memtables are in tables.
@@ -126,7 +133,10 @@ impl Engine {
         let arguments = (folder.to_owned(), Arc::clone(health), Arc::clone(shared));
         let run = move || {
             let (folder, health, shared) = arguments;
-            let _end = EndSignal(&shared);
+            let _end = EndSignal {
+                shared: &shared,
+                health: &Arc::clone(&health),
+            };
             // The receiver of both answers waits below.
             match EngineLoop::open(folder, write_buffer_bytes, health, &shared) {
                 Ok(engine) => {
@@ -173,14 +183,13 @@ impl Engine {
     /// `true` until all compactions that were asked for are done.
     pub(crate) fn is_compacting(&self) -> bool {
         let state = self.shared.lock();
-        !state.has_ended && (state.is_compacting || !state.compactions.is_empty())
+        !state.has_ended && state.has_compactions()
     }
 
     /// Waits until everything that was asked for is done.
     pub(crate) fn settle(&self) {
-        self.shared.wait_while(|state| {
-            state.is_compacting || !state.compactions.is_empty() || !state.frozen.is_empty()
-        });
+        self.shared
+            .wait_while(|state| state.has_compactions() || !state.frozen.is_empty());
     }
 
     /// Ends the thread when all frozen memtables are in tables.
@@ -205,11 +214,18 @@ impl Drop for Engine {
 }
 
 /// Signal of the end of the thread, also by a panic.
-struct EndSignal<'a>(&'a SharedState);
+struct EndSignal<'a> {
+    shared: &'a SharedState,
+    health: &'a EnvHealth,
+}
 
 impl Drop for EndSignal<'_> {
     fn drop(&mut self) {
-        self.0.change(|state| state.has_ended = true);
+        if std::thread::panicking() {
+            self.health
+                .note_damage("the engine thread panicked".to_owned());
+        }
+        self.shared.change(|state| state.has_ended = true);
     }
 }
 

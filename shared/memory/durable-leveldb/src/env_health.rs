@@ -27,11 +27,19 @@ struct HealthState {
     failure: Option<StorageFailure>,
     damages: Vec<String>,
     n_damages: u64,
-    /// `true` while the database is only examined.
-    is_examining: bool,
-    /// `true` for a snapshot, whose files are gone when the database has been opened again.
-    is_snapshot: bool,
+    access: Access,
     observer: Option<Observer>,
+}
+
+/// Access to the files of a database.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Access {
+    #[default]
+    Writing,
+    /// Reading of a database that was not accepted yet: corruption does not stop it.
+    Examination,
+    /// Examination of a snapshot, whose files are gone when the database has been opened again.
+    Snapshot,
 }
 
 /// Hook that is called before every file operation and can make it fail: for crash tests that
@@ -60,20 +68,17 @@ pub enum FileOperation<'a> {
 impl EnvHealth {
     /// Monitor of a database that is only read until [`Self::end_examination`].
     pub(crate) fn examining() -> Self {
-        let state = HealthState {
-            is_examining: true,
-            ..HealthState::default()
-        };
-        Self {
-            state: Mutex::new(state),
-        }
+        Self::of(Access::Examination)
     }
 
     /// Monitor of a snapshot, which is only read.
     pub(crate) fn of_snapshot() -> Self {
+        Self::of(Access::Snapshot)
+    }
+
+    fn of(access: Access) -> Self {
         let state = HealthState {
-            is_examining: true,
-            is_snapshot: true,
+            access,
             ..HealthState::default()
         };
         Self {
@@ -106,7 +111,7 @@ impl EnvHealth {
                 "an earlier write failed",
             ));
         }
-        if state.is_examining {
+        if state.access != Access::Writing {
             return Err(io::Error::new(
                 io::ErrorKind::ReadOnlyFilesystem,
                 "the database is open for reading only",
@@ -125,7 +130,8 @@ impl EnvHealth {
         const EIO: i32 = 5;
         const EBADMSG: i32 = 74;
         const EUCLEAN: i32 = 117;
-        let is_gone = error.kind() == io::ErrorKind::NotFound && self.state.lock().is_snapshot;
+        let is_gone =
+            error.kind() == io::ErrorKind::NotFound && self.state.lock().access == Access::Snapshot;
         let is_lost = matches!(
             error.kind(),
             io::ErrorKind::NotFound
@@ -173,12 +179,12 @@ impl EnvHealth {
 
     /// `true` during the examination: corruption does not stop reading, and nothing is changed.
     pub(crate) fn is_examining(&self) -> bool {
-        self.state.lock().is_examining
+        self.state.lock().access != Access::Writing
     }
 
     /// Ends the examination.
     pub(crate) fn end_examination(&self) {
-        self.state.lock().is_examining = false;
+        self.state.lock().access = Access::Writing;
     }
 
     /// First failed file operation.

@@ -140,8 +140,8 @@ impl StoreFolder {
         self.path.join("database.rebuilt")
     }
 
-    /// Removes incomplete copies of an earlier process, and those of earlier versions, and finishes an interrupted
-    /// replacement.
+    /// Removes incomplete copies of an earlier process, and copies that earlier versions made for
+    /// long reads; finishes an interrupted replacement.
     ///
     /// # Errors
     ///

@@ -47,13 +47,12 @@ impl Table {
     fn new(folder: &Path, metadata: TableMetadata, health: &EnvHealth) -> Self {
         let named = |extension| folder.join(format!("{:06}.{extension}", metadata.number));
         let mut path = named("ldb");
-        let mut size = fs::metadata(&path).map(|file| file.len());
-        if let Ok(n_bytes) = fs::metadata(named("sst")).map(|file| file.len())
-            && size.is_err()
-        {
-            (path, size) = (named("sst"), Ok(n_bytes));
+        let mut size = fs::metadata(&path);
+        if size.is_err() && named("sst").exists() {
+            path = named("sst");
+            size = fs::metadata(&path);
         }
-        match size {
+        match size.map(|file| file.len()) {
             Ok(n_bytes) if n_bytes == metadata.n_bytes => {}
             Ok(n_bytes) => health.note_damage(format!(
                 "{}: it has {n_bytes} bytes, not {}",

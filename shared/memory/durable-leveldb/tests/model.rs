@@ -54,6 +54,15 @@ fn change(database: &mut Database, model: &mut Model, random: &mut Random) {
     database.write(batch, random.below(2) == 0).unwrap();
 }
 
+/// New database after some changes, and what it holds.
+fn changed(folder: &Path, random: &mut Random) -> (Database, Model) {
+    let (mut database, mut model) = (open(folder), Model::new());
+    for _ in 0..300 {
+        change(&mut database, &mut model, random);
+    }
+    (database, model)
+}
+
 fn all(reader: &Reader, from: &[u8]) -> Model {
     let mut found = Model::new();
     let visited = reader.scan(from, |key, value| {
@@ -177,10 +186,7 @@ fn n_tables(folder: &Path) -> usize {
 fn replaced_tables_are_deleted_when_their_last_reader_has_ended() {
     let folder = folder();
     let mut random = Random::from_seed(7);
-    let (mut database, mut model) = (open(folder.path()), Model::new());
-    for _ in 0..300 {
-        change(&mut database, &mut model, &mut random);
-    }
+    let (mut database, mut model) = changed(folder.path(), &mut random);
     database.settle().unwrap();
     let snapshot = database.snapshot().unwrap();
     let then = model.clone();
@@ -204,10 +210,7 @@ fn replaced_tables_are_deleted_when_their_last_reader_has_ended() {
 fn examined_database_is_not_changed() {
     let folder = folder();
     let mut random = Random::from_seed(8);
-    let (mut database, mut model) = (open(folder.path()), Model::new());
-    for _ in 0..300 {
-        change(&mut database, &mut model, &mut random);
-    }
+    let (database, model) = changed(folder.path(), &mut random);
     drop(database);
     let files = || {
         let entries = std::fs::read_dir(folder.path()).unwrap().flatten();

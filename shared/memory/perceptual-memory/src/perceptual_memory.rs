@@ -259,7 +259,9 @@ impl PerceptualMemory {
         let first = last.saturating_sub(UNDO_LOOKS_BACK);
         while last > first {
             let before = last.saturating_sub(UNDO_READS).max(first);
-            for entry in self.entries(before + 1, last)?.into_iter().rev() {
+            let known = (before + 1..=last).filter(|sequence| !self.index.is_lost(*sequence));
+            let known = known.collect();
+            for entry in self.entries(known)?.into_iter().rev() {
                 let is_own = *entry.author == request.author
                     && request.requester.may_undo(&entry)
                     && undo::is_teaching(&entry.operation);
@@ -272,23 +274,20 @@ impl PerceptualMemory {
         Err(StoreRefusal::NothingToUndo.into())
     }
 
-    /// History entries from sequence number `first` to `last`, without those that are lost.
-    fn entries(&mut self, first: u64, last: u64) -> Result<Vec<HistoryEntry>, Error> {
-        let known = (first..=last).filter(|sequence| !self.index.is_lost(*sequence));
-        let (archived, known): (Vec<u64>, Vec<u64>) =
-            known.partition(|sequence| *sequence <= self.archive.record.sequence);
-        let is_staged = |sequence: &u64| self.staged.entries.contains_key(sequence);
-        let (staged, stored): (Vec<u64>, Vec<u64>) = known.into_iter().partition(is_staged);
+    /// History entries by ascending sequence numbers, none of them lost: archived, in the database,
+    /// or staged. Those that were dropped with the archive are left out.
+    pub(crate) fn entries(&mut self, mut sequences: Vec<u64>) -> Result<Vec<HistoryEntry>, Error> {
+        let archived = self.archive.record.sequence;
+        let mut stored = sequences.split_off(sequences.partition_point(|s| *s <= archived));
+        let is_stored = |sequence: &u64| !self.staged.entries.contains_key(sequence);
+        let staged = stored.split_off(stored.partition_point(is_stored));
         let mut entries = Vec::new();
-        for sequence in archived {
+        for sequence in sequences {
             entries.extend(self.archive.entry(sequence)?);
         }
         entries.extend(self.read(|reader| read_entries(reader, &stored))?);
-        entries.extend(
-            staged
-                .iter()
-                .map(|sequence| self.staged.entries[sequence].clone()),
-        );
+        let staged = staged.iter().map(|s| self.staged.entries[s].clone());
+        entries.extend(staged);
         Ok(entries)
     }
 

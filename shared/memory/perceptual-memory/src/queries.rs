@@ -16,7 +16,7 @@ use crate::keys;
 use crate::meta::StoreId;
 use crate::model::Effect;
 use crate::perceptual_memory::PerceptualMemory;
-use crate::record_reader::{read_content, read_entries, read_entry, read_view};
+use crate::record_reader::{read_content, read_entry, read_view};
 use crate::store_index::{CategorySummary, StoreIndex};
 use crate::view::{StoredDescriptor, StoredView};
 use crate::view_record;
@@ -192,18 +192,10 @@ impl PerceptualMemory {
     /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`].
     pub fn history(&mut self, from: u64, max: usize) -> Result<Vec<HistoryEntry>, Error> {
         let first = from.max(self.archive.record.dropped + 1);
-        let mut sequences: Vec<u64> = (first..=self.sequence())
+        let sequences = (first..=self.sequence())
             .filter(|sequence| !self.index.is_lost(*sequence))
-            .take(max)
-            .collect();
-        let n_archived = sequences.partition_point(|s| *s <= self.archive.record.sequence);
-        let recent = sequences.split_off(n_archived);
-        let mut entries = Vec::new();
-        for sequence in sequences {
-            entries.extend(self.archive.entry(sequence)?);
-        }
-        entries.extend(self.read(|reader| read_entries(reader, &recent))?);
-        Ok(entries)
+            .take(max);
+        self.entries(sequences.collect())
     }
 
     /// All documents, without their content.

@@ -45,6 +45,7 @@ pub(crate) fn read_entries(reader: &Reader, sequences: &[u64]) -> Result<Vec<His
     };
     let mut wanted = sequences.iter().copied().peekable();
     let mut entries = Vec::with_capacity(sequences.len());
+    let mut damage = None;
     reader.scan(&keys::history_key(first), |key, record| {
         let Some(sequence) = wanted.peek().copied() else {
             return ControlFlow::Break(());
@@ -55,21 +56,19 @@ pub(crate) fn read_entries(reader: &Reader, sequences: &[u64]) -> Result<Vec<His
         }
         if key == wanted_key {
             wanted.next();
-            let entry = HistoryEntry::unseal(sequence, record);
-            entries.push(entry.map_err(|wrong| keys::record_error(key, wrong)));
+            match HistoryEntry::unseal(sequence, record) {
+                Ok((entry, _)) => entries.push(entry),
+                Err(wrong) => {
+                    damage = Some(keys::record_error(key, wrong));
+                    return ControlFlow::Break(());
+                }
+            }
         }
         ControlFlow::Continue(())
     })?;
-    if let Some(missing) = wanted.next()
-        && entries.iter().all(Result::is_ok)
-    {
-        return Err(keys::record_error(
-            &keys::history_key(missing),
-            "it is missing",
-        ));
-    }
-    let entries = entries.into_iter();
-    entries.map(|entry| Ok(entry?.0)).collect()
+    let missing = wanted.next().map(keys::history_key);
+    let missing = missing.map(|key| keys::record_error(&key, "it is missing"));
+    damage.or(missing).map_or(Ok(entries), Err)
 }
 
 /// Reads all parts of a view that must exist.
