@@ -8,7 +8,7 @@ use message::ProcessKind;
 use rustix::process::Signal;
 use std::io::Write;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
 /// Time for which a fault lasts that has an end of its own.
@@ -18,6 +18,8 @@ const STARVED: (Duration, Duration) = (Duration::from_millis(450), Duration::fro
 /// Time for which a process is starved, longer than the watchdog's.
 const STARVED_FOR: Duration = Duration::from_secs(8);
 const N_HOSTILE: usize = 100;
+/// Time after which a tracer that was asked to end is killed.
+const TRACER_ENDS_IN: Duration = Duration::from_secs(1);
 
 /// Fault of a daemon with a camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,10 +198,21 @@ fn fail_system_calls(daemon: &Daemon<'_>, calls: &str, work: impl FnOnce()) {
         status.is_ok_and(|status| status.contains(&tracer))
     });
     work();
-    let _ = send_signal(strace.id(), Signal::INT);
-    strace.wait().unwrap();
+    end_tracer(&mut strace);
     let traced = std::fs::read_to_string(traced.path()).unwrap();
     assert!(traced.contains("(INJECTED)"), "no call of {calls} failed");
+}
+
+/// Ends strace, which never returns when the process that it lets go is being killed just then.
+fn end_tracer(strace: &mut Child) {
+    let _ = send_signal(strace.id(), Signal::INT);
+    let begin = Instant::now();
+    while strace.try_wait().unwrap().is_none() {
+        if begin.elapsed() > TRACER_ENDS_IN {
+            strace.kill().unwrap();
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// Stops a process until the watchdog has ended it; the time that this took.

@@ -216,6 +216,12 @@ impl EnvHealth {
         Ok(())
     }
 
+    /// `true` when [`Self::check`] fails: what else is read is of no use.
+    pub(crate) fn is_failed(&self) -> bool {
+        let state = self.state.lock();
+        state.failure.is_some() || (state.n_damages > 0 && state.access == Access::Writing)
+    }
+
     /// Calls the observer, which may make the operation fail.
     pub(crate) fn observe(&self, change: &FileOperation<'_>) -> io::Result<()> {
         self.state

@@ -136,8 +136,12 @@ impl VerifiedTable {
     }
 
     /// Reads and verifies `bytes`; the health monitor records a failure. After a failure it reads
-    /// again through another descriptor.
+    /// again through another descriptor. Outside of the examination nothing is read after a
+    /// failure: a medium that fails may take half a second for each block.
     fn read(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+        if self.health.is_failed() {
+            return Err(io::Error::other("an earlier read or write failed"));
+        }
         let mut is_first = true;
         let read = retried(|| {
             self.health.observe(&FileOperation::Read(&self.path))?;

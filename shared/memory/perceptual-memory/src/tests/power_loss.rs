@@ -6,7 +6,9 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 use durable_leveldb::{Database, FileOperation, MutationId, Observer, StoreFolder};
@@ -660,4 +662,27 @@ fn read_error_that_passes_is_no_damage() {
     let read = (0..20).try_for_each(|track| memory.views_of_track(track).map(|_| ()));
     let is_damage = matches!(read, Err(Error::Storage(StorageError::Damaged { .. })));
     assert!(is_damage, "an error that stays is damage: {read:?}");
+}
+
+#[test]
+fn scan_on_a_medium_that_fails_reads_one_block_and_no_more() {
+    let folder = folder();
+    let (mut memory, _) = open(folder.path());
+    memory.lease_track_ids(N_TRACKS).unwrap();
+    for n in 0..40 {
+        memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
+    }
+    memory.close().unwrap();
+    let (memory, _) = open(folder.path());
+    let n_reads = Arc::new(AtomicU32::new(0));
+    let counted = Arc::clone(&n_reads);
+    let mut fail = unreadable(1);
+    memory.engine.set_observer(Box::new(move |operation| {
+        counted.fetch_add(1, Ordering::Relaxed);
+        fail(operation)
+    }));
+    let scanned = memory.engine.reader().scan(b"", |_, _| ControlFlow::Continue(()));
+    assert!(matches!(scanned, Err(durable_leveldb::Error::Damaged { .. })), "{scanned:?}");
+    // The block, and three attempts more.
+    assert_eq!(n_reads.load(Ordering::Relaxed), 4);
 }
