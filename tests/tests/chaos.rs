@@ -24,6 +24,8 @@ const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "15"];
 /// With a small write buffer the memory has tables soon.
 const CONFIGURATION: &str = "[run]\nmemory_watchdog_s = 4.0\nrestart_delay_max_s = 0.5\n\
                              [memory]\nwrite_buffer_mb = 1\n";
+/// Size of the daemon's disk, MB: room for two damaged copies beside the store.
+const DISK_MB: u32 = 512;
 /// Objects that are taught.
 const N_TAUGHT: usize = 2;
 /// Good scenes that end a fault.
@@ -133,7 +135,7 @@ fn sandbox() -> (Sandbox, Vec<Fault>) {
     );
     let sandbox = if has_own_shared_memory() {
         faults.extend(Fault::FOR_ROOT);
-        sandbox.with_own_disk(CONFIGURATION)
+        sandbox.with_own_disk(DISK_MB, CONFIGURATION)
     } else {
         eprintln!("SKIPPED: faults of disk and shared memory, which need root");
         sandbox.configure(CONFIGURATION);

@@ -162,18 +162,18 @@ impl Sandbox {
 
     /// Sandbox whose daemons have their data folder on a small disk of its own. Needs root.
     pub(crate) fn on_own_disk(configuration: &str) -> Self {
-        Self::new().with_own_disk(configuration)
+        Self::new().with_own_disk(96, configuration)
     }
 
-    /// This sandbox with a small disk for the home folder, and its configuration file.
-    pub(crate) fn with_own_disk(mut self, configuration: &str) -> Self {
+    /// This sandbox with a disk of `size_mb` for the home folder, and its configuration file.
+    pub(crate) fn with_own_disk(mut self, size_mb: u32, configuration: &str) -> Self {
         self.configure(configuration);
         let home = self.home().display().to_string();
         let file = self.home().join("tabula.toml");
         let kept = self.runtime_dir.path().join("tabula.toml");
         std::fs::copy(&file, &kept).unwrap();
         self.mounts = Some(format!(
-            "mount -t tmpfs -o size=96m none {home} && cp {} {}",
+            "mount -t tmpfs -o size={size_mb}m none {home} && cp {} {}",
             kept.display(),
             file.display()
         ));

@@ -251,7 +251,9 @@ fn put_document(index: &StoreIndex, document: &MemoryDocument) -> Decision {
         after: Some(after),
         decided: None,
     };
-    let mut decision = Decision::new(operation, vec![effect]);
+    let surplus = purge::surplus_versions(index, &document.key);
+    let effects = std::iter::once(effect).chain(surplus).collect();
+    let mut decision = Decision::new(operation, effects);
     let content = document.content.clone();
     decision.contents.documents.insert(digest, content);
     decision

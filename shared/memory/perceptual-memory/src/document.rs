@@ -1,7 +1,7 @@
 //! Versioned documents: object models and task knowledge.
 //!
 //! A document has a key and content. Replacing it keeps the earlier version for undo, until that is
-//! purged.
+//! purged: after a time, or when there are too many later ones.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,6 +13,10 @@ use crate::view::MAX_NAME_BYTES;
 
 /// Maximum size of a document, bytes.
 pub const MAX_DOCUMENT_BYTES: usize = 16 << 20;
+
+/// Maximum number of versions of a document: a further one purges the oldest. Chosen: a program
+/// that stores a document every second must not fill the memory with what it replaces.
+pub const MAX_DOCUMENT_VERSIONS: usize = 100;
 
 /// Document with its content.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -103,7 +103,9 @@ mod tests;
 pub use archiving::{ArchivingStep, HistoryLimits};
 pub use checkpoint::{Checkpoint, CheckpointReader, Verification, verify_folder};
 pub use digest::Digest;
-pub use document::{DocumentContent, DocumentSummary, MAX_DOCUMENT_BYTES, MemoryDocument};
+pub use document::{
+    DocumentContent, DocumentSummary, MAX_DOCUMENT_BYTES, MAX_DOCUMENT_VERSIONS, MemoryDocument,
+};
 pub use document_key::{DocumentKey, DocumentKind};
 pub use durable_leveldb::{MutationId, WRITE_BUFFER_BYTES};
 pub use error::{Error, StorageError, StoreRefusal};

@@ -4,6 +4,8 @@
 //! One purge deletes a limited number of items, so that no request waits long for it.
 
 use crate::decision::Decision;
+use crate::document::MAX_DOCUMENT_VERSIONS;
+use crate::document_key::DocumentKey;
 use crate::label_status::LabelStatus;
 use crate::model::{Effect, Operation};
 use crate::store_index::StoreIndex;
@@ -38,6 +40,21 @@ pub(crate) fn decide(index: &StoreIndex, before_ns: u64) -> Decision {
         });
     }
     Decision::new(Operation::Purge, effects)
+}
+
+/// Purges the versions of a document that are too many when one more is stored.
+pub(crate) fn surplus_versions(
+    index: &StoreIndex,
+    document: &DocumentKey,
+) -> impl Iterator<Item = Effect> {
+    let versions = index.versions_of(document);
+    let n_surplus = (versions.len() + 1).saturating_sub(MAX_DOCUMENT_VERSIONS);
+    versions
+        .take(n_surplus)
+        .map(|sequence| Effect::VersionPurged {
+            document: document.clone(),
+            sequence,
+        })
 }
 
 /// Purges the tombstones of views that were forgotten before `before_ns`, and the notes of

@@ -389,6 +389,12 @@ impl StoreIndex {
             .map_or(0, |(_, version)| version.decided.stamp_ns)
     }
 
+    /// Sequence numbers of a document's versions, oldest first.
+    pub(crate) fn versions_of(&self, key: &DocumentKey) -> impl ExactSizeIterator<Item = u64> {
+        let versions = self.documents.get(key).map(|versions| versions.keys());
+        versions.unwrap_or_default().copied()
+    }
+
     /// All documents that are present.
     pub(crate) fn documents(&self) -> impl Iterator<Item = DocumentSummary> {
         self.documents.iter().filter_map(|(key, versions)| {

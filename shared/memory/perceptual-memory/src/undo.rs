@@ -70,6 +70,9 @@ pub(crate) fn decide(index: &StoreIndex, entry: &HistoryEntry) -> Result<Decisio
             }
             // A tombstone only blocks imports.
             Effect::Tombstone { .. } => {}
+            // An old version that a new one displaced stays away.
+            Effect::VersionPurged { .. }
+                if matches!(entry.operation, Operation::PutDocument { .. }) => {}
             Effect::Purged { .. } | Effect::VersionPurged { .. } => {
                 return Err(StoreRefusal::GoneForGood { sequence });
             }

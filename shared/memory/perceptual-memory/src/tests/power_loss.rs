@@ -681,8 +681,14 @@ fn scan_on_a_medium_that_fails_reads_one_block_and_no_more() {
         counted.fetch_add(1, Ordering::Relaxed);
         fail(operation)
     }));
-    let scanned = memory.engine.reader().scan(b"", |_, _| ControlFlow::Continue(()));
-    assert!(matches!(scanned, Err(durable_leveldb::Error::Damaged { .. })), "{scanned:?}");
+    let scanned = memory
+        .engine
+        .reader()
+        .scan(b"", |_, _| ControlFlow::Continue(()));
+    assert!(
+        matches!(scanned, Err(durable_leveldb::Error::Damaged { .. })),
+        "{scanned:?}"
+    );
     // The block, and three attempts more.
     assert_eq!(n_reads.load(Ordering::Relaxed), 4);
 }

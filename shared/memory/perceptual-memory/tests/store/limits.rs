@@ -1,8 +1,8 @@
 //! Retention-limit tests: the most redundant views are pruned first.
 
 use perceptual_memory::{
-    CapturedView, Operation, PerceptualMemory, RetentionLimits, StoreChange, StoreConfig,
-    StoreThread,
+    CapturedView, Condition, DocumentKey, DocumentKind, MAX_DOCUMENT_VERSIONS, MemoryDocument,
+    Operation, PerceptualMemory, RetentionLimits, StoreChange, StoreConfig, StoreThread,
 };
 
 use crate::builders::{apply, counts, fast_folder, mutation, open, store, teach, view};
@@ -149,4 +149,45 @@ fn deduplication_stores_equal_content_once() {
         .unwrap();
     assert!(n_bytes < 2 * cloud.len(), "{n_bytes}");
     assert_eq!(memory.views_of_track(50).unwrap()[0].view, with_cloud(50));
+}
+
+#[test]
+fn newest_versions_of_a_document_are_kept() {
+    let folder = fast_folder();
+    let (mut memory, _) = open(&folder);
+    let key = DocumentKey {
+        kind: DocumentKind::TaskKnowledge,
+        name: "shelf".into(),
+    };
+    let n_puts = 2 * MAX_DOCUMENT_VERSIONS as u128;
+    let put = |n: u128| {
+        let document = MemoryDocument {
+            key: key.clone(),
+            media_type: "text/plain".to_owned(),
+            content: n.to_string().into_bytes(),
+        };
+        mutation(n, StoreChange::PutDocument(document))
+    };
+    let verified = |memory: &mut PerceptualMemory| {
+        let reader = memory.checkpoint().unwrap().open().unwrap();
+        reader.verify(|_| ()).unwrap()
+    };
+    for n in 1..=n_puts {
+        apply(&mut memory, &[put(n)]);
+        assert!(verified(&mut memory).n_documents <= MAX_DOCUMENT_VERSIONS as u64);
+    }
+    assert_eq!(
+        verified(&mut memory).n_documents,
+        MAX_DOCUMENT_VERSIONS as u64
+    );
+    // The last one can be undone, and the store is the same when it is opened again.
+    let undo = StoreChange::Undo { sequence: None };
+    apply(&mut memory, &[mutation(n_puts + 1, undo)]);
+    let content = |memory: &mut PerceptualMemory| memory.document(&key).unwrap().content;
+    assert_eq!(content(&mut memory), (n_puts - 1).to_string().into_bytes());
+    memory.close().unwrap();
+    let (mut memory, report) = open(&folder);
+    assert_eq!(report.condition, Condition::Sound, "{report}");
+    assert_eq!(content(&mut memory), (n_puts - 1).to_string().into_bytes());
+    assert_eq!(verified(&mut memory).n_findings, 0);
 }
