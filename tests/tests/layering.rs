@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 15] = [
+const OWNERS: [(&str, &[&str]); 17] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["durable-leveldb"]),
@@ -23,6 +23,8 @@ const OWNERS: [(&str, &[&str]); 15] = [
     ("hdrhistogram", &["latency-report"]),
     ("libc", &["channel", "system-noise", "service"]),
     ("sd-notify", &["service"]),
+    ("clap_complete", &["service"]),
+    ("clap_mangen", &["service"]),
     ("tracing-subscriber", &["service"]),
     (
         "tokio",

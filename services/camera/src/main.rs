@@ -1,7 +1,6 @@
 //! `tabula-camera`: publisher of one sensor's point clouds.
 
 use camera::{CameraArguments, Config, ReplayRequest};
-use clap::Parser;
 use message::ProcessKind;
 use service::{ConfigFile, CountingAllocator};
 use std::process::ExitCode;
@@ -10,7 +9,7 @@ use std::process::ExitCode;
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 fn main() -> ExitCode {
-    let arguments = CameraArguments::parse();
+    let arguments: CameraArguments = service::parse_arguments();
     let check_only = arguments.process.check_config;
     let check = |file: &ConfigFile| {
         let config = Config::new(&arguments, file)?;

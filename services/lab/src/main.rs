@@ -54,7 +54,7 @@ enum Verb {
 }
 
 fn main() -> ExitCode {
-    let arguments = LabArguments::parse();
+    let arguments: LabArguments = service::parse_arguments();
     let output = Output::new(arguments.json);
     output.exit_code(execute(&arguments, &output))
 }

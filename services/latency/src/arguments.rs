@@ -2,7 +2,7 @@
 
 use crate::sweep_axis::SweepAxis;
 use clap::{Args, Parser, Subcommand};
-use service::{CommonArguments, Failure};
+use service::{CommonArguments, Failure, parse_arguments};
 use std::path::{Path, PathBuf};
 
 /// Default number of measured frames.
@@ -178,7 +178,7 @@ impl LatencyArguments {
     /// # Errors
     /// If options of a measurement precede a subcommand that does not measure.
     pub(crate) fn checked() -> Result<Self, Failure> {
-        let arguments = Self::parse();
+        let arguments: Self = parse_arguments();
         let defaults = MeasureArguments::short(SourceArguments::default(), DEFAULT_FRAMES);
         let defaults = MeasureArguments {
             timeline: DEFAULT_TIMELINE,

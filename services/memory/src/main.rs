@@ -40,7 +40,7 @@ struct MemoryArguments {
 }
 
 fn main() -> ExitCode {
-    let arguments = MemoryArguments::parse();
+    let arguments: MemoryArguments = service::parse_arguments();
     if arguments.offline {
         service::set_private_umask();
         return offline(&arguments.process);

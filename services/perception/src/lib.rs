@@ -55,7 +55,7 @@ struct PerceptionArguments {
 
 /// Entry point: runs the service with the command-line arguments.
 pub fn main() -> ExitCode {
-    let arguments = PerceptionArguments::parse();
+    let arguments: PerceptionArguments = service::parse_arguments();
     service::run(
         ProcessKind::Perception,
         &arguments.process,

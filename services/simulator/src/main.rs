@@ -10,7 +10,6 @@ mod wire_conversion;
 mod world_publishers;
 
 use arguments::SimulatorArguments;
-use clap::Parser;
 use config::Config;
 use message::ProcessKind;
 use service::CountingAllocator;
@@ -20,7 +19,7 @@ use std::process::ExitCode;
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 fn main() -> ExitCode {
-    let arguments = SimulatorArguments::parse();
+    let arguments: SimulatorArguments = service::parse_arguments();
     service::run(
         ProcessKind::Simulator,
         &arguments.process,

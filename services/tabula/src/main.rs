@@ -16,14 +16,13 @@ mod time;
 mod world;
 
 use arguments::{CliArguments, Verb};
-use clap::Parser;
 use command_line::Output;
 use message::control::RevisionChange;
 use service::Failure;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = CliArguments::parse();
+    let arguments: CliArguments = service::parse_arguments();
     let output = Output::new(arguments.json);
     output.exit_code(execute(&arguments, &output))
 }

@@ -44,6 +44,15 @@ impl Failure {
         Self::new(exit_code::FAILURE, sentence)
     }
 
+    /// Failure of a process that has been ready, or not: then wrong usage is no reason not to try
+    /// again, because what was right once may be so again.
+    pub(crate) fn after_readiness(mut self, has_been_ready: bool) -> Self {
+        if has_been_ready && self.code == exit_code::USAGE {
+            self.code = exit_code::FAILURE;
+        }
+        self
+    }
+
     /// Creates a failure with the exit code of wrong usage.
     pub fn usage(sentence: impl fmt::Display) -> Self {
         Self::new(exit_code::USAGE, sentence)
@@ -64,5 +73,19 @@ impl From<channel::Error> for Failure {
 impl From<crate::ConfigError> for Failure {
     fn from(error: crate::ConfigError) -> Self {
         Self::usage(error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_usage_is_final_only_before_the_first_readiness() {
+        let code = |failure: Failure, was_ready| failure.after_readiness(was_ready).code;
+        assert_eq!(code(Failure::usage("x"), false), exit_code::USAGE);
+        assert_eq!(code(Failure::usage("x"), true), exit_code::FAILURE);
+        let taken = Failure::new(exit_code::ALREADY_RUNNING, "x");
+        assert_eq!(code(taken, true), exit_code::ALREADY_RUNNING);
     }
 }

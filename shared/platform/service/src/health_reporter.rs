@@ -1,11 +1,11 @@
-//! Health report, at intervals and at each change of state; watchdog notification; sweep of dead
-//! nodes.
+//! Health report, at intervals and at each change of state, also to the service manager; sweep of
+//! dead nodes.
 
+use crate::service_manager::ServiceManager;
 use crate::{CountingAllocator, HealthCounters, Shutdown, clock::monotonic_ns};
 use channel::topic::ProcessHealth;
 use channel::{Domain, Error, Publisher};
 use message::{Health, PlainHeader, ProcessKind, ProcessState};
-use sd_notify::NotifyState;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -23,8 +23,7 @@ pub(crate) struct HealthReporter {
     process: ProcessKind,
     board: Arc<HealthCounters>,
     started_ns: u64,
-    last_progress: u64,
-    is_ready: bool,
+    service_manager: ServiceManager,
 }
 
 impl HealthReporter {
@@ -39,8 +38,7 @@ impl HealthReporter {
             process,
             board,
             started_ns: monotonic_ns(),
-            last_progress: 0,
-            is_ready: false,
+            service_manager: ServiceManager::new(),
         })
     }
 
@@ -59,27 +57,13 @@ impl HealthReporter {
                 () = board.state_change() => {}
                 () = shutdown.requested() => break,
             }
-            self.notify_service_manager();
+            let board = &self.board;
+            self.service_manager.update(board.state(), board.progress());
             self.report();
         }
         self.board.set_state(ProcessState::Stopping, "");
-        let _ = sd_notify::notify(&[NotifyState::Stopping]);
+        ServiceManager::stopping();
         self.report();
-    }
-
-    /// Notifies systemd once that the process is ready, and feeds its watchdog when
-    /// the main loop has made progress since the last time.
-    fn notify_service_manager(&mut self) {
-        let (state, _) = self.board.state();
-        if !self.is_ready && state != ProcessState::Starting {
-            self.is_ready = true;
-            let _ = sd_notify::notify(&[NotifyState::Ready]);
-        }
-        let progress = self.board.progress();
-        if progress != self.last_progress {
-            self.last_progress = progress;
-            let _ = sd_notify::notify(&[NotifyState::Watchdog]);
-        }
     }
 
     fn report(&mut self) {

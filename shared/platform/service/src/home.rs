@@ -12,6 +12,10 @@ use std::path::{Path, PathBuf};
 const OPEN_TO_OTHERS: u32 = 0o077;
 /// Name of the folder of the perceptual memory.
 const PERCEPTUAL_MEMORY: &str = "perceptual-memory";
+/// Home folder of a daemon that runs as systemd services (`StateDirectory`).
+const SERVICE_HOME: &str = "/var/lib/tabula";
+/// Domain of the systemd services.
+const SERVICE_DOMAIN: &str = "default";
 /// Name of the folder of the working memory.
 const WORKING_MEMORY: &str = "working-memory";
 
@@ -25,8 +29,8 @@ impl Home {
         Self(folder)
     }
 
-    /// Default home folder: the state folder given by systemd, otherwise a folder in
-    /// the user's data folder, one for each domain.
+    /// Default home folder: the state folder given by systemd, that of the services when this is
+    /// their user, otherwise a folder in the user's data folder, one for each domain.
     pub fn default_for(domain: &DomainName) -> Self {
         let folder = |name: &str| {
             std::env::var_os(name)
@@ -35,6 +39,10 @@ impl Home {
         };
         if let Some(state) = folder("STATE_DIRECTORY") {
             return Self(state);
+        }
+        let is_of_services = domain.to_string() == SERVICE_DOMAIN;
+        if is_of_services && belongs_to_this_user(Path::new(SERVICE_HOME)) {
+            return Self(SERVICE_HOME.into());
         }
         let data = folder("XDG_DATA_HOME")
             .or_else(|| folder("HOME").map(|home| home.join(".local/share")))
@@ -101,6 +109,12 @@ impl Home {
         self.private_folder(WORKING_MEMORY)?;
         Ok(())
     }
+}
+
+/// `true` for a folder of this user; root's do not count, who is not the services' user.
+fn belongs_to_this_user(folder: &Path) -> bool {
+    let own = geteuid();
+    !own.is_root() && rustix::fs::lstat(folder).is_ok_and(|stat| stat.st_uid == own.as_raw())
 }
 
 /// Creates all files of this process for its user only, whatever its parent's umask.

@@ -12,6 +12,10 @@ pub fn start_log() {
     if std::env::var_os("JOURNAL_STREAM").is_some()
         && let Ok(journal) = tracing_journald::layer()
     {
+        // `journalctl TABULA_VERSION=0.1.0`; fields of messages become TABULA_..., too.
+        let journal = journal
+            .with_field_prefix(Some("TABULA".to_owned()))
+            .with_custom_fields([("TABULA_VERSION", env!("CARGO_PKG_VERSION"))]);
         let _ = registry.with(journal).try_init();
         return;
     }

@@ -2,10 +2,11 @@
 
 use crate::health_reporter::HealthReporter;
 use crate::home::set_private_umask;
+use crate::service_manager::clear_readiness_marker;
 use crate::shutdown::on_signals;
 use crate::{
     CommonArguments, ConfigFile, Context, Failure, HealthCounters, Home, ProcessArguments,
-    Shutdown, start_log,
+    Shutdown, has_been_ready, start_log,
 };
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
@@ -55,6 +56,7 @@ where
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
+            let failure = failure.after_readiness(has_been_ready());
             tracing::error!("{failure}");
             ExitCode::from(failure.code)
         }
@@ -106,6 +108,9 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
         }))
         .await;
         let outcome = outcome.unwrap_or_else(|lost| std::panic::resume_unwind(lost.into_panic()));
+        if trigger.is_requested() {
+            clear_readiness_marker();
+        }
         trigger.request();
         let _ = reporter.await;
         tracing::info!("{program} stopped");

@@ -31,6 +31,11 @@ impl Shutdown {
 }
 
 impl ShutdownTrigger {
+    /// `true` after shutdown was requested.
+    pub(crate) fn is_requested(&self) -> bool {
+        *self.0.borrow()
+    }
+
     /// Requests shutdown.
     pub fn request(&self) {
         let _ = self.0.send(true);
