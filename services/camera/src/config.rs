@@ -3,7 +3,7 @@
 use crate::arguments::CameraArguments;
 use crate::source::{Playback, SourceSpec};
 use serde::Deserialize;
-use service::{ConfigFile, Failure};
+use service::{ConfigFile, Failure, has_been_ready};
 
 /// Valid frame rates, hertz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
@@ -30,8 +30,8 @@ pub struct Config {
     pub(crate) playback: Playback,
     /// True if a frame is sent only when the one before is finished.
     pub(crate) lockstep: bool,
-    /// True if the source was checked before the start, as `tabula run` does: a failure to
-    /// open it now may pass.
+    /// True if the source was checked before the start, as `tabula run` does, or has been usable
+    /// before a restart by systemd: a failure to open it now may pass.
     pub(crate) is_source_checked: bool,
 }
 
@@ -48,11 +48,11 @@ impl Config {
         let written = written.map(str::parse::<SourceSpec>).transpose();
         let written = written.map_err(|rule| file.wrong(format!("[camera] source: {rule}")))?;
         let config = Self {
-            source: given.source.clone().or(written).ok_or_else(|| {
-                let sentence = "no camera is named; say --source kinect, or start the simulated \
-                                table with `tabula run`";
-                Failure::usage(sentence)
-            })?,
+            source: given
+                .source
+                .clone()
+                .or(written)
+                .unwrap_or(SourceSpec::Kinect),
             playback: Playback {
                 rate_hz: given.rate.or(raw.rate_hz),
                 looped: given.looped || raw.looped,
@@ -60,7 +60,7 @@ impl Config {
                 to: given.to.or(raw.to_frame),
             },
             lockstep: given.lockstep || raw.lockstep,
-            is_source_checked: arguments.process.follow_parent.is_some(),
+            is_source_checked: arguments.process.follow_parent.is_some() || has_been_ready(),
         };
         config.check().map_err(Failure::usage)?;
         Ok(config)
@@ -129,8 +129,8 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_must_be_named() {
-        assert!(config("").unwrap_err().contains("--source kinect"));
+    fn source_is_a_kinect_unless_another_one_is_named() {
+        assert_eq!(config("").unwrap().source, SourceSpec::Kinect);
         let named = config("--source synthetic").unwrap();
         assert_eq!(named.source, SourceSpec::Synthetic(0));
     }

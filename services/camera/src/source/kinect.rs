@@ -8,8 +8,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Time without images after which the sensor counts as gone. Chosen.
-const SILENCE: Duration = Duration::from_secs(3);
+/// Longest wait for an image. Chosen: shorter than the watchdog allows.
+const SILENCE: Duration = Duration::from_secs(1);
+/// Number of such waits in a row after which the sensor counts as gone, and is opened again.
+const MAX_SILENCES: u32 = 3;
 
 /// Kinect that is opened again whenever it has gone.
 pub(super) struct KinectSource {
@@ -19,6 +21,8 @@ pub(super) struct KinectSource {
     builder: CloudBuilder,
     calibration: Calibration,
     n_frames: usize,
+    /// Number of waits in a row without an image.
+    n_silences: u32,
 }
 
 impl KinectSource {
@@ -42,6 +46,7 @@ impl KinectSource {
             builder: CloudBuilder::new(&calibration).map_err(|e| unusable(&e))?,
             calibration,
             n_frames: 0,
+            n_silences: 0,
         })
     }
 
@@ -56,6 +61,18 @@ impl KinectSource {
             | Error::UsbUnavailable { .. } => SourceError::Unavailable(error.to_string()),
             _ => SourceError::Unusable(error.to_string()),
         }
+    }
+
+    /// Counts a wait without an image, and closes the device after several in a row.
+    fn silent(&mut self) -> SourceError {
+        self.n_silences += 1;
+        if self.n_silences >= MAX_SILENCES {
+            self.n_silences = 0;
+            self.kinect = None;
+        }
+        SourceError::Unavailable(
+            "the Kinect sends no images; check its power supply and its USB port".into(),
+        )
     }
 
     fn open(&mut self) -> Result<(), SourceError> {
@@ -85,24 +102,21 @@ impl Source for KinectSource {
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
-        let Self {
-            kinect, builder, ..
-        } = self;
-        let Some(kinect) = kinect else {
+        let Some(kinect) = &mut self.kinect else {
             return Err(SourceError::Unavailable("the Kinect is not open".into()));
         };
         let filled = match kinect.next_frame(SILENCE) {
-            Ok(Some(frame)) => builder
+            Ok(Some(frame)) => self
+                .builder
                 .fill(frame.depth.pixels, frame.video.pixels, points)
                 .map(|_| frame.depth.arrived.elapsed())
                 .map_err(|error| SourceError::Unusable(error.to_string())),
-            Ok(None) => Err(SourceError::Unavailable(
-                "the Kinect sends no images; check its power supply and its USB port".into(),
-            )),
+            Ok(None) => return Err(self.silent()),
             Err(Error::Ended) => return Err(SourceError::EndOfRecording),
             Err(error) => return Err(self.closed(&error)),
         };
         let since_arrival = filled.inspect_err(|_| self.kinect = None)?;
+        self.n_silences = 0;
         let source_frame = self.n_frames;
         self.n_frames += 1;
         Ok(FrameInfo {

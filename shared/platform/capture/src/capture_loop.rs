@@ -276,7 +276,10 @@ impl CaptureLoop {
         let Some(lockstep) = &mut self.lockstep else {
             return Ok(LockstepOutcome::Finished);
         };
-        let finished = lockstep.finished(self.session, self.sequence, &self.context.shutdown);
+        let Context {
+            shutdown, health, ..
+        } = &self.context;
+        let finished = lockstep.finished((self.session, self.sequence), shutdown, health);
         Ok(self.runtime.block_on(finished)?)
     }
 

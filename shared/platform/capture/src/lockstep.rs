@@ -3,7 +3,7 @@
 use channel::topic::FinishedFrames;
 use channel::{Domain, Error, Subscriber};
 use message::{FrameDone, ProcessKind};
-use service::Shutdown;
+use service::{HealthCounters, Shutdown};
 use std::time::Duration;
 
 /// Processes that must finish a frame before the next one is sent.
@@ -11,6 +11,8 @@ const FOLLOWERS: [ProcessKind; 2] = [ProcessKind::Perception, ProcessKind::Memor
 /// Timeout after which the frame is sent again: a restarted follower has never seen
 /// it, one that has finished it reports again. Chosen.
 const SILENCE: Duration = Duration::from_secs(3);
+/// Period in which waiting is recorded as progress.
+const PROGRESS_PERIOD: Duration = Duration::from_millis(500);
 
 /// Receiver of the followers' reports.
 pub(crate) struct Lockstep {
@@ -35,12 +37,12 @@ impl Lockstep {
         })
     }
 
-    /// Waits until all followers have finished the frame.
+    /// Waits until all followers have finished the frame. The wait is progress of this process.
     pub(crate) async fn finished(
         &mut self,
-        session: u64,
-        sequence: u64,
+        (session, sequence): (u64, u64),
         shutdown: &Shutdown,
+        health: &HealthCounters,
     ) -> Result<LockstepOutcome, Error> {
         let mut waiting_for = FOLLOWERS.to_vec();
         let silence = tokio::time::sleep(SILENCE);
@@ -50,6 +52,10 @@ impl Lockstep {
                 report = self.reports.next() => report?,
                 () = &mut silence => return Ok(LockstepOutcome::TimedOut),
                 () = shutdown.requested() => return Ok(LockstepOutcome::Stop),
+                () = tokio::time::sleep(PROGRESS_PERIOD) => {
+                    health.record_progress();
+                    continue;
+                }
             };
             for &done in report.items() {
                 waiting_for.retain(|&follower| !is_by(&done, follower, session, sequence));

@@ -20,7 +20,7 @@ pub use error::RecordingError;
 
 /// Longest accepted pause between two entries. Fakenect sleeps through it uninterruptibly, and
 /// the daemon guarantees to stop within 5 s.
-pub const MAX_PAUSE: Duration = Duration::from_secs(3);
+pub const MAX_PAUSE: Duration = Duration::from_secs(2);
 
 /// Maximum size of the index: an hour of both streams and the accelerometer is 14 MB.
 const MAX_INDEX_BYTES: u64 = 64 << 20;
@@ -174,7 +174,7 @@ fn pause_before(seconds: f64, previous: Option<f64>) -> Result<Duration, &'stati
     Duration::try_from_secs_f64(step)
         .ok()
         .filter(|pause| *pause <= MAX_PAUSE)
-        .ok_or("the pause before this entry is longer than 3 s, which fakenect would sleep through")
+        .ok_or("the pause before this entry is longer than 2 s, which fakenect would sleep through")
 }
 
 /// Validates that a file contains the bytes fakenect will copy from it.

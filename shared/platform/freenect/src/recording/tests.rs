@@ -90,7 +90,7 @@ fn blocking_entries_are_refused() {
             fs::copy(folder.join("a-10.0-7.dump"), folder.join("a-99.0-7.dump")).unwrap();
             fs::write(folder.join("INDEX.txt"), "a-10.0-7.dump\na-99.0-7.dump\n").unwrap();
         },
-        "longer than 3 s",
+        "longer than 2 s",
     );
     check_refused(
         |folder| {
