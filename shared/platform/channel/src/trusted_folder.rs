@@ -9,8 +9,8 @@
 use crate::Error;
 use crate::group::socket_group;
 use rustix::fs::{
-    AtFlags, CWD, FileType, Mode, OFlags, Stat, chownat, fchmod, fchown, fstat, mkdirat, openat,
-    renameat, statat, unlinkat,
+    AtFlags, CWD, FileType, Gid, Mode, OFlags, Stat, chownat, fchmod, fchown, fstat, mkdirat,
+    openat, renameat, statat, unlinkat,
 };
 use rustix::io::Errno;
 use std::fs::{DirBuilder, File};
@@ -156,7 +156,12 @@ impl TrustedFolder {
     /// Gives the folder to the group tabula; false without that group, or without
     /// the right to do so.
     pub(crate) fn share_with_group(&self) -> bool {
-        socket_group().is_some_and(|group| fchown(&self.descriptor, None, Some(group)).is_ok())
+        let has_group =
+            |group: Gid| fstat(&self.descriptor).is_ok_and(|stat| stat.st_gid == group.as_raw());
+        // A service whose own group it is may not call `fchown` at all.
+        socket_group().is_some_and(|group| {
+            has_group(group) || fchown(&self.descriptor, None, Some(group)).is_ok()
+        })
     }
 
     /// Gives an entry of the folder to the group tabula, if possible.
