@@ -14,7 +14,8 @@ use std::process::ExitCode;
 struct StatusDocument {
     /// Reports of the processes.
     processes: Vec<ProcessReport>,
-    /// Processes that should run in the domain; empty when no `tabula run` lives there.
+    /// Processes that should run in the domain; empty when neither `tabula run` nor systemd runs
+    /// it.
     expected: Vec<ExpectedProcess>,
 }
 
@@ -139,6 +140,7 @@ fn unreported_row(expected: &ExpectedProcess) -> Vec<String> {
         RecordedState::Running => "running",
         RecordedState::Stalled => "stalled",
         RecordedState::Failing => "failing",
+        RecordedState::Stopped => "stopped",
     };
     let unknown = || "-".to_owned();
     let mut row = vec![
@@ -154,6 +156,7 @@ fn unreported_row(expected: &ExpectedProcess) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::supervision::Supervisor;
 
     fn record(process: &str, pid: Option<u32>, state: RecordedState) -> ProcessRecord {
         ProcessRecord {
@@ -163,6 +166,7 @@ mod tests {
             since_ns: 1_700_000_000_000_000_000,
             n_ends: 3,
             cause: "signal: 9 (SIGKILL)".into(),
+            supervisor: Supervisor::TabulaRun,
         }
     }
 

@@ -11,9 +11,12 @@ mod process_record;
 mod program;
 mod progress_watch;
 mod restart_streak;
+mod systemd_units;
 
 pub(crate) use child::Child;
 pub(crate) use config::SupervisionConfig;
+#[cfg(test)]
+pub(crate) use process_record::Supervisor;
 pub(crate) use process_record::{ProcessRecord, RecordedState, read as read_records};
 pub(crate) use program::{check, common_arguments};
 

@@ -13,7 +13,8 @@ const NAME: &str = "processes";
 pub(super) fn finding(common: &CommonArguments, health: &Asked) -> Finding {
     match read_records(&common.domain) {
         None => {
-            let sentence = "no `tabula run` runs in the domain, so no process is expected";
+            let sentence =
+                "neither `tabula run` nor systemd runs the domain, so no process is expected";
             Finding::new(NAME, Severity::Ok, sentence)
         }
         Some(records) => compare(&records, &reports(health)),
@@ -45,7 +46,7 @@ fn reports(health: &Asked) -> Result<Vec<ProcessReport>, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::supervision::RecordedState;
+    use crate::supervision::{RecordedState, Supervisor};
 
     #[test]
     fn missing_process_is_a_failure_with_its_name() {
@@ -56,6 +57,7 @@ mod tests {
             since_ns: 0,
             n_ends: 1,
             cause: "exit status: 1".into(),
+            supervisor: Supervisor::TabulaRun,
         };
         let found = compare(&[record(RecordedState::Failing)], &Ok(vec![]));
         assert_eq!(found.severity, Severity::Failure);

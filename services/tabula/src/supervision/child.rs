@@ -2,7 +2,7 @@
 
 use super::config::SupervisionConfig;
 use super::health_feed::HealthFeed;
-use super::process_record::{ProcessRecord, RecordedState};
+use super::process_record::{ProcessRecord, RecordedState, Supervisor};
 use super::program;
 use super::progress_watch::{BootTime, ProgressWatch};
 use super::restart_streak::RestartStreak;
@@ -116,6 +116,7 @@ impl Child {
             since_ns: self.since_ns,
             n_ends: self.streak.n_ends(),
             cause,
+            supervisor: Supervisor::TabulaRun,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Process record: what should run in a domain, and the state of each process as its parent
 //! sees it. `tabula run` publishes it for `tabula status` and `tabula doctor`.
 
+use super::systemd_units;
 use crate::time::utc;
 use channel::{Domain, DomainName, Error, LiveFile, RunFolder};
 use message::ProcessKind;
@@ -21,6 +22,19 @@ pub(crate) enum RecordedState {
     Stalled,
     /// Ended, and not ready again since; it is restarted.
     Failing,
+    /// Not running, and not restarted: stopped by a person, or for wrong arguments.
+    Stopped,
+}
+
+/// Supervisor of a process.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Supervisor {
+    /// `tabula run`.
+    #[default]
+    TabulaRun,
+    /// systemd, with a unit for each process.
+    Systemd,
 }
 
 /// Record of one process that should run.
@@ -38,6 +52,9 @@ pub(crate) struct ProcessRecord {
     pub(crate) n_ends: u32,
     /// Cause of the last end, or of a stall; empty otherwise.
     pub(crate) cause: String,
+    /// Supervisor that restarts the process.
+    #[serde(default)]
+    pub(crate) supervisor: Supervisor,
 }
 
 impl ProcessRecord {
@@ -61,11 +78,22 @@ impl ProcessRecord {
                     0 | 1 => String::new(),
                     n => format!(", {n} ends in a row"),
                 };
+                let next = match self.supervisor {
+                    Supervisor::TabulaRun => {
+                        "`tabula run` restarts it, see its messages in the log".to_owned()
+                    }
+                    Supervisor::Systemd => {
+                        format!("systemd restarts it, see journalctl -u tabula-{process}")
+                    }
+                };
                 Some(format!(
-                    "tabula-{process} has not been working since {since} ({cause}{ends}); \
-                     `tabula run` restarts it, see its messages in the log"
+                    "tabula-{process} has not been working since {since} ({cause}{ends}); {next}"
                 ))
             }
+            RecordedState::Stopped => Some(format!(
+                "tabula-{process} does not run since {since} ({cause}); see journalctl -u \
+                 tabula-{process}, then start it: systemctl start tabula.target"
+            )),
         }
     }
 
@@ -79,10 +107,13 @@ impl ProcessRecord {
     }
 }
 
-/// Reads the record of a domain; `None` when no `tabula run` lives there.
+/// Reads the records of a domain: those of its `tabula run`, or else those of the systemd units;
+/// `None` where neither runs it.
 pub(crate) fn read(domain: &DomainName) -> Option<Vec<ProcessRecord>> {
-    let bytes = LiveFile::read(domain, &RunFolder::candidates(), FILE)?;
-    parse(&bytes)
+    match LiveFile::read(domain, &RunFolder::candidates(), FILE) {
+        Some(bytes) => parse(&bytes),
+        None => systemd_units::read(domain),
+    }
 }
 
 fn parse(bytes: &[u8]) -> Option<Vec<ProcessRecord>> {
@@ -150,6 +181,7 @@ mod tests {
             since_ns: 1_700_000_000_000_000_000,
             n_ends: 12,
             cause: "exit status: 1".into(),
+            supervisor: Supervisor::TabulaRun,
         }
     }
 
