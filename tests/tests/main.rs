@@ -55,6 +55,8 @@ mod skeleton;
 mod stress;
 /// Supervision of processes: hangs, endless restarts, expected processes.
 mod supervision;
+/// systemd units: accepted, hardened, restarted for ever.
+mod units;
 /// Working memory: facts, events and tasks survive a kill.
 mod world_memory;
 /// Zero-copy transport: the cloud is written once.
