@@ -26,13 +26,13 @@ const POSITION_TOLERANCE_M: f64 = 0.015;
 const COLOUR_TOLERANCE: f64 = 20.0;
 
 /// Synthetic table seen by a Kinect with the nominal calibration.
-struct KinectScene {
+pub(crate) struct KinectScene {
     table: SyntheticTable,
-    calibration: Calibration,
+    pub(crate) calibration: Calibration,
 }
 
 impl KinectScene {
-    fn new(arrangement: u32) -> Self {
+    pub(crate) fn new(arrangement: u32) -> Self {
         Self {
             table: SyntheticTable::new(arrangement),
             calibration: Calibration::nominal(),
@@ -48,7 +48,7 @@ impl KinectScene {
             .render(&self.calibration.depth_camera, &self.world_from_depth())
     }
 
-    fn color(&self) -> RenderedView {
+    pub(crate) fn color(&self) -> RenderedView {
         let world_from_color =
             self.world_from_depth() * self.calibration.color_from_depth.inverse();
         self.table
@@ -117,13 +117,13 @@ impl KinectScene {
 }
 
 /// Folder with a recording of an arrangement.
-fn recording(scene: &KinectScene) -> TempDir {
+pub(crate) fn recording(scene: &KinectScene) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     scene.record(folder.path());
     folder
 }
 
-fn source(folder: &TempDir) -> String {
+pub(crate) fn source(folder: &TempDir) -> String {
     format!("fakenect:{}", folder.path().display())
 }
 

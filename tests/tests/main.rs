@@ -11,6 +11,8 @@ mod recorder;
 mod bad_input;
 /// Batch learning of a folder of labelled views.
 mod batch_learning;
+/// Raw images of the camera.
+mod camera_images;
 /// Chaos test: faults drawn at random, and recovery from each.
 mod chaos;
 /// Command line: documents, choice of the daemon, other accounts, the doctor.

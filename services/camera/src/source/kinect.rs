@@ -1,7 +1,10 @@
 //! Frame source for a Kinect, real or played by fakenect.
 
 use super::{FrameInfo, FrameSize, Source, SourceError};
-use freenect::{Calibration, CloudBuilder, Error, Kinect, Library, LibraryKind, Selector};
+use capture::{DepthPixels, SourceImages, rounded_mm};
+use freenect::{
+    Calibration, CloudBuilder, DepthTable, Error, Kinect, Library, LibraryKind, NO_DEPTH, Selector,
+};
 use point_cloud::Point;
 use service::monotonic_ns;
 use std::path::Path;
@@ -20,6 +23,8 @@ pub(super) struct KinectSource {
     kinect: Option<Kinect>,
     builder: CloudBuilder,
     calibration: Calibration,
+    /// Depth of each raw value, millimetres; 0 for none.
+    mm_of_raw: Vec<u16>,
     n_frames: usize,
     /// Number of waits in a row without an image.
     n_silences: u32,
@@ -44,6 +49,7 @@ impl KinectSource {
             library: Arc::new(Library::load(kind).map_err(|e| unusable(&e))?),
             kinect: None,
             builder: CloudBuilder::new(&calibration).map_err(|e| unusable(&e))?,
+            mm_of_raw: mm_of_raw(&calibration),
             calibration,
             n_frames: 0,
             n_silences: 0,
@@ -82,6 +88,13 @@ impl KinectSource {
         }
         Ok(())
     }
+}
+
+/// Depth of each raw value in whole millimetres, 0 for none.
+fn mm_of_raw(calibration: &Calibration) -> Vec<u16> {
+    let table = DepthTable::new(calibration.formula);
+    let depth_mm = |raw| rounded_mm(f64::from(table.depth_m(raw)) * 1000.0);
+    (0..=NO_DEPTH).map(depth_mm).collect()
 }
 
 impl Source for KinectSource {
@@ -126,6 +139,20 @@ impl Source for KinectSource {
             up_in_camera: None,
             source_frame,
             captured_ns: Some(monotonic_ns().saturating_sub(since_arrival.as_nanos() as u64)),
+        })
+    }
+
+    fn images(&self) -> Option<SourceImages<'_>> {
+        let frame = self.kinect.as_ref()?.last_frame()?;
+        Some(SourceImages {
+            depth: DepthPixels::Table {
+                pixels: frame.depth.pixels,
+                mm_of_value: &self.mm_of_raw,
+            },
+            color_rgb: frame.video.pixels,
+            depth_camera: self.calibration.depth_camera,
+            color_camera: self.calibration.color_camera,
+            color_from_depth: Some(self.calibration.color_from_depth),
         })
     }
 }

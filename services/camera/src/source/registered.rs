@@ -1,6 +1,7 @@
 //! Frame source for a folder of registered colour and depth images without poses.
 
 use super::{FrameCursor, FrameInfo, FrameSize, Playback, Source, SourceError};
+use capture::{DepthPixels, SourceImages};
 use dataset::registered_images::{RegisteredImages, Scratch};
 use point_cloud::Point;
 use std::path::Path;
@@ -74,6 +75,20 @@ impl Source for RegisteredImagesSource {
             up_in_camera: None,
             source_frame: self.prepared,
             captured_ns: None,
+        })
+    }
+
+    fn images(&self) -> Option<SourceImages<'_>> {
+        let camera = *self.images.camera();
+        Some(SourceImages {
+            depth: DepthPixels::Units {
+                pixels: self.scratch.depth(),
+                unit_mm: self.images.depth_unit_mm(),
+            },
+            color_rgb: self.scratch.color_rgb(),
+            depth_camera: camera,
+            color_camera: camera,
+            color_from_depth: None,
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Frame source for an RGB-D sequence with camera poses.
 
 use super::{FrameCursor, FrameInfo, FrameSize, Playback, Source, SourceError};
+use capture::{DepthPixels, SourceImages};
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use point_cloud::Point;
 use std::path::Path;
@@ -71,6 +72,20 @@ impl Source for RgbdSource {
             up_in_camera,
             source_frame: self.prepared,
             captured_ns: None,
+        })
+    }
+
+    fn images(&self) -> Option<SourceImages<'_>> {
+        let camera = *self.sequence.camera();
+        Some(SourceImages {
+            depth: DepthPixels::Units {
+                pixels: self.scratch.depth_mm(),
+                unit_mm: 1.0,
+            },
+            color_rgb: self.scratch.color_rgb(),
+            depth_camera: camera,
+            color_camera: camera,
+            color_from_depth: None,
         })
     }
 }

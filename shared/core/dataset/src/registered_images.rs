@@ -53,14 +53,29 @@ pub struct RegisteredImages {
     pairs: Vec<ImagePair>,
     n_unpaired: usize,
     camera: PinholeCamera,
+    depth_unit_mm: f64,
     projection: BackProjection,
 }
 
-/// Image buffers reused from frame to frame.
+/// Image buffers reused from frame to frame. They hold the images of the frame filled last.
 #[derive(Debug, Default)]
 pub struct Scratch {
     file: Vec<u8>,
     depth: Vec<u16>,
+    color_rgb: Vec<u8>,
+}
+
+impl Scratch {
+    /// Depth image of the frame filled last, row by row, in units of
+    /// [`depth_unit_mm`](RegisteredImages::depth_unit_mm); 0 and 65535 without depth.
+    pub fn depth(&self) -> &[u16] {
+        &self.depth
+    }
+
+    /// Colour image of the frame filled last, row by row: red, green and blue of each pixel.
+    pub fn color_rgb(&self) -> &[u8] {
+        &self.color_rgb
+    }
 }
 
 impl RegisteredImages {
@@ -82,6 +97,7 @@ impl RegisteredImages {
             pairs,
             n_unpaired,
             camera,
+            depth_unit_mm,
             projection: BackProjection::with_depth_unit(&camera, depth_unit_mm),
         })
     }
@@ -107,6 +123,11 @@ impl RegisteredImages {
         &self.camera
     }
 
+    /// Unit of the depth images, millimetres.
+    pub fn depth_unit_mm(&self) -> f64 {
+        self.depth_unit_mm
+    }
+
     /// Decodes a frame to organised points, camera frame, metres.
     ///
     /// *Shape*: `out` has the camera's `n_pixels()`, row by row. After an error
@@ -130,12 +151,16 @@ impl RegisteredImages {
             return Err(Error::OutputLength { found, needed });
         }
         let size = (self.camera.width, self.camera.height);
-        let Scratch { file, depth } = scratch;
+        let Scratch {
+            file,
+            depth,
+            color_rgb,
+        } = scratch;
         read_file(&pair.depth, MAX_IMAGE_BYTES, file)?;
         decode_depth(file, size, depth).map_err(Error::image(&pair.depth))?;
         read_file(&pair.color, MAX_IMAGE_BYTES, file)?;
-        let color = decode_color(file, size).map_err(Error::image(&pair.color))?;
-        let projected = self.projection.fill(depth, &color, out);
+        *color_rgb = decode_color(file, size).map_err(Error::image(&pair.color))?;
+        let projected = self.projection.fill(depth, color_rgb, out);
         projected.map_err(Error::image(&pair.depth))
     }
 }

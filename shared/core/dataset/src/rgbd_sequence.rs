@@ -60,11 +60,24 @@ pub struct RgbdSequence {
     projection: BackProjection,
 }
 
-/// Image buffers reused from frame to frame.
+/// Image buffers reused from frame to frame. They hold the images of the frame filled last.
 #[derive(Debug, Default)]
 pub struct Scratch {
     file: Vec<u8>,
     depth_mm: Vec<u16>,
+    color_rgb: Vec<u8>,
+}
+
+impl Scratch {
+    /// Depth image of the frame filled last, row by row, millimetres; 0 and 65535 without depth.
+    pub fn depth_mm(&self) -> &[u16] {
+        &self.depth_mm
+    }
+
+    /// Colour image of the frame filled last, row by row: red, green and blue of each pixel.
+    pub fn color_rgb(&self) -> &[u8] {
+        &self.color_rgb
+    }
 }
 
 impl RgbdSequence {
@@ -149,14 +162,18 @@ impl RgbdSequence {
         }
         let size = (self.camera.width, self.camera.height);
         let path = |suffix| self.path(frame, suffix);
-        let Scratch { file, depth_mm } = scratch;
+        let Scratch {
+            file,
+            depth_mm,
+            color_rgb,
+        } = scratch;
         read_with(&path(DEPTH_SUFFIX), MAX_IMAGE_BYTES, file, |bytes| {
             decode_depth(bytes, size, depth_mm)
         })?;
         let color_path = path(frame.color_suffix);
         read_with(&color_path, MAX_IMAGE_BYTES, file, |bytes| {
-            self.projection
-                .fill(depth_mm, &decode_color(bytes, size)?, out)
+            *color_rgb = decode_color(bytes, size)?;
+            self.projection.fill(depth_mm, color_rgb, out)
         })?;
         if !frame.has_pose {
             return Ok(None);

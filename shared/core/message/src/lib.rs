@@ -27,6 +27,7 @@
 //! ```
 
 mod actor_event;
+mod camera_images;
 pub mod control;
 mod descriptor_bytes;
 mod frame;
@@ -48,6 +49,8 @@ mod text;
 mod trace;
 
 pub use actor_event::{ActorEvent, ActorEventKind};
+pub use camera_images::{CheckedImages, ImageHeader, InvalidImages, image_bytes};
+pub use camera_images::{color_encoding, depth_encoding, image_flag};
 pub use descriptor_bytes::{DescriptorBytes, InvalidDescriptor};
 pub use frame::{CheckedFrame, CloudPoint, FrameDone, FrameHeader, InvalidFrame, SegmentLocation};
 pub use frame::{frame_flag, points, points_mut};

@@ -1,8 +1,8 @@
 //! Message numbers of a port, by which a receiver detects loss.
 
 use crate::{
-    ArmState, FrameHeader, ObjectCloudHeader, ObjectViewHeader, PersonBody, SceneSummary,
-    TraceHeader, TruthHeader,
+    ArmState, FrameHeader, ImageHeader, ObjectCloudHeader, ObjectViewHeader, PersonBody,
+    SceneSummary, TraceHeader, TruthHeader,
 };
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
@@ -45,6 +45,7 @@ macro_rules! counted {
 counted!(
     PlainHeader,
     FrameHeader,
+    ImageHeader,
     SceneSummary,
     ObjectViewHeader,
     ObjectCloudHeader,

@@ -2,6 +2,9 @@
 
 /// Organised clouds of the camera: [`FrameHeader`](crate::FrameHeader) and points.
 pub const CAMERA_CLOUD: &str = "camera/cloud";
+/// Raw images of the camera, sent only while a subscriber exists:
+/// [`ImageHeader`](crate::ImageHeader) and bytes.
+pub const CAMERA_IMAGE: &str = "camera/image";
 /// Lockstep acknowledgements of the followers: [`FrameDone`](crate::FrameDone).
 pub const FRAME_DONE: &str = "frame/done";
 /// Tracked objects after each frame: [`SceneSummary`](crate::SceneSummary).

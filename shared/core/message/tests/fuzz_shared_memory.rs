@@ -2,8 +2,8 @@
 
 use bytemuck::{AnyBitPattern, pod_read_unaligned};
 use message::{
-    ActorEvent, FrameHeader, Health, MAX_NEAR_CATEGORIES, ObjectViewHeader, SceneObject,
-    SceneSummary, WireCapsule, WirePose, WireTransform,
+    ActorEvent, FrameHeader, Health, ImageHeader, MAX_NEAR_CATEGORIES, ObjectViewHeader,
+    SceneObject, SceneSummary, WireCapsule, WirePose, WireTransform,
 };
 use mutation_fuzzing::fuzz;
 
@@ -35,6 +35,18 @@ fn fuzz_frame_headers() {
             if let Ok(frame) = header.checked(640 * 480, received_ns) {
                 assert_eq!(frame.camera.width * frame.camera.height, 640 * 480);
                 assert!(frame.camera.fx_px.is_finite() && frame.camera.fx_px > 0.0);
+            }
+        }
+    });
+}
+
+#[test]
+fn fuzz_image_headers() {
+    fuzz_messages(|header: &ImageHeader| {
+        for n_bytes in [0, 640 * 480 * 5, usize::MAX] {
+            if let Ok(images) = header.checked(n_bytes) {
+                assert_eq!(images.n_bytes(), n_bytes);
+                assert_eq!(images.color_rgb(&[]).len() + images.depth_mm(&[]).len(), 0);
             }
         }
     });

@@ -1,5 +1,6 @@
 //! Capture loop: loan, fill, wait for the scheduled time, send.
 
+use crate::image_publisher::{ImagePublisher, LoanedImages};
 use crate::lead_time::LeadTime;
 use crate::lockstep::{Lockstep, LockstepOutcome};
 use crate::outage::Outage;
@@ -9,7 +10,8 @@ use crate::source_error::SourceError;
 use channel::topic::CameraCloud;
 use channel::{Loan, Publisher};
 use message::{
-    CloudPoint, FrameHeader, ProcessState, Stage, Text, WireTransform, frame_flag, points_mut,
+    CloudPoint, FrameHeader, ProcessState, Stage, Text, WireTransform, frame_flag, points,
+    points_mut,
 };
 use service::{Context, Failure, Stopwatch, TracePublisher, monotonic_ns, wall_clock_offset_ns};
 use std::collections::BTreeSet;
@@ -35,10 +37,19 @@ pub enum CaptureEnd {
     EndOfRecording,
 }
 
+/// Frame that is filled and not sent yet.
+struct FilledFrame {
+    cloud: Loan<CameraCloud>,
+    /// Raw images, while somebody subscribes to them.
+    images: Option<LoanedImages>,
+    info: FrameInfo,
+}
+
 /// Capture loop of one source; runs on a separate thread.
 pub struct CaptureLoop {
     source: Box<dyn Source>,
     publisher: Publisher<CameraCloud>,
+    images: ImagePublisher,
     trace: TracePublisher,
     schedule: Option<Schedule>,
     lead_time: LeadTime,
@@ -66,9 +77,10 @@ impl CaptureLoop {
         runtime: Handle,
     ) -> Result<Self, Failure> {
         let publisher = Publisher::for_items(&context.domain, source.max_points())?;
+        let images = ImagePublisher::new(&context.domain, source.max_points())?;
         let trace = TracePublisher::new(&context.domain, context.process)?;
         context.health.shared_memory_bytes.store(
-            publisher.reservation().bytes() + trace.reserved_bytes(),
+            publisher.reservation().bytes() + images.reserved_bytes() + trace.reserved_bytes(),
             Ordering::Relaxed,
         );
         let start_ns = if is_lockstep {
@@ -88,6 +100,7 @@ impl CaptureLoop {
             lead_time: LeadTime::UNKNOWN,
             source,
             publisher,
+            images,
             trace,
             lockstep,
             session: random_session(),
@@ -157,16 +170,21 @@ impl CaptureLoop {
         let preparing = watch.lap(Stage::Preparing, 0);
         self.wait_for_lead_time()?;
         let making_wait = watch.lap(Stage::GenerationWait, 0);
-        let (mut loan, mut info) = self.loan_filled(size)?;
+        let mut frame = self.loan_filled(size)?;
         self.become_ready();
         let making = watch.lap(Stage::Generation, 0);
         self.lead_time.record(making.duration_ns());
         let sent = if self.lockstep.is_some() {
-            self.send_in_lockstep(loan, &info)
+            self.send_in_lockstep(frame)
         } else {
-            self.wait_until_due(&mut loan, &mut info)?;
+            self.wait_until_due(&mut frame)?;
             let release_wait = watch.lap(Stage::ReleaseWait, 0);
-            self.send(loan, &info).map(|header| {
+            let FilledFrame {
+                cloud,
+                images,
+                info,
+            } = frame;
+            self.send(cloud, images, &info).map(|header| {
                 let sending = watch.lap(Stage::Sending, 0);
                 let spans = [preparing, making_wait, making, release_wait, sending];
                 self.trace.send(&header, &spans);
@@ -186,18 +204,23 @@ impl CaptureLoop {
         health.record_progress_during(OPENING_LIMIT, || self.source.prepare())
     }
 
-    fn loan_filled(
-        &mut self,
-        size: FrameSize,
-    ) -> Result<(Loan<CameraCloud>, FrameInfo), SourceError> {
-        let mut loan = self.publisher.loan(size.n_points())?;
-        let info = self.source.fill(points_mut(loan.items_mut()))?;
-        Ok((loan, info))
+    fn loan_filled(&mut self, size: FrameSize) -> Result<FilledFrame, SourceError> {
+        let mut cloud = self.publisher.loan(size.n_points())?;
+        let points = points_mut(cloud.items_mut());
+        let info = self.source.fill(points)?;
+        let images = self.images.loan_filled(&*self.source, &info, points);
+        Ok(FilledFrame {
+            cloud,
+            images,
+            info,
+        })
     }
 
+    /// Sends a cloud, and the images of its frame behind it, so that they never delay it.
     fn send(
         &mut self,
         mut loan: Loan<CameraCloud>,
+        images: Option<LoanedImages>,
         info: &FrameInfo,
     ) -> Result<FrameHeader, SourceError> {
         let now_ns = monotonic_ns();
@@ -215,6 +238,9 @@ impl CaptureLoop {
         *loan.header_mut() = header;
         self.source.before_send(&header)?;
         self.publisher.send(loan)?;
+        if let Some(images) = images {
+            self.images.send(images, &header);
+        }
         self.source.after_send(&header)?;
         // In lockstep no frame is late: the followers set the pace.
         let released_ns = due_ns.filter(|_| self.lockstep.is_some()).unwrap_or(now_ns);
@@ -232,14 +258,15 @@ impl CaptureLoop {
 
     /// Sends the frame repeatedly until all followers have finished it. A repeated
     /// frame is identical to the bit, so that repeating it changes no result.
-    fn send_in_lockstep(
-        &mut self,
-        mut loan: Loan<CameraCloud>,
-        info: &FrameInfo,
-    ) -> Result<(), SourceError> {
-        let copy = loan.items_mut().to_vec();
+    fn send_in_lockstep(&mut self, frame: FilledFrame) -> Result<(), SourceError> {
+        let FilledFrame {
+            mut cloud,
+            images,
+            info,
+        } = frame;
+        let copy = cloud.items_mut().to_vec();
         let schedule = self.schedule;
-        let mut sent = self.send_and_wait(loan, info);
+        let mut sent = self.send_and_wait(cloud, images, &info);
         loop {
             match sent {
                 Ok(LockstepOutcome::Finished | LockstepOutcome::Stop) => return Ok(()),
@@ -256,7 +283,7 @@ impl CaptureLoop {
             self.schedule = schedule;
             sent = self
                 .loan_copy(&copy)
-                .and_then(|loan| self.send_and_wait(loan, info));
+                .and_then(|loan| self.send_and_wait(loan, None, &info));
         }
     }
 
@@ -270,9 +297,10 @@ impl CaptureLoop {
     fn send_and_wait(
         &mut self,
         loan: Loan<CameraCloud>,
+        images: Option<LoanedImages>,
         info: &FrameInfo,
     ) -> Result<LockstepOutcome, SourceError> {
-        self.send(loan, info)?;
+        self.send(loan, images, info)?;
         let Some(lockstep) = &mut self.lockstep else {
             return Ok(LockstepOutcome::Finished);
         };
@@ -297,22 +325,32 @@ impl CaptureLoop {
         })
     }
 
-    fn wait_until_due(
-        &mut self,
-        loan: &mut Loan<CameraCloud>,
-        info: &mut FrameInfo,
-    ) -> Result<(), SourceError> {
+    fn wait_until_due(&mut self, frame: &mut FilledFrame) -> Result<(), SourceError> {
         let Some(due_ns) = self.schedule.map(|schedule| schedule.due_ns()) else {
             return Ok(());
         };
+        let FilledFrame {
+            cloud,
+            images,
+            info,
+        } = frame;
+        let mut is_rewritten = false;
         self.wait_until(due_ns, |source| {
-            let points = points_mut(loan.items_mut());
+            let points = points_mut(cloud.items_mut());
             let mut waiting = source.while_waiting(due_ns, Some(points))?;
             if let Some(rewritten) = waiting.rewritten.take() {
-                *info = rewritten;
+                (*info, is_rewritten) = (rewritten, true);
             }
             Ok(waiting)
-        })
+        })?;
+        if is_rewritten {
+            // The old loan is returned first: there is one.
+            *images = None;
+            *images = self
+                .images
+                .loan_filled(&*self.source, info, points(cloud.items_mut()));
+        }
+        Ok(())
     }
 
     /// Waits for a monotonic time; the source may do small work meanwhile.

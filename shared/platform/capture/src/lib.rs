@@ -3,7 +3,8 @@
 //! A [`Source`] fills a loan of shared memory directly, as late as is safe; the
 //! [`CaptureLoop`] sends it when it is due and counts late frames, or waits in
 //! lockstep for the processes that handle it. Subscribers of `camera/cloud` cannot
-//! distinguish the sources. A source or shared memory that fails after the first frame is
+//! distinguish the sources. The raw images of a frame follow it while somebody subscribes
+//! to them. A source or shared memory that fails after the first frame is
 //! an [`Outage`]: the loop tries again until it works.
 //!
 //! ```
@@ -49,14 +50,17 @@
 //! ```
 
 mod capture_loop;
+mod image_publisher;
 mod lead_time;
 mod lockstep;
 mod outage;
 mod schedule;
 mod source;
 mod source_error;
+mod source_images;
 
 pub use capture_loop::{CaptureEnd, CaptureLoop};
 pub use outage::Outage;
 pub use source::{FrameInfo, FrameSize, IdleUpdate, Source};
 pub use source_error::SourceError;
+pub use source_images::{DepthPixels, SourceImages, rounded_mm};

@@ -1,6 +1,7 @@
 //! Camera source interface: live, recorded or simulated.
 
 use crate::source_error::SourceError;
+use crate::source_images::SourceImages;
 use channel::topic::MAX_FRAME_POINTS;
 use geometry::{PinholeCamera, RigidTransform};
 use message::FrameHeader;
@@ -68,6 +69,13 @@ pub trait Source {
     /// # Errors
     /// As [`prepare`](Self::prepare).
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError>;
+
+    /// Raw images of the frame that was filled last, asked for only while somebody subscribes
+    /// to them. `None` for a source without images: its organised cloud gives them, pixel by
+    /// pixel.
+    fn images(&self) -> Option<SourceImages<'_>> {
+        None
+    }
 
     /// Called repeatedly while the prepared frame waits to be filled, without
     /// `points`, and while the filled frame waits for its scheduled time `due_ns`,

@@ -20,6 +20,6 @@ mod tests {
         assert_eq!(cloud.slots, 3 * (2 + 6) + 2);
         assert!(cloud.bytes() > 26 * 4_915_200 && cloud.bytes() < 26 * 4_925_000);
         let total: u64 = domain_reservation().iter().map(Reservation::bytes).sum();
-        assert!(total > cloud.bytes() && total < 250_000_000, "{total}");
+        assert!(total > cloud.bytes() && total < 264_000_000, "{total}");
     }
 }

@@ -4,10 +4,10 @@ use crate::reservation::{Reservation, SLOT_OVERHEAD_BYTES};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
-    ActorEvent, ArmState, CloudPoint, FrameDone, FrameHeader, Health, MAX_CAPSULES,
+    ActorEvent, ArmState, CloudPoint, FrameDone, FrameHeader, Health, ImageHeader, MAX_CAPSULES,
     MAX_SCENE_OBJECTS, MAX_SPANS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader,
     ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, SequencedHeader, Span,
-    TraceHeader, TrueObject, TruthHeader, WireCapsule, service_name,
+    TraceHeader, TrueObject, TruthHeader, WireCapsule, image_bytes, service_name,
 };
 use std::fmt::Debug;
 
@@ -131,6 +131,9 @@ topics! {
     /// and two more, because one at its borrow limit receives no more.
     CameraCloud { CAMERA_CLOUD, FrameHeader, [CloudPoint; MAX_FRAME_POINTS], DropOldest,
         Limits { publishers: 1, subscribers: 3, buffer: 2, borrowed: 6, history: 0, loaned: 2 } }
+    /// Raw images of the camera. Nothing is written without a subscriber.
+    CameraImages { CAMERA_IMAGE, ImageHeader, [u8; image_bytes(MAX_FRAME_POINTS)], DropOldest,
+        Limits { publishers: 1, subscribers: 2, buffer: 2, borrowed: 2, history: 0, loaned: 1 } }
     /// Reports of finished frames to a lockstep source.
     FinishedFrames { FRAME_DONE, PlainHeader, [FrameDone; 1], Refuse,
         Limits { publishers: 4, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }

@@ -115,6 +115,11 @@ impl Kinect {
         }
     }
 
+    /// Pair of images that [`next_frame`](Self::next_frame) returned last; `None` before the first.
+    pub fn last_frame(&self) -> Option<KinectFrame<'_>> {
+        self.held.as_ref().map(HeldPair::frame)
+    }
+
     /// Reads the accelerometer. `None` if the Kinect has none, or the recording has no reading
     /// yet. Blocks for one USB transfer; may be called between frames.
     ///
