@@ -11,6 +11,8 @@ const OWNERS: [(&str, &[&str]); 17] = [
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["durable-leveldb"]),
     ("libloading", &["freenect"]),
+    ("mcap", &["recording"]),
+    ("foxglove", &["recorder"]),
     ("rapier3d", &["simulated-world"]),
     ("pathfinding", &["tracking"]),
     ("indicatif", &["command-line", "experiments"]),

@@ -20,7 +20,7 @@ pub struct CameraArguments {
 /// Command-line choice of the source and its playback; it overrides the configuration.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct SourceArguments {
-    /// synthetic[:N], crowd:N, parade:N, kinect, fakenect:FOLDER, or a folder of PCD scenes, an RGB-D sequence, or colour and depth images
+    /// synthetic[:N], crowd:N, parade:N, kinect, fakenect:FOLDER, a recording FILE.mcap, or a folder of PCD scenes, an RGB-D sequence, or colour and depth images
     #[arg(long, value_name = "SOURCE")]
     pub(crate) source: Option<SourceSpec>,
 

@@ -71,7 +71,7 @@ pub fn check_source(config: &Config) -> Result<(), Failure> {
             .map(drop)
             .map_err(|error| error.to_string()),
         SourceSpec::Kinect => Ok(()),
-        _ => source::open(&config.source, &config.playback)
+        _ => source::open(&config.source, &config.playback, None)
             .and_then(|mut source| first_frame(&mut *source))
             .map_err(|e| e.to_string()),
     };
@@ -119,6 +119,11 @@ fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd
     };
     let rate = match source.rate_hz() {
         _ if config.lockstep => "in lockstep".into(),
+        _ if matches!(config.source, SourceSpec::Recording(_))
+            && config.playback.rate_hz.is_none() =>
+        {
+            "at its recorded pace".into()
+        }
         Some(rate_hz) => format!("at {rate_hz} Hz"),
         None => "at its own rate".into(),
     };
@@ -131,7 +136,7 @@ fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd
 fn open_source(context: &Context, config: &Config) -> Result<Option<Box<dyn Source>>, Failure> {
     let mut outage = Outage::new(context.health.clone(), context.shutdown.clone());
     while !context.shutdown.is_requested() {
-        match source::open(&config.source, &config.playback) {
+        match source::open(&config.source, &config.playback, Some(&context.domain)) {
             Ok(source) => {
                 outage.end(source.name());
                 return Ok(Some(source));

@@ -1,6 +1,8 @@
 //! Frame sources behind one trait, and their playback.
 
 mod kinect;
+mod recorded_bodies;
+mod recording;
 mod registered;
 mod rgbd;
 mod scenes;
@@ -10,6 +12,7 @@ mod synthetic_table;
 pub(crate) use capture::{FrameInfo, FrameSize, Source, SourceError};
 pub(crate) use spec::SourceSpec;
 
+use channel::Domain;
 use std::path::{Path, PathBuf};
 
 /// Playback options of a source.
@@ -25,13 +28,21 @@ pub(crate) struct Playback {
     pub(crate) to: Option<usize>,
 }
 
-/// Opens a source.
+/// Opens a source. A recording publishes its states of arm and people in the domain, when one is
+/// given.
 ///
 /// # Errors
 /// When the folder is not there or holds nothing usable, or the device cannot
 /// be opened.
-pub(crate) fn open(spec: &SourceSpec, playback: &Playback) -> Result<Box<dyn Source>, SourceError> {
+pub(crate) fn open(
+    spec: &SourceSpec,
+    playback: &Playback,
+    domain: Option<&Domain>,
+) -> Result<Box<dyn Source>, SourceError> {
     match spec {
+        SourceSpec::Recording(path) => Ok(Box::new(recording::RecordingSource::open(
+            path, playback, domain,
+        )?)),
         SourceSpec::Synthetic(arrangement) => Ok(Box::new(
             synthetic_table::SyntheticSource::arrangement(*arrangement, playback),
         )),

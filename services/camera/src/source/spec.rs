@@ -1,7 +1,7 @@
 //! Parser of the `--source` option.
 
 use crate::synthetic::CROWD_MAX;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// Source as named on the command line.
@@ -17,6 +17,8 @@ pub(crate) enum SourceSpec {
     Kinect,
     /// A recording played by fakenect.
     Fakenect(PathBuf),
+    /// Recording of `tabula record`.
+    Recording(PathBuf),
     /// Folder of PCD scenes, an RGB-D sequence, or colour and depth images.
     Folder(PathBuf),
 }
@@ -27,7 +29,7 @@ impl FromStr for SourceSpec {
     fn from_str(text: &str) -> Result<Self, String> {
         match (text, text.split_once(':')) {
             ("", _) => Err(
-                "the source is empty; say synthetic, kinect, fakenect:FOLDER or a folder".into(),
+                "the source is empty; say synthetic, kinect, fakenect:FOLDER, a recording or a folder".into(),
             ),
             ("synthetic", _) => Ok(Self::Synthetic(0)),
             ("kinect", _) => Ok(Self::Kinect),
@@ -51,9 +53,18 @@ impl FromStr for SourceSpec {
                 Err("fakenect needs the folder of a recording: fakenect:FOLDER".into())
             }
             (_, Some(("fakenect", folder))) => Ok(Self::Fakenect(folder.into())),
+            _ if is_recording(text) => Ok(Self::Recording(text.into())),
             _ => Ok(Self::Folder(text.into())),
         }
     }
+}
+
+/// True for the file name of a recording, also of one that was not closed.
+fn is_recording(name: &str) -> bool {
+    let name = name.strip_suffix(".active").unwrap_or(name);
+    Path::new(name)
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
 }
 
 fn n_blocks(kind: &str, number: &str) -> Result<u32, String> {
@@ -81,6 +92,10 @@ mod tests {
             parse("fakenect:a/b"),
             Ok(SourceSpec::Fakenect("a/b".into()))
         );
+        let recording = |path: &str| Ok(SourceSpec::Recording(path.into()));
+        assert_eq!(parse("a/b.mcap"), recording("a/b.mcap"));
+        assert_eq!(parse("b.mcap.active"), recording("b.mcap.active"));
+        assert_eq!(parse("mcap"), Ok(SourceSpec::Folder("mcap".into())));
         assert_eq!(parse("./kinect"), Ok(SourceSpec::Folder("./kinect".into())));
         for wrong in [
             "",

@@ -22,7 +22,7 @@ pub struct PinholeCamera {
 /// Error of validating camera intrinsics: the values and the broken rule.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "the camera intrinsics fx {} fy {} cx {} cy {} for an image of {}x{} are wrong: {rule}",
+    "the camera intrinsics fx {:?} fy {:?} cx {:?} cy {:?} for an image of {}x{} are wrong: {rule}",
     .camera.fx_px, .camera.fy_px, .camera.cx_px, .camera.cy_px, .camera.width, .camera.height
 )]
 pub struct InvalidIntrinsics {

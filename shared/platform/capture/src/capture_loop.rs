@@ -197,11 +197,16 @@ impl CaptureLoop {
 
     /// Prepares the next frame. After an outage that may mean to open a device.
     fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
-        if !self.outage.is_ongoing() {
-            return self.source.prepare();
+        let prepared = if self.outage.is_ongoing() {
+            let health = &self.context.health;
+            health.record_progress_during(OPENING_LIMIT, || self.source.prepare())
+        } else {
+            self.source.prepare()
+        };
+        if let (Some(schedule), Ok(_)) = (&mut self.schedule, &prepared) {
+            schedule.set_frame_time(self.source.frame_time_ns());
         }
-        let health = &self.context.health;
-        health.record_progress_during(OPENING_LIMIT, || self.source.prepare())
+        prepared
     }
 
     fn loan_filled(&mut self, size: FrameSize) -> Result<FilledFrame, SourceError> {
@@ -226,7 +231,7 @@ impl CaptureLoop {
         let now_ns = monotonic_ns();
         let due_ns = self.schedule.map(|schedule| schedule.due_ns());
         let location = self.publisher.location(&loan);
-        let header = FrameHeader {
+        let mut header = FrameHeader {
             session: self.session,
             sequence: self.sequence,
             capture_stamp_ns: info.captured_ns.or(due_ns).unwrap_or(now_ns),
@@ -235,6 +240,7 @@ impl CaptureLoop {
             location,
             ..header(info, self.source.name(), self.lockstep.is_some())
         };
+        self.source.complete_header(&mut header);
         *loan.header_mut() = header;
         self.source.before_send(&header)?;
         self.publisher.send(loan)?;

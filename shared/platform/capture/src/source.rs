@@ -51,6 +51,12 @@ pub trait Source {
     /// sent as they arrive.
     fn rate_hz(&self) -> Option<f64>;
 
+    /// Time of the prepared frame on the recording's own clock, nanoseconds: frames are then sent
+    /// at the intervals of these times, which never go back, instead of at the rate.
+    fn frame_time_ns(&self) -> Option<u64> {
+        None
+    }
+
     /// Number of points of the largest frame, for which memory is reserved at the start.
     fn max_points(&self) -> usize {
         MAX_FRAME_POINTS
@@ -91,6 +97,10 @@ pub trait Source {
     ) -> Result<IdleUpdate, SourceError> {
         Ok(IdleUpdate::default())
     }
+
+    /// Completes the header of the filled frame. A recording sets the numbers here that would not
+    /// survive the conversion from and to [`FrameInfo`] to the bit.
+    fn complete_header(&self, _header: &mut FrameHeader) {}
 
     /// Called before the frame is sent, with its header. Data published here is there
     /// when the frame arrives.

@@ -1,0 +1,399 @@
+//! Frame source for a recording of `tabula record`: frames with their headers, and before each
+//! the states of arm and people up to its capture.
+
+use super::recorded_bodies::RecordedBodies;
+use super::{DEFAULT_RATE_HZ, FrameInfo, FrameSize, Playback, Source, SourceError};
+use channel::Domain;
+use message::{CheckedFrame, FrameHeader, frame_flag};
+use point_cloud::Point;
+use recording::{Error, FramePlayer, FrameRecord, InvalidRecord, PlayedFrame};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+/// Interval between two frames whose stamps do not grow: the recording goes on in another
+/// session, or begins again. Nanoseconds, 30 Hz.
+const SESSION_GAP_NS: u64 = 33_333_333;
+
+/// Player of a recording.
+pub(super) struct RecordingSource {
+    path: PathBuf,
+    name: String,
+    playback: Playback,
+    player: Option<FramePlayer<BufReader<File>>>,
+    /// Number of the next frame in the file.
+    next: usize,
+    /// Number of the frame at which a round goes on after a failure of the medium.
+    resume_at: usize,
+    /// True if a frame of this round was played.
+    has_played: bool,
+    prepared: Option<PlayedFrame>,
+    clock: PlaybackClock,
+    bodies: Option<RecordedBodies>,
+    max_points: usize,
+    is_end_logged: bool,
+}
+
+/// Clock of the playback, which never goes back: the capture times of the recording, joined where
+/// another session or another round begins.
+#[derive(Debug, Default)]
+struct PlaybackClock {
+    /// Capture time of the newest frame in the recording.
+    recorded_ns: Option<u64>,
+    now_ns: u64,
+}
+
+impl PlaybackClock {
+    fn advance_to(&mut self, recorded_ns: u64) {
+        let interval_ns = match self.recorded_ns {
+            None => 0,
+            Some(before_ns) if recorded_ns > before_ns => recorded_ns - before_ns,
+            Some(_) => SESSION_GAP_NS,
+        };
+        self.recorded_ns = Some(recorded_ns);
+        self.now_ns = self.now_ns.saturating_add(interval_ns);
+    }
+}
+
+impl RecordingSource {
+    /// Opens a recording and reads its first frame, which determines the memory of the frames.
+    /// Without a domain, states of arm and people are left out.
+    pub(super) fn open(
+        path: &Path,
+        playback: &Playback,
+        domain: Option<&Domain>,
+    ) -> Result<Self, SourceError> {
+        let mut source = Self {
+            path: path.to_owned(),
+            name: path.display().to_string(),
+            playback: *playback,
+            player: None,
+            next: 0,
+            resume_at: 0,
+            has_played: false,
+            prepared: None,
+            clock: PlaybackClock::default(),
+            bodies: domain.map(RecordedBodies::new).transpose()?,
+            max_points: channel::topic::MAX_FRAME_POINTS,
+            is_end_logged: false,
+        };
+        let unusable = |cause: SourceError| SourceError::Unusable(cause.to_string());
+        let first = source.next_frame().map_err(unusable)?;
+        let first = first.ok_or_else(|| source.without_frames())?;
+        source.max_points = source.max_points.max(first.n_points());
+        source.player = None;
+        Ok(source)
+    }
+
+    fn without_frames(&self) -> SourceError {
+        let from = self.playback.from.unwrap_or(0);
+        let sentence = match self.next {
+            0 => format!("the recording {} holds no frame", self.name),
+            n => format!(
+                "there is no frame from {from} on: the recording {} has {n} frames",
+                self.name
+            ),
+        };
+        SourceError::Unusable(sentence)
+    }
+
+    /// Next frame of the playback in this round of the file; `None` at its end.
+    fn next_frame(&mut self) -> Result<Option<PlayedFrame>, SourceError> {
+        let (from, to) = (self.playback.from.unwrap_or(0), self.playback.to);
+        loop {
+            if to.is_some_and(|to| self.next >= to && self.player.is_some()) {
+                return Ok(None);
+            }
+            let Some(frame) = self.read_frame()? else {
+                return Ok(None);
+            };
+            self.next += 1;
+            if self.next > from.max(self.resume_at) {
+                return Ok(Some(frame));
+            }
+        }
+    }
+
+    fn read_frame(&mut self) -> Result<Option<PlayedFrame>, SourceError> {
+        if self.player.is_none() {
+            self.player = Some(self.opened()?);
+            self.next = 0;
+        }
+        let Some(player) = &mut self.player else {
+            return Ok(None);
+        };
+        player.next_frame().map_err(|error| match error {
+            Error::Io(error) => {
+                (self.player, self.resume_at) = (None, self.next);
+                SourceError::Unavailable(self.read_failure(&error))
+            }
+            other => SourceError::Unusable(format!("{} cannot be played: {other}", self.name)),
+        })
+    }
+
+    fn opened(&self) -> Result<FramePlayer<BufReader<File>>, SourceError> {
+        let failed = |error| SourceError::Unavailable(self.read_failure(&error));
+        let file = File::open(&self.path).map_err(failed)?;
+        let file_bytes = file.metadata().map_err(failed)?.len();
+        Ok(FramePlayer::new(BufReader::new(file), file_bytes))
+    }
+
+    fn read_failure(&self, error: &std::io::Error) -> String {
+        format!(
+            "the recording {} cannot be read at present: {error}",
+            self.name
+        )
+    }
+
+    /// Tells once what the recording lacks.
+    fn log_end(&mut self) {
+        let Some(player) = &self.player else { return };
+        let (summary, n_unusable) = (player.summary(), player.n_unusable());
+        if std::mem::replace(&mut self.is_end_logged, true) {
+            return;
+        }
+        if !summary.is_complete {
+            tracing::warn!(
+                "the recording {} was not closed; its last {} bytes are lost; \
+                 `tabula record --recover` makes a whole file of it",
+                self.name,
+                summary.lost_bytes
+            );
+        }
+        if summary.n_damaged_chunks > 0 || n_unusable > 0 {
+            tracing::warn!(
+                "{} chunks and {n_unusable} messages of {} are damaged and were left out",
+                summary.n_damaged_chunks,
+                self.name
+            );
+        }
+    }
+}
+
+impl Source for RecordingSource {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn rate_hz(&self) -> Option<f64> {
+        Some(self.playback.rate_hz.unwrap_or(DEFAULT_RATE_HZ))
+    }
+
+    fn frame_time_ns(&self) -> Option<u64> {
+        let is_at_own_pace = self.playback.rate_hz.is_none() && self.prepared.is_some();
+        is_at_own_pace.then_some(self.clock.now_ns)
+    }
+
+    fn max_points(&self) -> usize {
+        self.max_points
+    }
+
+    fn prepare(&mut self) -> Result<Option<FrameSize>, SourceError> {
+        self.prepared = None;
+        let mut frame = self.next_frame()?;
+        if frame.is_none() {
+            self.log_end();
+            (self.player, self.resume_at) = (None, 0);
+            if !self.playback.looped {
+                return Ok(None);
+            }
+            if !std::mem::take(&mut self.has_played) {
+                return Err(self.without_frames());
+            }
+            frame = self.next_frame()?;
+        }
+        let Some(frame) = frame else {
+            return Ok(None);
+        };
+        self.has_played = true;
+        self.clock.advance_to(frame.capture_ns());
+        let size = frame.record().map(|record| FrameSize {
+            width: record.camera.width as usize,
+            height: record.camera.height as usize,
+        });
+        let size = size.map_err(|error| self.refused(&error))?;
+        self.prepared = Some(frame);
+        Ok(Some(size))
+    }
+
+    fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {
+        let Some(frame) = &self.prepared else {
+            return Err(SourceError::Unusable(
+                "a frame was filled before it was prepared".into(),
+            ));
+        };
+        let filled = frame.record().and_then(|record| {
+            record.fill(bytemuck::cast_slice_mut(points))?;
+            frame_info(&record)
+        });
+        filled.map_err(|error| self.refused(&error))
+    }
+
+    fn complete_header(&self, header: &mut FrameHeader) {
+        let record = self.prepared.as_ref().map(PlayedFrame::record);
+        if let Some(Ok(record)) = record {
+            header.world_from_camera = record.header.world_from_camera;
+            header.up_in_camera = record.header.up_in_camera;
+        }
+    }
+
+    fn before_send(&mut self, header: &FrameHeader) -> Result<(), SourceError> {
+        if let (Some(bodies), Some(frame)) = (&mut self.bodies, &self.prepared) {
+            bodies.publish(frame, header.capture_stamp_ns)?;
+        }
+        Ok(())
+    }
+}
+
+impl RecordingSource {
+    fn refused(&self, error: &InvalidRecord) -> SourceError {
+        SourceError::Frame {
+            frame: self.next.saturating_sub(1).to_string(),
+            cause: error.to_string(),
+        }
+    }
+}
+
+/// Metadata of a recorded frame, as its header has them.
+fn frame_info(record: &FrameRecord<'_>) -> Result<FrameInfo, InvalidRecord> {
+    let header = &record.header;
+    let CheckedFrame {
+        camera,
+        world_from_camera,
+        up_in_camera,
+    } = header.checked(record.n_points(), u64::MAX)?;
+    Ok(FrameInfo {
+        camera,
+        is_calibrated: header.has(frame_flag::CALIBRATED),
+        world_from_camera,
+        up_in_camera,
+        source_frame: header.source_frame as usize,
+        captured_ns: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::PinholeCamera;
+    use message::CloudPoint;
+    use recording::{MessageTime, RecordingWriter, encode_frame};
+
+    fn camera() -> PinholeCamera {
+        PinholeCamera {
+            fx_px: 4.0,
+            fy_px: 4.0,
+            cx_px: 1.5,
+            cy_px: 1.0,
+            width: 4,
+            height: 3,
+        }
+    }
+
+    /// Writes frames with these capture times; the depth of frame `n` is `n` metres.
+    fn record(path: &Path, captures_ns: &[u64]) {
+        let mut writer = RecordingWriter::new(File::create(path).unwrap(), "test").unwrap();
+        let mut bytes = Vec::new();
+        for (sequence, &capture_stamp_ns) in (0..).zip(captures_ns) {
+            let mut header = FrameHeader {
+                sequence,
+                capture_stamp_ns,
+                flags: frame_flag::HAS_WORLD_POSE,
+                ..FrameHeader::default()
+            };
+            header.set_camera(&camera());
+            // A rotation by an angle whose matrix changes when it is converted to a quaternion.
+            let (sin, cos) = 0.1_f64.sin_cos();
+            header.world_from_camera.rows[0] = [cos, -sin, 0.0, 0.3];
+            header.world_from_camera.rows[1] = [sin, cos, 0.0, 0.1];
+            let z = sequence as f32;
+            let points = [CloudPoint {
+                z,
+                ..CloudPoint::default()
+            }; 12];
+            encode_frame(&header, &points, &mut bytes).unwrap();
+            writer
+                .write_frame(MessageTime::at(capture_stamp_ns), &bytes)
+                .unwrap();
+        }
+        writer.finish().unwrap();
+    }
+
+    /// Depths and times of the frames that are played, at most `n`.
+    fn played(path: &Path, playback: &Playback, n: usize) -> Vec<(f32, Option<u64>)> {
+        let mut source = RecordingSource::open(path, playback, None).unwrap();
+        let mut frames = Vec::new();
+        let mut points = [Point::default(); 12];
+        while frames.len() < n && source.prepare().unwrap().is_some() {
+            source.fill(&mut points).unwrap();
+            frames.push((points[5].z, source.frame_time_ns()));
+        }
+        frames
+    }
+
+    #[test]
+    fn recording_is_played_at_its_own_intervals() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
+        // The third frame is of another session, whose clock begins anew.
+        record(&path, &[500, 540, 100, 160]);
+        let gap = SESSION_GAP_NS;
+        let times = [0, 40, 40 + gap, 100 + gap];
+        let expected = |n: usize, time: u64| (n as f32, Some(time));
+        let all = played(&path, &Playback::default(), 9);
+        let of_one_round: Vec<_> = (0..4).map(|n| expected(n, times[n])).collect();
+        assert_eq!(all, of_one_round);
+        let part = Playback {
+            from: Some(1),
+            to: Some(3),
+            looped: true,
+            ..Playback::default()
+        };
+        let looped = played(&path, &part, 3);
+        assert_eq!(
+            looped,
+            [expected(1, 0), expected(2, gap), expected(1, 440 + gap)]
+        );
+        let at_rate = Playback {
+            rate_hz: Some(10.0),
+            ..Playback::default()
+        };
+        assert_eq!(played(&path, &at_rate, 1), [(0.0, None)]);
+    }
+
+    #[test]
+    fn recording_gives_its_pose_back_to_the_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
+        record(&path, &[500]);
+        let mut source = RecordingSource::open(&path, &Playback::default(), None).unwrap();
+        source.prepare().unwrap();
+        let info = source.fill(&mut [Point::default(); 12]).unwrap();
+        let mut header = FrameHeader::default();
+        let pose = info.world_from_camera.unwrap();
+        header.world_from_camera = message::WireTransform::from(&pose);
+        source.complete_header(&mut header);
+        assert_eq!(header.world_from_camera.rows[0][0], 0.1_f64.cos());
+        assert_eq!(header.world_from_camera.rows[1][0], 0.1_f64.sin());
+    }
+
+    #[test]
+    fn recording_without_the_wanted_frames_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
+        let refused = |playback: &Playback| {
+            let opened = RecordingSource::open(&path, playback, None);
+            opened.err().unwrap().to_string()
+        };
+        record(&path, &[]);
+        assert!(refused(&Playback::default()).contains("no frame"));
+        record(&path, &[1, 2]);
+        let from = Playback {
+            from: Some(2),
+            ..Playback::default()
+        };
+        assert!(refused(&from).contains("has 2 frames"));
+        std::fs::write(&path, "no recording").unwrap();
+        assert!(refused(&Playback::default()).contains("MCAP"));
+    }
+}

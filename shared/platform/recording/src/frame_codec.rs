@@ -1,0 +1,255 @@
+//! Lossless encoding of a camera frame: header fields, then planes of bytes.
+//!
+//! The points of an organised cloud follow from depth and colour: x and y are a pixel's viewing
+//! ray times z. A frame holds the planes of z and colour, and those of x and y only when the
+//! product differs from them in some bit; these then hold the differing bits.
+
+use crate::field_reader::FieldReader;
+use crate::{InvalidRecord, byte_planes};
+use geometry::PinholeCamera;
+use message::{CloudPoint, FrameHeader, InvalidFrame, Text, WireTransform};
+
+/// Version of the encoding.
+const VERSION: u32 = 1;
+/// Bit of the planes of x.
+const HAS_X: u32 = 1;
+/// Bit of the planes of y.
+const HAS_Y: u32 = 1 << 1;
+
+/// Viewing rays of a camera's columns and rows, x and y at z = 1.
+struct Rays {
+    x: Vec<f32>,
+    y: Vec<f32>,
+}
+
+impl Rays {
+    fn new(camera: &PinholeCamera) -> Self {
+        let x = |column| camera.ray(f64::from(column), 0.0).x as f32;
+        let y = |row| camera.ray(0.0, f64::from(row)).y as f32;
+        Self {
+            x: (0..camera.width).map(x).collect(),
+            y: (0..camera.height).map(y).collect(),
+        }
+    }
+
+    /// Rays along x of all pixels, row by row.
+    fn x_of_pixels(&self) -> impl Iterator<Item = f32> + '_ {
+        self.y.iter().flat_map(|_| self.x.iter().copied())
+    }
+
+    /// Rays along y of all pixels, row by row.
+    fn y_of_pixels(&self) -> impl Iterator<Item = f32> + '_ {
+        self.y.iter().flat_map(|&y| self.x.iter().map(move |_| y))
+    }
+}
+
+/// Bits that a coordinate is expected to have. Without depth they are those of z: which NaN a
+/// product has depends on the processor.
+#[inline]
+fn expected_bits(ray: f32, z: f32) -> u32 {
+    if z.is_finite() {
+        (ray * z).to_bits()
+    } else {
+        z.to_bits()
+    }
+}
+
+/// Encodes a frame into `out`, which is cleared. The message number, the location in shared
+/// memory and padding are left out; everything else is kept to the bit.
+///
+/// # Errors
+/// When the header is invalid or does not fit the number of points.
+pub fn encode_frame(
+    header: &FrameHeader,
+    points: &[CloudPoint],
+    out: &mut Vec<u8>,
+) -> Result<(), InvalidFrame> {
+    let camera = header.checked(points.len(), u64::MAX)?.camera;
+    let rays = Rays::new(&camera);
+    out.clear();
+    append_header(header, out);
+    let flags_at = out.len();
+    out.extend(0_u32.to_le_bytes());
+    let n_points = points.len();
+    byte_planes::append(n_points, points.iter().map(|point| point.z.to_bits()), out);
+    byte_planes::append(n_points, points.iter().map(|point| point.argb), out);
+    let x = points.iter().zip(rays.x_of_pixels());
+    let x = x.map(|(point, ray)| point.x.to_bits() ^ expected_bits(ray, point.z));
+    let has_x = append_difference(n_points, x, out);
+    let y = points.iter().zip(rays.y_of_pixels());
+    let y = y.map(|(point, ray)| point.y.to_bits() ^ expected_bits(ray, point.z));
+    let has_y = append_difference(n_points, y, out);
+    let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
+    let planes = bit(has_x, HAS_X) | bit(has_y, HAS_Y);
+    out[flags_at..flags_at + 4].copy_from_slice(&planes.to_le_bytes());
+    Ok(())
+}
+
+/// Appends the planes of a difference and returns true; nothing when all of it is zero.
+fn append_difference(n_words: usize, words: impl Iterator<Item = u32>, out: &mut Vec<u8>) -> bool {
+    let begin = out.len();
+    byte_planes::append(n_words, words, out);
+    let is_different = out[begin..].iter().any(|&byte| byte != 0);
+    if !is_different {
+        out.truncate(begin);
+    }
+    is_different
+}
+
+fn append_header(header: &FrameHeader, out: &mut Vec<u8>) {
+    out.extend(VERSION.to_le_bytes());
+    out.extend(header.flags.to_le_bytes());
+    for number in [
+        header.session,
+        header.sequence,
+        header.source_frame,
+        header.capture_stamp_ns,
+        header.scheduled_stamp_ns,
+        header.published_stamp_ns,
+    ] {
+        out.extend(number.to_le_bytes());
+    }
+    out.extend(header.wall_clock_offset_ns.to_le_bytes());
+    let rows = header.world_from_camera.rows.as_flattened();
+    let numbers = header.intrinsics_px.iter().chain(rows);
+    for number in numbers.chain(&header.up_in_camera) {
+        out.extend(number.to_le_bytes());
+    }
+    for side in header.size_px {
+        out.extend(side.to_le_bytes());
+    }
+    let name = header.source_name.as_str().unwrap_or_default().as_bytes();
+    out.extend((name.len() as u32).to_le_bytes());
+    out.extend(name);
+}
+
+fn read_header(fields: &mut FieldReader<'_>) -> Result<FrameHeader, InvalidRecord> {
+    let version = fields.u32("version")?;
+    if version != VERSION {
+        return Err(InvalidRecord::Version {
+            found: version,
+            known: VERSION,
+        });
+    }
+    let mut header = FrameHeader {
+        flags: fields.u32("flags")?,
+        session: fields.u64("session")?,
+        sequence: fields.u64("sequence number")?,
+        source_frame: fields.u64("frame number")?,
+        capture_stamp_ns: fields.u64("capture stamp")?,
+        scheduled_stamp_ns: fields.u64("scheduled stamp")?,
+        published_stamp_ns: fields.u64("publication stamp")?,
+        wall_clock_offset_ns: fields.i64("clock offset")?,
+        intrinsics_px: fields.f64s("intrinsics")?,
+        ..FrameHeader::default()
+    };
+    let mut pose = WireTransform::IDENTITY;
+    for row in &mut pose.rows {
+        *row = fields.f64s("camera pose")?;
+    }
+    header.world_from_camera = pose;
+    header.up_in_camera = fields.f64s("up direction")?;
+    header.size_px = [fields.u32("size")?, fields.u32("size")?];
+    header.source_name = read_name(fields)?;
+    Ok(header)
+}
+
+fn read_name(fields: &mut FieldReader<'_>) -> Result<Text, InvalidRecord> {
+    let length = fields.u32("source name")? as usize;
+    if length > Text::CAPACITY {
+        return Err(InvalidRecord::Name);
+    }
+    let name = fields.bytes(length, "source name")?;
+    let name = std::str::from_utf8(name).map_err(|_| InvalidRecord::Name)?;
+    Ok(Text::truncated(name))
+}
+
+/// Recorded frame with a valid header, still encoded.
+#[derive(Debug, Clone)]
+pub struct FrameRecord<'a> {
+    /// Header of the frame.
+    pub header: FrameHeader,
+    /// Camera intrinsics with the image size.
+    pub camera: PinholeCamera,
+    z: &'a [u8],
+    argb: &'a [u8],
+    /// Planes of the difference; `None` when there is none.
+    x: Option<&'a [u8]>,
+    y: Option<&'a [u8]>,
+}
+
+impl<'a> FrameRecord<'a> {
+    /// Reads the header of an encoded frame and finds its planes.
+    ///
+    /// # Errors
+    /// When the bytes are no frame of this version.
+    pub fn parse(bytes: &'a [u8]) -> Result<Self, InvalidRecord> {
+        let mut fields = FieldReader::new(bytes);
+        let header = read_header(&mut fields)?;
+        let planes = fields.u32("planes")?;
+        if planes & !(HAS_X | HAS_Y) != 0 {
+            return Err(InvalidRecord::Planes(planes));
+        }
+        let n_points = (u64::from(header.size_px[0]) * u64::from(header.size_px[1])) as usize;
+        let camera = header.checked(n_points, u64::MAX)?.camera;
+        let n_planes = 2 + planes.count_ones() as usize;
+        let (found, needed) = (
+            fields.rest().len(),
+            n_planes * byte_planes::plane_bytes(n_points),
+        );
+        if found != needed {
+            return Err(InvalidRecord::PointBytes { found, needed });
+        }
+        let mut next = || fields.bytes(byte_planes::plane_bytes(n_points), "points");
+        Ok(Self {
+            header,
+            camera,
+            z: next()?,
+            argb: next()?,
+            x: (planes & HAS_X != 0).then(&mut next).transpose()?,
+            y: (planes & HAS_Y != 0).then(next).transpose()?,
+        })
+    }
+
+    /// Number of points of the frame.
+    pub fn n_points(&self) -> usize {
+        self.camera.n_pixels()
+    }
+
+    /// Decodes the points, row by row.
+    ///
+    /// # Errors
+    /// When the buffer has another length; it is then unchanged.
+    pub fn fill(&self, points: &mut [CloudPoint]) -> Result<(), InvalidRecord> {
+        let (found, needed) = (points.len(), self.n_points());
+        if found != needed {
+            return Err(InvalidRecord::BufferLength { found, needed });
+        }
+        let rays = Rays::new(&self.camera);
+        let words = byte_planes::words(self.z).zip(byte_planes::words(self.argb));
+        let of_pixels = rays.x_of_pixels().zip(rays.y_of_pixels());
+        for ((point, (z, argb)), (ray_x, ray_y)) in points.iter_mut().zip(words).zip(of_pixels) {
+            let z = f32::from_bits(z);
+            *point = CloudPoint {
+                x: f32::from_bits(expected_bits(ray_x, z)),
+                y: f32::from_bits(expected_bits(ray_y, z)),
+                z,
+                argb,
+            };
+        }
+        if let Some(planes) = self.x {
+            for (point, bits) in points.iter_mut().zip(byte_planes::words(planes)) {
+                point.x = f32::from_bits(point.x.to_bits() ^ bits);
+            }
+        }
+        if let Some(planes) = self.y {
+            for (point, bits) in points.iter_mut().zip(byte_planes::words(planes)) {
+                point.y = f32::from_bits(point.y.to_bits() ^ bits);
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
