@@ -117,6 +117,12 @@ pub(crate) enum Verb {
     /// Measure the end-to-end latency of frames; see `tabula latency --help`
     #[command(disable_help_flag = true)]
     Latency(LabArguments),
+    /// Record the daemon to MCAP files, or recover a recording; see `tabula record --help`
+    #[command(disable_help_flag = true)]
+    Record(LabArguments),
+    /// Replay a recording in a daemon; see `tabula replay --help`
+    #[command(disable_help_flag = true)]
+    Replay(LabArguments),
     /// Show the state of the daemon's processes
     Status,
     /// Diagnose this machine and its configuration
@@ -211,7 +217,7 @@ pub(crate) struct LabelArguments {
 /// them.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
-    /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, or a folder of PCD scenes, of
+    /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, a recording FILE.mcap, or a folder of PCD scenes, of
     /// an RGB-D sequence, or of colour and depth images with intrinsics; SCENE is everyday, isolated, pile, bin, set-table, clutter or a TOML file
     /// [default: simulation]
     #[arg(long, value_name = "SOURCE")]

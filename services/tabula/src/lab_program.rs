@@ -1,4 +1,5 @@
-//! Subcommands executed by another program: `tabula-lab` and `tabula-latency`.
+//! Subcommands executed by another program: `tabula-lab`, `tabula-latency` and
+//! `tabula-recorder`.
 
 use crate::arguments::CliArguments;
 use service::Failure;
@@ -21,6 +22,15 @@ pub(crate) fn become_latency(
     words: &[OsString],
 ) -> Result<ExitCode, Failure> {
     become_program("tabula-latency", arguments, None, words)
+}
+
+/// Replaces this process by `tabula-recorder` with a subcommand and its arguments.
+pub(crate) fn become_recorder(
+    arguments: &CliArguments,
+    verb: &str,
+    words: &[OsString],
+) -> Result<ExitCode, Failure> {
+    become_program("tabula-recorder", arguments, Some(verb.as_ref()), words)
 }
 
 fn become_program(

@@ -59,6 +59,8 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Evaluate(lab) => lab_program::become_lab(arguments, "evaluate", &lab.words),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),
         Verb::Latency(lab) => lab_program::become_latency(arguments, &lab.words),
+        Verb::Record(words) => lab_program::become_recorder(arguments, "record", &words.words),
+        Verb::Replay(words) => lab_program::become_recorder(arguments, "replay", &words.words),
         Verb::Arm { verb } => arm::run(&arguments.common, verb, output),
     }
 }

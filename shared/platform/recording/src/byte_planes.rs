@@ -34,6 +34,31 @@ pub(crate) fn words(planes: &[u8]) -> impl ExactSizeIterator<Item = u32> + '_ {
     })
 }
 
+/// Replaces the bytes of each plane by their differences from the byte before, which are small
+/// where neighbouring words are alike.
+pub(crate) fn to_differences(planes: &mut [u8]) {
+    let n_words = planes.len() / WORD_BYTES;
+    for plane in planes.chunks_exact_mut(n_words.max(1)) {
+        let mut before = 0;
+        for byte in plane {
+            let value = *byte;
+            *byte = value.wrapping_sub(before);
+            before = value;
+        }
+    }
+}
+
+/// Words of planes that were replaced by differences.
+pub(crate) fn words_of_differences(planes: &[u8]) -> impl ExactSizeIterator<Item = u32> + '_ {
+    let mut word = [0_u8; WORD_BYTES];
+    words(planes).map(move |difference| {
+        for (byte, difference) in word.iter_mut().zip(difference.to_le_bytes()) {
+            *byte = byte.wrapping_add(difference);
+        }
+        u32::from_le_bytes(word)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -52,7 +77,9 @@ mod tests {
             let mut planes = Vec::new();
             append(given.len(), given.iter().copied(), &mut planes);
             prop_assert_eq!(planes.len(), plane_bytes(given.len()));
-            prop_assert_eq!(words(&planes).collect::<Vec<_>>(), given);
+            prop_assert_eq!(words(&planes).collect::<Vec<_>>(), given.clone());
+            to_differences(&mut planes);
+            prop_assert_eq!(words_of_differences(&planes).collect::<Vec<_>>(), given);
         }
     }
 }

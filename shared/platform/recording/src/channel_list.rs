@@ -83,14 +83,16 @@ f64[12] world_from_camera, 3 x 4, row by row, metres
 f64[3] up_in_camera
 u32 width, height
 u32 length of source_name, then its bytes in UTF-8
-u32 planes: 1 planes of x follow, 2 planes of y follow
-Then sequences of n = width * height 32-bit words, row by row, each as four planes of n bytes,
-the least significant bytes first:
-z (IEEE 754, metres; NaN without depth), argb (alpha in the highest byte), x if announced, y if
-announced.
-x and y are, as 32-bit floats, ((column - cx) / fx) * z and ((row - cy) / fy) * z, the quotient
-computed in 64 bits and rounded to 32; when z is not finite they have the bits of z. The words of
-x and y are the exclusive or of their bits with these.
+u32 planes: 1 planes of x follow, 2 planes of y follow, 4 depth is a table
+Then sequences of n = width * height 32-bit words, row by row. Planes are a sequence as its n
+lowest bytes, the n bytes above these, and so on up to the n highest ones.
+Depth z (IEEE 754, metres; NaN without depth): as planes; or with bit 4 a table and indices: u32
+length, that many words, and the planes of n 16-bit indices into it.
+Colour argb (alpha in the highest byte): planes, each byte of which is the difference, modulo 256,
+from the byte before it in its plane.
+x and y, if announced: planes. As 32-bit floats x and y are ((column - cx) / fx) * z and
+((row - cy) / fy) * z, the quotient computed in 64 bits and rounded to 32; when z is not finite
+they have the bits of z. The words of the planes are the exclusive or of their bits with these.
 ";
 
 /// Channel of the frames.

@@ -48,6 +48,9 @@ pub enum InvalidRecord {
     /// Bits that this version of the format does not define.
     #[error("it has planes that this program does not know (bits {0:#x})")]
     Planes(u32),
+    /// Depth table with more words than any frame needs.
+    #[error("its depth table has {0} words, more than any frame needs")]
+    TableLength(usize),
     /// Text that is not UTF-8, or too long.
     #[error("its source name is no text of at most 128 bytes")]
     Name,

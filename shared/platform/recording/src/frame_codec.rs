@@ -1,10 +1,13 @@
 //! Lossless encoding of a camera frame: header fields, then planes of bytes.
 //!
 //! The points of an organised cloud follow from depth and colour: x and y are a pixel's viewing
-//! ray times z. A frame holds the planes of z and colour, and those of x and y only when the
-//! product differs from them in some bit; these then hold the differing bits.
+//! ray times z. A frame holds depth and colour, and planes of x and y only when the product
+//! differs from them in some bit; these then hold the differing bits. Depth is a table of its
+//! distinct values and an index for each pixel, or planes when there are too many. The bytes of
+//! colours are differences from the pixel before.
 
 use crate::field_reader::FieldReader;
+use crate::word_table::{self, WordTable};
 use crate::{InvalidRecord, byte_planes};
 use geometry::PinholeCamera;
 use message::{CloudPoint, FrameHeader, InvalidFrame, Text, WireTransform};
@@ -15,6 +18,8 @@ const VERSION: u32 = 1;
 const HAS_X: u32 = 1;
 /// Bit of the planes of y.
 const HAS_Y: u32 = 1 << 1;
+/// Bit of a table in the place of the planes of z.
+const HAS_Z_TABLE: u32 = 1 << 2;
 
 /// Viewing rays of a camera's columns and rows, x and y at z = 1.
 struct Rays {
@@ -71,8 +76,14 @@ pub fn encode_frame(
     let flags_at = out.len();
     out.extend(0_u32.to_le_bytes());
     let n_points = points.len();
-    byte_planes::append(n_points, points.iter().map(|point| point.z.to_bits()), out);
+    let z = points.iter().map(|point| point.z.to_bits());
+    let has_table = word_table::append(z.clone(), out);
+    if !has_table {
+        byte_planes::append(n_points, z, out);
+    }
+    let colors_at = out.len();
     byte_planes::append(n_points, points.iter().map(|point| point.argb), out);
+    byte_planes::to_differences(&mut out[colors_at..]);
     let x = points.iter().zip(rays.x_of_pixels());
     let x = x.map(|(point, ray)| point.x.to_bits() ^ expected_bits(ray, point.z));
     let has_x = append_difference(n_points, x, out);
@@ -80,7 +91,7 @@ pub fn encode_frame(
     let y = y.map(|(point, ray)| point.y.to_bits() ^ expected_bits(ray, point.z));
     let has_y = append_difference(n_points, y, out);
     let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
-    let planes = bit(has_x, HAS_X) | bit(has_y, HAS_Y);
+    let planes = bit(has_x, HAS_X) | bit(has_y, HAS_Y) | bit(has_table, HAS_Z_TABLE);
     out[flags_at..flags_at + 4].copy_from_slice(&planes.to_le_bytes());
     Ok(())
 }
@@ -171,11 +182,35 @@ pub struct FrameRecord<'a> {
     pub header: FrameHeader,
     /// Camera intrinsics with the image size.
     pub camera: PinholeCamera,
-    z: &'a [u8],
+    z: Depths<'a>,
+    /// Planes of differences.
     argb: &'a [u8],
     /// Planes of the difference; `None` when there is none.
     x: Option<&'a [u8]>,
     y: Option<&'a [u8]>,
+}
+
+/// Encoded depths of a frame.
+#[derive(Debug, Clone)]
+enum Depths<'a> {
+    Planes(&'a [u8]),
+    Table(WordTable<'a>),
+}
+
+impl Depths<'_> {
+    /// Sets the depth of each point.
+    fn fill(&self, points: &mut [CloudPoint]) {
+        match self {
+            Self::Planes(planes) => set_depths(points, byte_planes::words(planes)),
+            Self::Table(table) => set_depths(points, table.words()),
+        }
+    }
+}
+
+fn set_depths(points: &mut [CloudPoint], words: impl Iterator<Item = u32>) {
+    for (point, word) in points.iter_mut().zip(words) {
+        point.z = f32::from_bits(word);
+    }
 }
 
 impl<'a> FrameRecord<'a> {
@@ -187,24 +222,27 @@ impl<'a> FrameRecord<'a> {
         let mut fields = FieldReader::new(bytes);
         let header = read_header(&mut fields)?;
         let planes = fields.u32("planes")?;
-        if planes & !(HAS_X | HAS_Y) != 0 {
+        if planes & !(HAS_X | HAS_Y | HAS_Z_TABLE) != 0 {
             return Err(InvalidRecord::Planes(planes));
         }
         let n_points = (u64::from(header.size_px[0]) * u64::from(header.size_px[1])) as usize;
         let camera = header.checked(n_points, u64::MAX)?.camera;
-        let n_planes = 2 + planes.count_ones() as usize;
-        let (found, needed) = (
-            fields.rest().len(),
-            n_planes * byte_planes::plane_bytes(n_points),
-        );
+        let n_bytes = byte_planes::plane_bytes(n_points);
+        let z = if planes & HAS_Z_TABLE == 0 {
+            Depths::Planes(fields.bytes(n_bytes, "depth")?)
+        } else {
+            Depths::Table(WordTable::read(&mut fields, n_points)?)
+        };
+        let n_planes = 1 + (planes & (HAS_X | HAS_Y)).count_ones() as usize;
+        let (found, needed) = (fields.rest().len(), n_planes * n_bytes);
         if found != needed {
             return Err(InvalidRecord::PointBytes { found, needed });
         }
-        let mut next = || fields.bytes(byte_planes::plane_bytes(n_points), "points");
+        let mut next = || fields.bytes(n_bytes, "points");
         Ok(Self {
             header,
             camera,
-            z: next()?,
+            z,
             argb: next()?,
             x: (planes & HAS_X != 0).then(&mut next).transpose()?,
             y: (planes & HAS_Y != 0).then(next).transpose()?,
@@ -226,14 +264,14 @@ impl<'a> FrameRecord<'a> {
             return Err(InvalidRecord::BufferLength { found, needed });
         }
         let rays = Rays::new(&self.camera);
-        let words = byte_planes::words(self.z).zip(byte_planes::words(self.argb));
+        self.z.fill(points);
+        let colors = byte_planes::words_of_differences(self.argb);
         let of_pixels = rays.x_of_pixels().zip(rays.y_of_pixels());
-        for ((point, (z, argb)), (ray_x, ray_y)) in points.iter_mut().zip(words).zip(of_pixels) {
-            let z = f32::from_bits(z);
+        for ((point, argb), (ray_x, ray_y)) in points.iter_mut().zip(colors).zip(of_pixels) {
             *point = CloudPoint {
-                x: f32::from_bits(expected_bits(ray_x, z)),
-                y: f32::from_bits(expected_bits(ray_y, z)),
-                z,
+                x: f32::from_bits(expected_bits(ray_x, point.z)),
+                y: f32::from_bits(expected_bits(ray_y, point.z)),
+                z: point.z,
                 argb,
             };
         }

@@ -53,6 +53,7 @@ mod record_source;
 mod recording_reader;
 mod recording_writer;
 mod recovery;
+mod word_table;
 
 pub use channel_list::{ChannelSpec, MessageEncoding, frame_channel};
 pub use document::Document;

@@ -1,4 +1,5 @@
 //! Recordings: what was written is read back; cut, damaged and hostile files give what is intact.
+#![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
 use geometry::PinholeCamera;
 use message::{

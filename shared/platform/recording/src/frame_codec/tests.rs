@@ -125,7 +125,7 @@ fn fuzz_frames() {
         Ok(frame) => {
             let mut points = vec![CloudPoint::default(); frame.n_points()];
             frame.fill(&mut points).unwrap();
-            assert!(frame.n_points() * 8 <= bytes.len());
+            assert!(frame.n_points() * 6 <= bytes.len());
         }
         Err(error) => assert_sentence(&error),
     });

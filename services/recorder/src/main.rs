@@ -1,0 +1,39 @@
+//! `tabula-recorder`: records a running daemon, recovers recordings, and replays them.
+
+mod arguments;
+mod daemon_of_replay;
+mod foxglove_view;
+mod message_queue;
+mod queued_message;
+mod record;
+mod recording_thread;
+mod recover;
+mod replay;
+mod replay_events;
+mod segment_folder;
+mod segment_writer;
+mod topic_receiver;
+
+use arguments::{RecorderArguments, RecorderVerb};
+use clap::Parser;
+use command_line::Output;
+use service::{Failure, set_private_umask};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments = RecorderArguments::parse();
+    let output = Output::new(arguments.json);
+    // Recordings show what the camera sees: they are for their user only.
+    set_private_umask();
+    output.exit_code(execute(&arguments, &output))
+}
+
+fn execute(arguments: &RecorderArguments, output: &Output) -> Result<ExitCode, Failure> {
+    match &arguments.verb {
+        RecorderVerb::Record(record) => match &record.recover {
+            Some(damaged) => recover::run(damaged, record.out.as_deref(), output),
+            None => record::run(&arguments.common, record, output),
+        },
+        RecorderVerb::Replay(replay) => replay::run(&arguments.common, replay, output),
+    }
+}

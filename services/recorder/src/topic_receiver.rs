@@ -1,0 +1,122 @@
+//! Receiver of all recorded topics by polling, which costs the daemon no wake-up.
+
+use crate::message_queue::MessageQueue;
+use crate::queued_message::{Content, QueuedMessage};
+use channel::topic::{
+    ActorEvents, ArmStates, CameraCloud, MemoryChanged, ObjectView, PersonBodies, ProcessHealth,
+    Scene, Topic,
+};
+use channel::{Domain, Error, Received, SharedMessage, Subscriber};
+use service::wall_clock_ns;
+
+/// Subscribers of all recorded topics.
+pub(crate) struct TopicReceiver {
+    clouds: Subscriber<CameraCloud>,
+    arm: Subscriber<ArmStates>,
+    people: Subscriber<PersonBodies>,
+    scenes: Subscriber<Scene>,
+    views: Subscriber<ObjectView>,
+    actors: Subscriber<ActorEvents>,
+    memory: Subscriber<MemoryChanged>,
+    health: Subscriber<ProcessHealth>,
+}
+
+impl TopicReceiver {
+    pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
+        Ok(Self {
+            clouds: Subscriber::polled(domain)?,
+            arm: Subscriber::polled(domain)?,
+            people: Subscriber::polled(domain)?,
+            scenes: Subscriber::polled(domain)?,
+            views: Subscriber::polled(domain)?,
+            actors: Subscriber::polled(domain)?,
+            memory: Subscriber::polled(domain)?,
+            health: Subscriber::polled(domain)?,
+        })
+    }
+
+    /// Moves all waiting messages into the queue. Clouds are taken first and queued last: a source
+    /// publishes the states of arm and people before the frame that they belong to.
+    pub(crate) fn receive(&mut self, queue: &MessageQueue) -> Result<(), Error> {
+        let mut clouds = Vec::new();
+        take_all(&mut self.clouds, |cloud| {
+            clouds.push(queued(Content::Frame(Box::new(cloud))));
+        })?;
+        let push = |content| queue.push(queued(content));
+        take_all(&mut self.arm, |state| {
+            push(Content::Arm(
+                Box::new(*state.header()),
+                state.items().to_vec(),
+            ));
+        })?;
+        take_all(&mut self.people, |body| {
+            push(Content::Person(*body.header(), body.items().to_vec()));
+        })?;
+        take_all(&mut self.scenes, |scene| {
+            push(Content::Scene(
+                Box::new(*scene.header()),
+                scene.items().to_vec(),
+            ));
+        })?;
+        take_all(&mut self.views, |view| {
+            push(Content::View(
+                Box::new(*view.header()),
+                view.items().to_vec(),
+            ));
+        })?;
+        take_all(&mut self.actors, |events| {
+            events
+                .items()
+                .iter()
+                .for_each(|event| push(Content::Actor(Box::new(*event))));
+        })?;
+        take_all(&mut self.memory, |changes| {
+            changes
+                .items()
+                .iter()
+                .for_each(|change| push(Content::Memory(*change)));
+        })?;
+        take_all(&mut self.health, |reports| {
+            reports
+                .items()
+                .iter()
+                .for_each(|health| push(Content::Health(Box::new(*health))));
+        })?;
+        for cloud in clouds {
+            queue.push(cloud);
+        }
+        Ok(())
+    }
+
+    /// Number of frames that were overwritten before they were received.
+    pub(crate) fn n_frames_lost(&self) -> u64 {
+        self.clouds.n_lost()
+    }
+
+    /// Number of other messages that were overwritten before they were received.
+    pub(crate) fn n_others_lost(&self) -> u64 {
+        self.arm.n_lost()
+            + self.people.n_lost()
+            + self.scenes.n_lost()
+            + self.views.n_lost()
+            + self.actors.n_lost()
+            + self.health.n_lost()
+    }
+}
+
+fn take_all<T: Topic>(
+    subscriber: &mut Subscriber<T>,
+    mut take: impl FnMut(SharedMessage<T>),
+) -> Result<(), Error> {
+    while let Received::Message(message) = subscriber.receive()? {
+        take(message);
+    }
+    Ok(())
+}
+
+fn queued(content: Content) -> QueuedMessage {
+    QueuedMessage {
+        received_ns: wall_clock_ns().unsigned_abs(),
+        content,
+    }
+}
