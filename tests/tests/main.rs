@@ -45,8 +45,12 @@ mod panics;
 mod read_your_writes;
 /// Real scenes: recognition after a restart, static tracks under a moving camera.
 mod real_scenes;
+/// Recordings of a running daemon.
+mod recordings;
 /// Registered colour and depth images of any size.
 mod registered_images;
+/// Replay of recordings in lockstep.
+mod replay;
 /// Accounts and roles of users.
 mod roles;
 /// Simulated table: ground truth, arm, person, recordings.

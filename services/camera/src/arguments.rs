@@ -43,4 +43,8 @@ pub(crate) struct SourceArguments {
     /// Send a frame only when perception and memory have finished the previous one
     #[arg(long)]
     pub(crate) lockstep: bool,
+
+    /// In lockstep, also wait for a recorder that reports each frame
+    #[arg(long, hide = true)]
+    pub(crate) lockstep_recorder: bool,
 }

@@ -2,6 +2,7 @@
 
 use crate::arguments::CameraArguments;
 use crate::source::{Playback, SourceSpec};
+use capture::FramePace;
 use serde::Deserialize;
 use service::{ConfigFile, Failure, has_been_ready};
 
@@ -28,8 +29,8 @@ pub struct Config {
     pub(crate) source: SourceSpec,
     /// Playback options.
     pub(crate) playback: Playback,
-    /// True if a frame is sent only when the one before is finished.
-    pub(crate) lockstep: bool,
+    /// Pace of the frames: on schedule or in lockstep.
+    pub(crate) pace: FramePace,
     /// True if the source was checked before the start, as `tabula run` does, or has been usable
     /// before a restart by systemd: a failure to open it now may pass.
     pub(crate) is_source_checked: bool,
@@ -59,7 +60,11 @@ impl Config {
                 from: given.from.or(raw.from_frame),
                 to: given.to.or(raw.to_frame),
             },
-            lockstep: given.lockstep || raw.lockstep,
+            pace: match (given.lockstep_recorder, given.lockstep || raw.lockstep) {
+                (true, _) => FramePace::LockstepWithRecorder,
+                (false, true) => FramePace::Lockstep,
+                (false, false) => FramePace::Schedule,
+            },
             is_source_checked: arguments.process.follow_parent.is_some() || has_been_ready(),
         };
         config.check().map_err(Failure::usage)?;
@@ -105,7 +110,7 @@ impl Config {
             ("--rate", rate_hz.is_some()),
             ("--from", from.is_some()),
             ("--to", to.is_some()),
-            ("--lockstep", self.lockstep),
+            ("--lockstep", self.pace.is_lockstep()),
             ("--loop", looped && name == "kinect"),
         ];
         match refused.iter().find(|(_, is_given)| *is_given) {

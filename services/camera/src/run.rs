@@ -118,7 +118,7 @@ fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd
         return Ok(CaptureEnd::Stopped);
     };
     let rate = match source.rate_hz() {
-        _ if config.lockstep => "in lockstep".into(),
+        _ if config.pace.is_lockstep() => "in lockstep".into(),
         _ if matches!(config.source, SourceSpec::Recording(_))
             && config.playback.rate_hz.is_none() =>
         {
@@ -128,7 +128,7 @@ fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd
         None => "at its own rate".into(),
     };
     tracing::info!("playing {} {rate}", source.name());
-    CaptureLoop::new(context, source, config.lockstep, runtime)?.run()
+    CaptureLoop::new(context, source, config.pace, runtime)?.run()
 }
 
 /// Opens the source; `None` when shutdown was requested before it could be opened. A source

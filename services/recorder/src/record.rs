@@ -70,7 +70,7 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     arguments.check()?;
     let stop = StopSignal::install()?;
-    let mut recorder = Recorder::start(&common.domain, arguments, output)?;
+    let mut recorder = RunningRecording::start(&common.domain, arguments, output)?;
     let end = recorder.record(arguments, &stop)?;
     let free_mb = recorder.folder.free_mb();
     let document = recorder.finish(end)?;
@@ -87,7 +87,7 @@ pub(crate) fn run(
 }
 
 /// Running recording.
-struct Recorder<'a> {
+struct RunningRecording<'a> {
     receiver: TopicReceiver,
     queue: Arc<MessageQueue>,
     thread: RecordingThread,
@@ -97,7 +97,7 @@ struct Recorder<'a> {
     output: &'a Output,
 }
 
-impl<'a> Recorder<'a> {
+impl<'a> RunningRecording<'a> {
     fn start(
         name: &DomainName,
         arguments: &RecordArguments,

@@ -19,7 +19,7 @@ pub(crate) struct RecordingThread {
     thread: JoinHandle<Result<Written, Failure>>,
 }
 
-/// What a finished writer has written.
+/// Result of a finished writer.
 #[derive(Debug)]
 pub(crate) struct Written {
     pub(crate) counts: RecordingCounts,

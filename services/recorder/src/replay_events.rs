@@ -2,10 +2,11 @@
 
 use crate::arguments::ReplayArguments;
 use crate::daemon_of_replay::DaemonOfReplay;
-use channel::topic::{ProcessHealth, Scene};
-use channel::{Domain, Received, Role, RunFolder, Subscriber};
+use capture::RECORDER_CODE;
+use channel::topic::{FinishedFrames, ProcessHealth, Scene};
+use channel::{Domain, Publisher, Received, Role, RunFolder, Subscriber};
 use command_line::{Output, StopSignal};
-use message::{ProcessKind, ProcessState};
+use message::{FrameDone, PlainHeader, ProcessKind, ProcessState};
 use recording::{EventDigest, EventStream};
 use service::{CommonArguments, Failure};
 use std::fs::File;
@@ -14,7 +15,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Polling period of scenes: shorter than the time of a frame, so that none is overwritten.
+/// Polling period of scenes. The camera waits for the report on each.
 const POLL_PERIOD: Duration = Duration::from_micros(500);
 
 /// Replays a recording to its end and writes its events.
@@ -35,12 +36,16 @@ pub(crate) fn run(
     let mut collector = EventCollector {
         scenes: Subscriber::polled(&domain)?,
         health: Subscriber::polled(&domain)?,
+        finished: Subscriber::polled(&domain)?,
+        reports: Publisher::new(&domain)?,
         stream: EventStream::new(),
         file: BufWriter::new(file),
         session: None,
     };
     let config = common.config.as_deref();
-    let mut daemon = DaemonOfReplay::start(&name, config, &arguments.run_arguments())?;
+    let mut run_arguments = arguments.run_arguments();
+    run_arguments.push("--lockstep-recorder".into());
+    let mut daemon = DaemonOfReplay::start(&name, config, &run_arguments)?;
     while !collector.receive().map_err(not_written_events(out))? {
         if stop.is_raised() {
             return Err(Failure::general("the replay was stopped before its end"));
@@ -91,6 +96,9 @@ fn text(digest: &EventDigest, out: &Path) -> String {
 struct EventCollector {
     scenes: Subscriber<Scene>,
     health: Subscriber<ProcessHealth>,
+    finished: Subscriber<FinishedFrames>,
+    /// Reports of the frames whose scene was taken, for which the camera waits.
+    reports: Publisher<FinishedFrames>,
     stream: EventStream,
     file: BufWriter<File>,
     /// Session of the scenes.
@@ -101,9 +109,27 @@ impl EventCollector {
     /// Takes all waiting messages; true at the end of the replay.
     fn receive(&mut self) -> Result<bool, Failure> {
         let is_idle = self.is_camera_idle()?;
-        // In lockstep the camera is idle after the scene of its last frame was published.
-        self.receive_scenes()?;
+        // In lockstep the camera is idle after the scene of its last frame was taken.
+        self.receive_finished()?;
         Ok(is_idle)
+    }
+
+    /// Takes the scene of each frame that perception has finished, and reports that. A frame that
+    /// perception cannot use has none.
+    fn receive_finished(&mut self) -> Result<(), Failure> {
+        while let Received::Message(finished) = self.finished.receive()? {
+            for done in finished.items() {
+                if done.process == u64::from(ProcessKind::Perception.code()) {
+                    self.receive_scenes()?;
+                    let report = FrameDone {
+                        process: RECORDER_CODE,
+                        ..*done
+                    };
+                    self.reports.send_copy(PlainHeader::default(), &[report])?;
+                }
+            }
+        }
+        Ok(())
     }
 
     fn receive_scenes(&mut self) -> Result<(), Failure> {

@@ -4,7 +4,7 @@ use crate::arm_command_queue::{ArmCommandQueue, arm_command_queue};
 use crate::config::Config;
 use crate::simulator_source::SimulatorSource;
 use crate::world_publishers::WorldPublishers;
-use capture::{CaptureEnd, CaptureLoop};
+use capture::{CaptureEnd, CaptureLoop, FramePace};
 use channel::control::Server;
 use message::ProcessKind;
 use service::{Context, Failure, TaskGroup};
@@ -83,7 +83,12 @@ fn play(
     )
     .map_err(Failure::usage)?;
     let health = context.health.clone();
-    let capture = CaptureLoop::new(context, Box::new(source), config.lockstep, runtime)?;
+    let pace = if config.lockstep {
+        FramePace::Lockstep
+    } else {
+        FramePace::Schedule
+    };
+    let capture = CaptureLoop::new(context, Box::new(source), pace, runtime)?;
     health
         .shared_memory_bytes
         .fetch_add(shared_bytes, std::sync::atomic::Ordering::Relaxed);

@@ -216,6 +216,10 @@ pub(crate) struct LabelArguments {
 /// Sensor options of `tabula run`; passed on to tabula-camera or tabula-simulator, which check
 /// them.
 #[derive(Debug, Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a flag of the command line"
+)]
 pub(crate) struct RunArguments {
     /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, a recording FILE.mcap, or a folder of PCD scenes, of
     /// an RGB-D sequence, or of colour and depth images with intrinsics; SCENE is everyday, isolated, pile, bin, set-table, clutter or a TOML file
@@ -243,6 +247,9 @@ pub(crate) struct RunArguments {
     /// Send a frame only when perception and memory have finished the previous one
     #[arg(long)]
     lockstep: bool,
+    /// In lockstep, also wait for a recorder that reports each frame
+    #[arg(long, hide = true, requires = "lockstep")]
+    lockstep_recorder: bool,
     /// Check the configuration and the arguments of all processes, and do nothing else
     #[arg(long)]
     pub(crate) check_config: bool,
@@ -284,6 +291,7 @@ impl RunArguments {
         for_other("--loop", self.looped, true)?;
         for_other("--from", self.from.is_some(), true)?;
         for_other("--to", self.to.is_some(), true)?;
+        for_other("--lockstep-recorder", self.lockstep_recorder, true)?;
         let values = [
             ("--source", camera_source),
             ("--scene", scene),
@@ -293,7 +301,11 @@ impl RunArguments {
             ("--from", self.from.as_ref()),
             ("--to", self.to.as_ref()),
         ];
-        let flags = [("--loop", self.looped), ("--lockstep", self.lockstep)];
+        let flags = [
+            ("--loop", self.looped),
+            ("--lockstep", self.lockstep),
+            ("--lockstep-recorder", self.lockstep_recorder),
+        ];
         let values = values
             .into_iter()
             .filter_map(|(name, value)| Some(format!("{name}={}", value?)));

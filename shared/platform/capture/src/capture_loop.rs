@@ -2,7 +2,7 @@
 
 use crate::image_publisher::{ImagePublisher, LoanedImages};
 use crate::lead_time::LeadTime;
-use crate::lockstep::{Lockstep, LockstepOutcome};
+use crate::lockstep::{FramePace, Lockstep, LockstepOutcome};
 use crate::outage::Outage;
 use crate::schedule::Schedule;
 use crate::source::{FrameInfo, FrameSize, IdleUpdate, Source};
@@ -73,7 +73,7 @@ impl CaptureLoop {
     pub fn new(
         context: Context,
         source: Box<dyn Source>,
-        is_lockstep: bool,
+        pace: FramePace,
         runtime: Handle,
     ) -> Result<Self, Failure> {
         let publisher = Publisher::for_items(&context.domain, source.max_points())?;
@@ -83,14 +83,15 @@ impl CaptureLoop {
             publisher.reservation().bytes() + images.reserved_bytes() + trace.reserved_bytes(),
             Ordering::Relaxed,
         );
-        let start_ns = if is_lockstep {
+        let start_ns = if pace.is_lockstep() {
             LOCKSTEP_START_NS
         } else {
             monotonic_ns()
         };
         let entered = runtime.enter();
-        let lockstep = is_lockstep
-            .then(|| Lockstep::new(&context.domain))
+        let lockstep = pace
+            .is_lockstep()
+            .then(|| Lockstep::new(&context.domain, pace))
             .transpose()?;
         drop(entered);
         Ok(Self {

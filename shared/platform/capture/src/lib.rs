@@ -60,6 +60,7 @@ mod source_error;
 mod source_images;
 
 pub use capture_loop::{CaptureEnd, CaptureLoop};
+pub use lockstep::{FramePace, RECORDER_CODE};
 pub use outage::Outage;
 pub use source::{FrameInfo, FrameSize, IdleUpdate, Source};
 pub use source_error::SourceError;

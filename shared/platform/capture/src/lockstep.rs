@@ -14,9 +14,31 @@ const SILENCE: Duration = Duration::from_secs(3);
 /// Period in which waiting is recorded as progress.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(500);
 
+/// Code of a recorder in its reports of finished frames, in the place of that of a process.
+pub const RECORDER_CODE: u64 = 64;
+
+/// Pace of the frames of a source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FramePace {
+    /// On schedule, or as a live sensor sends them.
+    Schedule,
+    /// Each frame when perception and memory have finished the one before.
+    Lockstep,
+    /// The same, and a recorder has taken all that was published for it.
+    LockstepWithRecorder,
+}
+
+impl FramePace {
+    /// True if a frame waits for the one before to be finished.
+    pub fn is_lockstep(self) -> bool {
+        self != Self::Schedule
+    }
+}
+
 /// Receiver of the followers' reports.
 pub(crate) struct Lockstep {
     reports: Subscriber<FinishedFrames>,
+    has_recorder: bool,
 }
 
 /// Outcome of waiting for the lockstep followers.
@@ -31,9 +53,10 @@ pub(crate) enum LockstepOutcome {
 }
 
 impl Lockstep {
-    pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
+    pub(crate) fn new(domain: &Domain, pace: FramePace) -> Result<Self, Error> {
         Ok(Self {
             reports: Subscriber::waiting(domain)?,
+            has_recorder: pace == FramePace::LockstepWithRecorder,
         })
     }
 
@@ -44,7 +67,8 @@ impl Lockstep {
         shutdown: &Shutdown,
         health: &HealthCounters,
     ) -> Result<LockstepOutcome, Error> {
-        let mut waiting_for = FOLLOWERS.to_vec();
+        let mut waiting_for = FOLLOWERS.map(|process| u64::from(process.code())).to_vec();
+        waiting_for.extend(self.has_recorder.then_some(RECORDER_CODE));
         let silence = tokio::time::sleep(SILENCE);
         tokio::pin!(silence);
         while !waiting_for.is_empty() {
@@ -65,6 +89,6 @@ impl Lockstep {
     }
 }
 
-fn is_by(done: &FrameDone, follower: ProcessKind, session: u64, sequence: u64) -> bool {
-    (done.session, done.sequence, done.process) == (session, sequence, u64::from(follower.code()))
+fn is_by(done: &FrameDone, follower: u64, session: u64, sequence: u64) -> bool {
+    (done.session, done.sequence, done.process) == (session, sequence, follower)
 }

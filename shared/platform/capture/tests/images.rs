@@ -1,7 +1,9 @@
 //! Raw images during capture: asked for and sent only while somebody subscribes.
 #![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
-use capture::{CaptureLoop, DepthPixels, FrameInfo, FrameSize, Source, SourceError, SourceImages};
+use capture::{
+    CaptureLoop, DepthPixels, FrameInfo, FramePace, FrameSize, Source, SourceError, SourceImages,
+};
 use channel::topic::{CameraCloud, CameraImages};
 use channel::{Domain, Role, RunFolder, Subscriber};
 use geometry::PinholeCamera;
@@ -168,7 +170,13 @@ fn capture(is_subscribed: bool, has_images: bool) -> (usize, Vec<ReceivedFrame>)
         health: Arc::new(HealthCounters::default()),
     };
     let runtime = tokio::runtime::Runtime::new().unwrap();
-    let capture = CaptureLoop::new(context, source, false, runtime.handle().clone()).unwrap();
+    let capture = CaptureLoop::new(
+        context,
+        source,
+        FramePace::Schedule,
+        runtime.handle().clone(),
+    )
+    .unwrap();
     capture.run().unwrap();
     let n_asked = n_asked.load(Ordering::Relaxed) as usize;
     (n_asked, received.try_iter().collect())

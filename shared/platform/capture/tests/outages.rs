@@ -1,7 +1,7 @@
 //! Outages of a source and of shared memory during capture: the loop tries again in place.
 #![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
-use capture::{CaptureEnd, CaptureLoop, FrameInfo, FrameSize, Source, SourceError};
+use capture::{CaptureEnd, CaptureLoop, FrameInfo, FramePace, FrameSize, Source, SourceError};
 use channel::topic::MAX_FRAME_POINTS;
 use channel::{Domain, Role, RunFolder};
 use geometry::PinholeCamera;
@@ -123,7 +123,13 @@ fn capture(script: &[Attempt]) -> Captured {
         sent,
     });
     let runtime = tokio::runtime::Runtime::new().unwrap();
-    let capture = CaptureLoop::new(context, source, false, runtime.handle().clone()).unwrap();
+    let capture = CaptureLoop::new(
+        context,
+        source,
+        FramePace::Schedule,
+        runtime.handle().clone(),
+    )
+    .unwrap();
     let end = capture.run();
     Captured {
         end,

@@ -16,7 +16,7 @@ const STARTED: &str = "started";
 /// Event as it is written: one JSON object a line. Stage stamps and the session, which differ
 /// from run to run, are left out.
 #[derive(Debug, Serialize)]
-struct Event<T> {
+struct ReplayEvent<T> {
     frame: u64,
     track_id: u64,
     kind: &'static str,
@@ -145,7 +145,7 @@ fn line<T: Serialize>(
     kind: &'static str,
     content: Option<T>,
 ) -> Result<EventLine, serde_json::Error> {
-    let event = Event {
+    let event = ReplayEvent {
         frame,
         track_id,
         kind,
