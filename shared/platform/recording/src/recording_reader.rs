@@ -1,7 +1,9 @@
 //! Reader of a recording, front to back. Damaged chunks are left out and counted.
 
 use crate::Error;
-use crate::record_source::{ChunkRecords, NextRecord, RecordSource, record_limit};
+use crate::record_source::{
+    ChunkRecords, NextRecord, RecordSource, chunk_content_bytes, content_limit, record_limit,
+};
 use mcap::records::{Record, op};
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -70,6 +72,8 @@ pub struct RecordingReader<R> {
     /// Content of the newest record.
     content: Vec<u8>,
     record_limit: usize,
+    /// Size that the contents of the chunks to come may have, bytes.
+    content_left: u64,
     file_bytes: u64,
     summary: ReadSummary,
 }
@@ -93,6 +97,7 @@ impl<R: Read> RecordingReader<R> {
             channels: BTreeMap::new(),
             content: Vec::new(),
             record_limit,
+            content_left: content_limit(file_bytes),
             file_bytes,
             summary: ReadSummary::default(),
         }
@@ -159,7 +164,7 @@ impl<R: Read> RecordingReader<R> {
     /// Takes a definition, begins a chunk, or finds a message.
     fn take_record(&mut self, opcode: u8) -> Option<FoundMessage> {
         if opcode == op::CHUNK {
-            self.chunk = Some(ChunkRecords::new(&self.content, self.record_limit));
+            self.begin_chunk();
             return None;
         }
         // Other records are not parsed: nothing depends on them.
@@ -194,6 +199,20 @@ impl<R: Read> RecordingReader<R> {
                 })
             }
             _ => None,
+        }
+    }
+
+    /// Begins to read a chunk, unless it holds more than the length of the file accounts for.
+    fn begin_chunk(&mut self) {
+        let content_bytes = chunk_content_bytes(&self.content);
+        let is_sound =
+            |bytes: &u64| *bytes <= self.record_limit as u64 && *bytes <= self.content_left;
+        match content_bytes.filter(is_sound) {
+            Some(content_bytes) => {
+                self.content_left -= content_bytes;
+                self.chunk = Some(ChunkRecords::new(&self.content, self.record_limit));
+            }
+            None => self.summary.n_damaged_chunks += 1,
         }
     }
 

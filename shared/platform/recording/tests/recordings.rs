@@ -205,6 +205,31 @@ fn file_of_another_kind_is_refused() {
 }
 
 #[test]
+fn chunk_that_promises_more_than_its_file_accounts_for_is_left_out() {
+    const CONTENT_BYTES: usize = 64 << 20;
+    let mut file = std::io::Cursor::new(Vec::new());
+    let options = mcap::WriteOptions::new().chunk_size(Some(1 << 30));
+    let mut writer = options.create(&mut file).unwrap();
+    let none = std::collections::BTreeMap::new();
+    let id = writer.add_channel(0, "zeros", "none", &none).unwrap();
+    let header = mcap::records::MessageHeader {
+        channel_id: id,
+        sequence: 0,
+        log_time: 0,
+        publish_time: 0,
+    };
+    let zeros = vec![0; CONTENT_BYTES];
+    writer.write_to_known_channel(&header, &zeros).unwrap();
+    writer.finish().unwrap();
+    drop(writer);
+    let file = file.into_inner();
+    assert!(file.len() < 32_000, "{} bytes", file.len());
+    let mut reader = RecordingReader::new(&file[..], file.len() as u64);
+    assert!(reader.next_message().unwrap().is_none());
+    assert_eq!(reader.summary().n_damaged_chunks, 1);
+}
+
+#[test]
 fn fuzz_recordings() {
     let whole = recorded(false);
     // Without compression, corruptions reach the records and the frames.
