@@ -130,6 +130,23 @@ fn only_file(document: &Value) -> PathBuf {
     files[0].as_str().unwrap().into()
 }
 
+/// Asserts that before each frame are the states since the one before, of the arm 120 a second.
+fn check_states(frames: &[ReadFrame], document: &Value) {
+    let is_whole = document["messages_dropped"] == 0 && document["frames_dropped"] == 0;
+    for pair in frames.windows(2) {
+        let [before_ns, capture_ns] = [0, 1].map(|i| pair[i].header.capture_stamp_ns);
+        let states = &pair[1].arm_ns;
+        let is_between = |&stamp_ns: &u64| stamp_ns > before_ns && stamp_ns <= capture_ns;
+        assert!(states.iter().all(is_between), "{states:?}");
+        assert!(states.is_sorted() && !states.is_empty(), "{states:?}");
+        // A busy computer may overwrite states before they are read, and counts that.
+        if is_whole {
+            assert_eq!(states.len(), 12, "{states:?}");
+            assert_eq!(pair[1].people_ns, [capture_ns]);
+        }
+    }
+}
+
 #[test]
 fn recording_holds_the_published_frames_to_the_bit() {
     let sandbox = Sandbox::new();
@@ -155,13 +172,7 @@ fn recording_holds_the_published_frames_to_the_bit() {
             frame.header
         );
     }
-    // Before each frame but the first are all states since the one before.
-    for frame in &read[1..] {
-        let capture_ns = frame.header.capture_stamp_ns;
-        assert_eq!(frame.arm_ns.len(), 12, "{:?}", frame.arm_ns);
-        assert_eq!(frame.people_ns, [capture_ns]);
-        assert!(frame.arm_ns.is_sorted());
-    }
+    check_states(&read, &document);
     let topics = topics(&file);
     for topic in [
         service_name::SCENE,
