@@ -1,6 +1,7 @@
 //! Frame sources behind one trait, and their playback.
 
 mod kinect;
+mod playback_clock;
 mod recorded_bodies;
 mod recording;
 mod registered;

@@ -1,6 +1,7 @@
 //! `tabula-recorder`: records a running daemon, recovers recordings, and replays them.
 
 mod arguments;
+mod counting_writer;
 mod daemon_of_replay;
 mod foxglove_view;
 mod message_queue;

@@ -1,5 +1,6 @@
 //! Writer of the files of a recording: rotation by size and time, names, flushing.
 
+use crate::counting_writer::CountingWriter;
 use crate::foxglove_view::FoxgloveView;
 use crate::queued_message::{self, Content, QueuedMessage};
 use crate::segment_folder::{MEGABYTE, SegmentFolder, closed_path};
@@ -7,7 +8,6 @@ use message::FrameHeader;
 use recording::{MessageTime, RecordingWriter, encode_frame};
 use service::Failure;
 use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,8 +16,6 @@ use std::time::{Duration, Instant};
 /// Time after which written messages are handed to the operating system: what a killed recorder
 /// loses at most.
 const FLUSH_PERIOD: Duration = Duration::from_millis(500);
-/// Size of the buffer before the file.
-const BUFFER_BYTES: usize = 1 << 18;
 
 /// Limits of the files.
 #[derive(Debug, Clone, Copy)]
@@ -59,24 +57,6 @@ struct OpenFile {
     n_bytes: Arc<AtomicU64>,
     opened: Instant,
     flushed: Instant,
-}
-
-/// File that counts the bytes written to it.
-struct CountingWriter {
-    file: BufWriter<File>,
-    n_bytes: Arc<AtomicU64>,
-}
-
-impl Write for CountingWriter {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let n = self.file.write(bytes)?;
-        self.n_bytes.fetch_add(n as u64, Ordering::Relaxed);
-        Ok(n)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        self.file.flush()
-    }
 }
 
 fn not_written(path: &Path, error: impl std::fmt::Display) -> Failure {
@@ -209,11 +189,7 @@ impl SegmentWriter {
         let path = self.folder.active_path(self.number);
         let file = File::options().write(true).create_new(true).open(&path);
         let file = file.map_err(|error| not_written(&path, error))?;
-        let n_bytes = Arc::new(AtomicU64::new(0));
-        let out = CountingWriter {
-            file: BufWriter::with_capacity(BUFFER_BYTES, file),
-            n_bytes: n_bytes.clone(),
-        };
+        let (out, n_bytes) = CountingWriter::new(file);
         let writer = self.begun(out).map_err(|error| not_written(&path, error))?;
         Ok(OpenFile {
             path,

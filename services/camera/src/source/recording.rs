@@ -1,6 +1,7 @@
 //! Frame source for a recording of `tabula record`: frames with their headers, and before each
 //! the states of arm and people up to its capture.
 
+use super::playback_clock::PlaybackClock;
 use super::recorded_bodies::RecordedBodies;
 use super::{DEFAULT_RATE_HZ, FrameInfo, FrameSize, Playback, Source, SourceError};
 use channel::Domain;
@@ -10,10 +11,6 @@ use recording::{Error, FramePlayer, FrameRecord, InvalidRecord, PlayedFrame};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
-
-/// Interval between two frames whose stamps do not grow: the recording goes on in another
-/// session, or begins again. Nanoseconds, 30 Hz.
-const SESSION_GAP_NS: u64 = 33_333_333;
 
 /// Player of a recording.
 pub(super) struct RecordingSource {
@@ -32,27 +29,6 @@ pub(super) struct RecordingSource {
     bodies: Option<RecordedBodies>,
     max_points: usize,
     is_end_logged: bool,
-}
-
-/// Clock of the playback, which never goes back: the capture times of the recording, joined where
-/// another session or another round begins.
-#[derive(Debug, Default)]
-struct PlaybackClock {
-    /// Capture time of the newest frame in the recording.
-    recorded_ns: Option<u64>,
-    now_ns: u64,
-}
-
-impl PlaybackClock {
-    fn advance_to(&mut self, recorded_ns: u64) {
-        let interval_ns = match self.recorded_ns {
-            None => 0,
-            Some(before_ns) if recorded_ns > before_ns => recorded_ns - before_ns,
-            Some(_) => SESSION_GAP_NS,
-        };
-        self.recorded_ns = Some(recorded_ns);
-        self.now_ns = self.now_ns.saturating_add(interval_ns);
-    }
 }
 
 impl RecordingSource {
@@ -181,7 +157,7 @@ impl Source for RecordingSource {
 
     fn frame_time_ns(&self) -> Option<u64> {
         let is_at_own_pace = self.playback.rate_hz.is_none() && self.prepared.is_some();
-        is_at_own_pace.then_some(self.clock.now_ns)
+        is_at_own_pace.then_some(self.clock.now_ns())
     }
 
     fn max_points(&self) -> usize {
@@ -273,127 +249,4 @@ fn frame_info(record: &FrameRecord<'_>) -> Result<FrameInfo, InvalidRecord> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use geometry::PinholeCamera;
-    use message::CloudPoint;
-    use recording::{MessageTime, RecordingWriter, encode_frame};
-
-    fn camera() -> PinholeCamera {
-        PinholeCamera {
-            fx_px: 4.0,
-            fy_px: 4.0,
-            cx_px: 1.5,
-            cy_px: 1.0,
-            width: 4,
-            height: 3,
-        }
-    }
-
-    /// Writes frames with these capture times; the depth of frame `n` is `n` metres.
-    fn record(path: &Path, captures_ns: &[u64]) {
-        let mut writer = RecordingWriter::new(File::create(path).unwrap(), "test").unwrap();
-        let mut bytes = Vec::new();
-        for (sequence, &capture_stamp_ns) in (0..).zip(captures_ns) {
-            let mut header = FrameHeader {
-                sequence,
-                capture_stamp_ns,
-                flags: frame_flag::HAS_WORLD_POSE,
-                ..FrameHeader::default()
-            };
-            header.set_camera(&camera());
-            // A rotation by an angle whose matrix changes when it is converted to a quaternion.
-            let (sin, cos) = 0.1_f64.sin_cos();
-            header.world_from_camera.rows[0] = [cos, -sin, 0.0, 0.3];
-            header.world_from_camera.rows[1] = [sin, cos, 0.0, 0.1];
-            let z = sequence as f32;
-            let points = [CloudPoint {
-                z,
-                ..CloudPoint::default()
-            }; 12];
-            encode_frame(&header, &points, &mut bytes).unwrap();
-            writer
-                .write_frame(MessageTime::at(capture_stamp_ns), &bytes)
-                .unwrap();
-        }
-        writer.finish().unwrap();
-    }
-
-    /// Depths and times of the frames that are played, at most `n`.
-    fn played(path: &Path, playback: &Playback, n: usize) -> Vec<(f32, Option<u64>)> {
-        let mut source = RecordingSource::open(path, playback, None).unwrap();
-        let mut frames = Vec::new();
-        let mut points = [Point::default(); 12];
-        while frames.len() < n && source.prepare().unwrap().is_some() {
-            source.fill(&mut points).unwrap();
-            frames.push((points[5].z, source.frame_time_ns()));
-        }
-        frames
-    }
-
-    #[test]
-    fn recording_is_played_at_its_own_intervals() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.mcap");
-        // The third frame is of another session, whose clock begins anew.
-        record(&path, &[500, 540, 100, 160]);
-        let gap = SESSION_GAP_NS;
-        let times = [0, 40, 40 + gap, 100 + gap];
-        let expected = |n: usize, time: u64| (n as f32, Some(time));
-        let all = played(&path, &Playback::default(), 9);
-        let of_one_round: Vec<_> = (0..4).map(|n| expected(n, times[n])).collect();
-        assert_eq!(all, of_one_round);
-        let part = Playback {
-            from: Some(1),
-            to: Some(3),
-            looped: true,
-            ..Playback::default()
-        };
-        let looped = played(&path, &part, 3);
-        assert_eq!(
-            looped,
-            [expected(1, 0), expected(2, gap), expected(1, 440 + gap)]
-        );
-        let at_rate = Playback {
-            rate_hz: Some(10.0),
-            ..Playback::default()
-        };
-        assert_eq!(played(&path, &at_rate, 1), [(0.0, None)]);
-    }
-
-    #[test]
-    fn recording_gives_its_pose_back_to_the_bit() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.mcap");
-        record(&path, &[500]);
-        let mut source = RecordingSource::open(&path, &Playback::default(), None).unwrap();
-        source.prepare().unwrap();
-        let info = source.fill(&mut [Point::default(); 12]).unwrap();
-        let mut header = FrameHeader::default();
-        let pose = info.world_from_camera.unwrap();
-        header.world_from_camera = message::WireTransform::from(&pose);
-        source.complete_header(&mut header);
-        assert_eq!(header.world_from_camera.rows[0][0], 0.1_f64.cos());
-        assert_eq!(header.world_from_camera.rows[1][0], 0.1_f64.sin());
-    }
-
-    #[test]
-    fn recording_without_the_wanted_frames_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.mcap");
-        let refused = |playback: &Playback| {
-            let opened = RecordingSource::open(&path, playback, None);
-            opened.err().unwrap().to_string()
-        };
-        record(&path, &[]);
-        assert!(refused(&Playback::default()).contains("no frame"));
-        record(&path, &[1, 2]);
-        let from = Playback {
-            from: Some(2),
-            ..Playback::default()
-        };
-        assert!(refused(&from).contains("has 2 frames"));
-        std::fs::write(&path, "no recording").unwrap();
-        assert!(refused(&Playback::default()).contains("MCAP"));
-    }
-}
+mod tests;
