@@ -19,12 +19,14 @@ pub(crate) struct TopicReceiver {
     actors: Subscriber<ActorEvents>,
     memory: Subscriber<MemoryChanged>,
     health: Subscriber<ProcessHealth>,
+    /// True after the first frame, which is left out: a publisher connects a new subscriber when
+    /// it sends, so that the states before that frame may not have come.
+    has_begun: bool,
 }
 
 impl TopicReceiver {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
-            clouds: Subscriber::polled(domain)?,
             arm: Subscriber::polled(domain)?,
             people: Subscriber::polled(domain)?,
             scenes: Subscriber::polled(domain)?,
@@ -32,6 +34,8 @@ impl TopicReceiver {
             actors: Subscriber::polled(domain)?,
             memory: Subscriber::polled(domain)?,
             health: Subscriber::polled(domain)?,
+            clouds: Subscriber::polled(domain)?,
+            has_begun: false,
         })
     }
 
@@ -42,6 +46,10 @@ impl TopicReceiver {
         take_all(&mut self.clouds, |cloud| {
             clouds.push(queued(Content::Frame(Box::new(cloud))));
         })?;
+        if !self.has_begun && !clouds.is_empty() {
+            self.has_begun = true;
+            clouds.remove(0);
+        }
         let push = |content| queue.push(queued(content));
         take_all(&mut self.arm, |state| {
             push(Content::Arm(
