@@ -16,13 +16,12 @@ mod segment_writer;
 mod topic_receiver;
 
 use arguments::{RecorderArguments, RecorderVerb};
-use clap::Parser;
 use command_line::Output;
 use service::{Failure, set_private_umask};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = RecorderArguments::parse();
+    let arguments: RecorderArguments = service::parse_arguments();
     let output = Output::new(arguments.json);
     // Recordings show what the camera sees: they are for their user only.
     set_private_umask();
