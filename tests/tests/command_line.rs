@@ -147,6 +147,7 @@ const EXPECTED_PROCESS: &[(&str, JsonType)] = &[
     ("since_ns", Count),
     ("n_ends", Count),
     ("cause", Text),
+    ("supervisor", Text),
     ("trouble", Text),
 ];
 const STARTED: &[(&str, JsonType)] = &[
