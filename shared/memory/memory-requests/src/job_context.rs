@@ -7,6 +7,7 @@ use perceptual_memory::{Position, StoreHandle};
 use service::wall_clock_ns;
 use std::collections::VecDeque;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use tokio::sync::watch;
 
@@ -15,7 +16,7 @@ use tokio::sync::watch;
 pub(crate) struct JobContext {
     pub(crate) store: StoreHandle,
     pub(crate) scratch: PathBuf,
-    pub(crate) uploads: UploadLimits,
+    pub(crate) uploads: Arc<Mutex<UploadLimits>>,
     pub(crate) descriptor_kind: &'static str,
     pub(crate) position: watch::Sender<Position>,
 }

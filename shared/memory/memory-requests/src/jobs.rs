@@ -176,7 +176,7 @@ impl Jobs {
         })?;
         let upload = upload.ok_or_else(|| not_that_kind(job))?;
         let n_others = self.n_uploaded_bytes(job);
-        let limits = self.context.uploads;
+        let limits = *self.context.uploads.lock();
         let write = move || upload.write(offset, &bytes, n_others, &limits);
         let written = tokio::task::spawn_blocking(write).await;
         written.unwrap_or_else(|lost| {

@@ -9,11 +9,13 @@ use message::control::{
     Command, Labelling, LearningReport, MutationId, Refusal, RefusalKind, Reply, Revision,
     SnapshotCursor,
 };
+use parking_lot::Mutex;
 use perceptual_memory::{
     Digest, Error, Mutation, MutationReceipt, Operation, PerceptualMemory, Position, Requester,
     StoreChange, StoreHandle, Target,
 };
 use std::path::PathBuf;
+use std::sync::Arc;
 use tokio::sync::{oneshot, watch};
 
 /// Maximum size of the descriptors on a page, bytes; the rest of the message needs room too.
@@ -44,6 +46,7 @@ struct By {
 pub struct MemoryRequestHandler {
     store: StoreHandle,
     jobs: Jobs,
+    uploads: Arc<Mutex<UploadLimits>>,
     position: watch::Sender<Position>,
 }
 
@@ -51,18 +54,25 @@ impl MemoryRequestHandler {
     /// Request handler, and a channel with its history position.
     pub fn new(config: MemoryRequestHandlerConfig) -> (Self, watch::Receiver<Position>) {
         let (position, positions) = watch::channel(config.store.position());
+        let uploads = Arc::new(Mutex::new(config.uploads));
         let desk = Self {
             store: config.store.clone(),
             jobs: Jobs::new(JobContext {
                 store: config.store,
                 scratch: config.scratch,
-                uploads: config.uploads,
+                uploads: Arc::clone(&uploads),
                 descriptor_kind: config.descriptor_kind,
                 position: position.clone(),
             }),
+            uploads,
             position,
         };
         (desk, positions)
+    }
+
+    /// Replaces the limits of the files of imports, from the next upload of bytes on.
+    pub fn set_upload_limits(&self, limits: UploadLimits) {
+        *self.uploads.lock() = limits;
     }
 
     /// Ends jobs whose clients have gone, until the future is dropped.

@@ -156,9 +156,16 @@ pub struct StoreHandle {
     capacity: usize,
     position: Arc<Mutex<Position>>,
     is_opening: Arc<AtomicBool>,
+    limits: Arc<Mutex<RetentionLimits>>,
 }
 
 impl StoreHandle {
+    /// Replaces the retention limits, before the next request is served. They are enforced at the
+    /// next mutation.
+    pub fn set_limits(&self, limits: RetentionLimits) {
+        *self.limits.lock() = limits;
+    }
+
     /// `true` while the thread opens the store again after a failure, or rebuilds it; that of a
     /// large store takes minutes.
     pub fn is_opening(&self) -> bool {
@@ -302,6 +309,7 @@ impl StoreThread {
         let (memory, report) = config.open_if_possible(false)?;
         let position = Arc::new(Mutex::new(memory.position()));
         let is_opening = Arc::new(AtomicBool::new(false));
+        let limits = Arc::new(Mutex::new(config.limits));
         let capacity = config.queue_capacity.max(1);
         let (queue, requests) = sync_channel(capacity);
         let folder = config.folder.clone();
@@ -318,6 +326,7 @@ impl StoreThread {
             told: None,
             position: Arc::clone(&position),
             is_opening: Arc::clone(&is_opening),
+            limits: Arc::clone(&limits),
         };
         let thread = std::thread::Builder::new()
             .name("store".to_owned())
@@ -328,6 +337,7 @@ impl StoreThread {
             capacity,
             position,
             is_opening,
+            limits,
         };
         Ok((
             Self {
@@ -390,6 +400,8 @@ struct StoreLoop {
     position: Arc<Mutex<Position>>,
     /// `true` while the store is opened again, shared with all handles.
     is_opening: Arc<AtomicBool>,
+    /// Newest retention limits, shared with all handles.
+    limits: Arc<Mutex<RetentionLimits>>,
 }
 
 impl StoreLoop {
@@ -403,11 +415,13 @@ impl StoreLoop {
             let request = match requests.recv_timeout(pause) {
                 Ok(request) => request,
                 Err(RecvTimeoutError::Timeout) => {
+                    self.take_limits();
                     self.work_when_idle();
                     continue;
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
             };
+            self.take_limits();
             let others = requests.try_iter().take(GROUP_REQUESTS - 1);
             for request in std::iter::once(request).chain(others) {
                 if matches!(request, StoreRequest::Stop) {
@@ -419,6 +433,19 @@ impl StoreLoop {
             self.archive_when_behind();
         }
         self.stop()
+    }
+
+    /// Takes retention limits that were replaced.
+    fn take_limits(&mut self) {
+        let limits = *self.limits.lock();
+        if limits == self.config.limits {
+            return;
+        }
+        self.config.limits = limits;
+        if let Some(memory) = &mut self.memory {
+            memory.set_limits(limits);
+        }
+        self.has_archiving = true;
     }
 
     /// Does one step of archiving, or else of compaction.

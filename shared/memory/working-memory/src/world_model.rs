@@ -58,6 +58,11 @@ impl WorldModel {
         }
     }
 
+    /// Replaces the configuration, from the next observation on.
+    pub fn set_config(&mut self, config: WorldConfig) {
+        self.config = config;
+    }
+
     /// Records a teaching event, once per history entry of the perceptual memory.
     pub fn record_teaching(&mut self, learned: TeachingEvent, now_ns: u64) {
         let is_this = |event: &Event| match &event.happening {

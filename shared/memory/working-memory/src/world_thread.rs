@@ -66,6 +66,8 @@ impl WorldThreadConfig {
 
 struct GuardedModel {
     model: WorldModel,
+    /// Minimum time between two writes to disk.
+    period: Duration,
     is_stopping: bool,
 }
 
@@ -102,6 +104,13 @@ impl WorldHandle {
         }
         result
     }
+
+    /// Replaces the configuration of the model, and the minimum time between two writes.
+    pub fn set_config(&self, config: WorldConfig, period: Duration) {
+        let mut state = self.0.state.lock();
+        state.model.set_config(config);
+        state.period = period;
+    }
 }
 
 /// Owner of the writer thread; dropping it stops the thread.
@@ -123,6 +132,7 @@ impl WorldThread {
         let shared = Arc::new(SharedModel {
             state: Mutex::new(GuardedModel {
                 model,
+                period: config.period,
                 is_stopping: false,
             }),
             changed: Condvar::new(),
@@ -203,9 +213,10 @@ impl Writer {
             if let Err(error) = written {
                 self.fail(error);
             }
+            let period = shared.state.lock().period;
             let rest = match self.memory {
-                Some(_) => self.config.period,
-                None => self.config.period.max(RETRY),
+                Some(_) => period,
+                None => period.max(RETRY),
             };
             drop(shared.wait(rest, |state| !state.is_stopping));
         }
@@ -235,9 +246,9 @@ impl Writer {
     }
 
     fn open_again(&mut self) -> Result<WorkingMemory, Error> {
-        let WorldThreadConfig { folder, world, .. } = &self.config;
-        let (memory, on_disk, report) =
-            WorkingMemory::open(folder, *world, (self.config.wall_clock)())?;
+        let world = self.shared.state.lock().model.config;
+        let wall_ns = (self.config.wall_clock)();
+        let (memory, on_disk, report) = WorkingMemory::open(&self.config.folder, world, wall_ns)?;
         self.shared.state.lock().model.rewrite_over(&on_disk);
         self.is_failed = false;
         (self.config.on_trouble)(&Ok(report));

@@ -98,6 +98,11 @@ impl FramePipeline {
         }
     }
 
+    /// Replaces the settings, between two frames.
+    pub fn set_config(&mut self, config: Config) {
+        self.tracks.set_config(config);
+    }
+
     /// Live tracks, ascending by track-id.
     pub fn tracks(&self) -> &[Track] {
         self.tracks.tracks()

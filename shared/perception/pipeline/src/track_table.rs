@@ -139,6 +139,11 @@ impl TrackTable {
         &self.tracks
     }
 
+    /// Replaces the settings, between two frames.
+    pub(crate) fn set_config(&mut self, config: Config) {
+        self.config = config;
+    }
+
     /// Ratio of the depth noise measured on the table to the configured law, median over the
     /// last frames; `None` before a second with a table.
     pub fn noise_ratio(&self) -> Option<f32> {

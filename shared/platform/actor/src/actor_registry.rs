@@ -103,6 +103,16 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
         let _ = self.events.send(event);
     }
 
+    /// Replaces the restart policy of all actors together and of each.
+    pub(crate) fn set_policy(&self, policy: RestartPolicy) {
+        let mut table = self.lock();
+        table.history.set_policy(policy);
+        let histories = table.entries.values_mut();
+        for history in histories.filter_map(|entry| entry.history.as_mut()) {
+            history.set_policy(policy);
+        }
+    }
+
     pub(crate) fn n_actors(&self) -> usize {
         self.lock().entries.len()
     }
@@ -248,11 +258,12 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
         cause: &Cause,
         tag: Option<u64>,
     ) -> Option<Duration> {
-        let policy = self.config.policy;
-        // A separate statement, so that the lock is released before the match.
-        let verdict = self
-            .lock()
-            .decide_restart(id, policy, Instant::now().into_std())?;
+        // A block, so that the lock is released before the match.
+        let (verdict, policy) = {
+            let mut table = self.lock();
+            let verdict = table.decide_restart(id, Instant::now().into_std())?;
+            (verdict, table.history.policy())
+        };
         match verdict {
             RestartDecision::Restart { after } => Some(after),
             RestartDecision::Escalate => {
@@ -282,15 +293,11 @@ impl<I: Identity, A: Actor> ActorRegistry<I, A> {
 impl<I: Identity, A: Actor> RegistryTable<I, A> {
     /// Restart decision: the limit counts the restarts of all actors, the back-off
     /// only this actor's.
-    fn decide_restart(
-        &mut self,
-        id: &I,
-        policy: RestartPolicy,
-        now: std::time::Instant,
-    ) -> Option<RestartDecision> {
+    fn decide_restart(&mut self, id: &I, now: std::time::Instant) -> Option<RestartDecision> {
         if self.has_ended {
             return None;
         }
+        let policy = self.history.policy();
         let entry = self.entries.get_mut(id)?;
         let verdict = match self.history.on_failure(now) {
             RestartDecision::Restart { .. } => entry

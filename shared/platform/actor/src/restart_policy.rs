@@ -85,8 +85,8 @@ impl RestartPolicy {
 }
 
 /// Sliding window of recent restarts, of one child or of all children of one
-/// supervisor. Holds at most `max_restarts` instants, and allocates at the first
-/// failure.
+/// supervisor. Holds at most `max_restarts` instants of the greatest policy that it had, and
+/// allocates at the first failure.
 #[derive(Debug, Clone)]
 pub struct RestartHistory {
     policy: RestartPolicy,
@@ -100,6 +100,16 @@ impl RestartHistory {
             policy,
             restarts: VecDeque::new(),
         }
+    }
+
+    /// Policy in use.
+    pub fn policy(&self) -> RestartPolicy {
+        self.policy
+    }
+
+    /// Replaces the policy; the remembered restarts count on.
+    pub fn set_policy(&mut self, policy: RestartPolicy) {
+        self.policy = policy;
     }
 
     /// Decides about a failure at `now` and records the restart that it allows. A

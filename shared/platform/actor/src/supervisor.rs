@@ -12,6 +12,7 @@ use crate::address::Address;
 use crate::config::Config;
 use crate::error::Error;
 use crate::event::Events;
+use crate::restart_policy::RestartPolicy;
 use crate::supervised_actor::SupervisedActor;
 
 /// Spawns actors by id, restarts those that fail independently of each other, and
@@ -49,6 +50,11 @@ impl<I: Identity, A: Actor> Supervisor<I, A> {
     /// Address of an actor that has not ended.
     pub fn address(&self, id: &I) -> Option<Address<A>> {
         self.0.address(id)
+    }
+
+    /// Replaces the restart policy, from the next failure on. Earlier restarts count on.
+    pub fn set_policy(&self, policy: RestartPolicy) {
+        self.0.set_policy(policy);
     }
 
     /// Number of actors that have not ended.

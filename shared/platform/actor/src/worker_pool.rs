@@ -9,7 +9,7 @@
 use std::fmt;
 use std::num::NonZeroUsize;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -33,6 +33,8 @@ const CHECKS_PER_STALL: u32 = 4;
 
 /// Shortest period of the watchdog, whatever the configuration.
 const SHORTEST_PERIOD: Duration = Duration::from_millis(1);
+/// Longest period of the watchdog, after which another stall time counts.
+const LONGEST_PERIOD: Duration = Duration::from_millis(500);
 
 /// Pool configuration: number of workers and stall limits.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,6 +56,8 @@ pub struct WorkerPool(Arc<PoolState>);
 
 struct PoolState {
     config: PoolConfig,
+    /// Stall time in use, nanoseconds.
+    stall_after_ns: AtomicU64,
     /// Unbounded, but each entry has a task awaiting it, which bounds it.
     queue: Sender<Arc<dyn Task>>,
     workers: Mutex<WorkerSet>,
@@ -86,6 +90,7 @@ impl WorkerPool {
             workers.start_worker(&config.name, Instant::now())?;
         }
         Ok(Self(Arc::new(PoolState {
+            stall_after_ns: AtomicU64::new(nanoseconds(config.stall_after)),
             config,
             queue: sender,
             workers: Mutex::new(workers),
@@ -100,17 +105,35 @@ impl WorkerPool {
     /// # Errors
     /// [`Error::ThreadNotStarted`].
     pub fn start_watchdog(&self) -> Result<(), Error> {
-        let period = (self.0.config.stall_after / CHECKS_PER_STALL).max(SHORTEST_PERIOD);
+        let mut period = self.check_period();
         let pool = Arc::downgrade(&self.0);
         start_thread(format!("{}-dog", self.0.config.name), move || {
             loop {
                 thread::sleep(period);
-                match pool.upgrade() {
-                    Some(shared) => Self(shared).check(Instant::now()),
-                    None => return,
+                let Some(shared) = pool.upgrade() else {
+                    return;
                 };
+                let pool = Self(shared);
+                pool.check(Instant::now());
+                period = pool.check_period();
             }
         })
+    }
+
+    /// Replaces the stall time, within half a second.
+    pub fn set_stall_after(&self, stall_after: Duration) {
+        let stall_after_ns = nanoseconds(stall_after);
+        self.0
+            .stall_after_ns
+            .store(stall_after_ns, Ordering::Relaxed);
+    }
+
+    fn stall_after(&self) -> Duration {
+        Duration::from_nanos(self.0.stall_after_ns.load(Ordering::Relaxed))
+    }
+
+    fn check_period(&self) -> Duration {
+        (self.stall_after() / CHECKS_PER_STALL).clamp(SHORTEST_PERIOD, LONGEST_PERIOD)
     }
 
     /// Runs a closure on a worker and returns the future of its result. Dropping the
@@ -156,7 +179,7 @@ impl WorkerPool {
         let mut unstarted = Vec::new();
         let n_stalled = {
             let mut workers = self.0.workers.lock();
-            let n_stalled = workers.remove_stalled(now, self.0.config.stall_after);
+            let n_stalled = workers.remove_stalled(now, self.stall_after());
             for _ in 0..n_stalled {
                 if !self.replace_one(&mut workers, now) {
                     self.0.exhausted.send_replace(true);
@@ -236,6 +259,10 @@ fn work(worker: &Worker, queue: &Receiver<Arc<dyn Task>>) {
             return;
         }
     }
+}
+
+fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
 
 fn start_thread(name: String, body: impl FnOnce() + Send + 'static) -> Result<(), Error> {

@@ -38,10 +38,10 @@ impl Fixture {
             position: watch::channel(store.position()).0,
             store,
             scratch: folder.path().join("exchange"),
-            uploads: UploadLimits {
+            uploads: Arc::new(Mutex::new(UploadLimits {
                 max_bytes,
                 free_disk_min_bytes: 0,
-            },
+            })),
             descriptor_kind: "test",
         });
         let runtime = tokio::runtime::Builder::new_current_thread()
