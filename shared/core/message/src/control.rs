@@ -21,6 +21,7 @@ mod memory;
 mod packed_cloud;
 mod refusal;
 mod rejected;
+mod reload;
 mod report;
 mod rounding;
 mod user_role;
@@ -39,6 +40,7 @@ pub use memory::{
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use refusal::{Refusal, RefusalKind};
 pub use rejected::{AssumptionReport, FindingReport, RejectedCandidateReport};
+pub use reload::{KeyChange, ReloadReport};
 pub use report::{
     ActorStampsReport, CategoryReport, CovarianceReport, DepthNoiseReport, LearningReport,
     NearCategoryReport, ObjectReport, ObjectsReport, ProcessReport,
@@ -94,6 +96,8 @@ pub enum Command {
     Health,
     /// Report the depth noise measured on the table.
     DepthNoise,
+    /// Let all processes read the configuration again.
+    ReloadConfiguration,
     /// Label a track that has no other label.
     Teach(Labelling),
     /// Label a track, replacing any label it has.
@@ -183,6 +187,8 @@ pub enum Reply {
     Health(Vec<ProcessReport>),
     /// Reply to [`Command::DepthNoise`].
     DepthNoise(DepthNoiseReport),
+    /// Reply to [`Command::ReloadConfiguration`]: the outcome in each process.
+    Reloaded(Vec<ReloadReport>),
     /// Reply to teach, correct, forget and revise: the change is on disk.
     Learned(LearningReport),
     /// Reply to [`Command::Memory`].

@@ -11,7 +11,8 @@ pub enum UserRole {
     Reader,
     /// Teaches, undoes its own changes, moves the arm, exports and verifies.
     Teacher,
-    /// Imports, repairs, deletes permanently, and undoes the changes of others.
+    /// Imports, repairs, deletes permanently, undoes the changes of others, and reloads the
+    /// configuration.
     Administrator,
 }
 
@@ -46,7 +47,9 @@ impl Command {
             | Self::StoreViews { .. } => UserRole::Teacher,
             Self::World(command) => command.required_role(),
             Self::Job(command) => command.required_role(),
-            Self::Snapshot { .. } | Self::Changes { .. } => UserRole::Administrator,
+            Self::Snapshot { .. } | Self::Changes { .. } | Self::ReloadConfiguration => {
+                UserRole::Administrator
+            }
             Self::ReadAfter { command, .. } => command.required_role(),
         }
     }
@@ -118,6 +121,7 @@ mod tests {
                 Command::Job(JobCommand::Begin(compact)),
                 UserRole::Administrator,
             ),
+            (Command::ReloadConfiguration, UserRole::Administrator),
         ] {
             assert_eq!(command.required_role(), role, "{command:?}");
         }
