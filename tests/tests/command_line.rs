@@ -458,7 +458,7 @@ fn control_socket_permissions_are_owner_and_group() {
 }
 
 /// Names of the checks of `tabula doctor`.
-const CHECKS: [&str; 13] = [
+const CHECKS: [&str; 14] = [
     "shared memory",
     "largest services",
     "open files",
@@ -466,6 +466,7 @@ const CHECKS: [&str; 13] = [
     "stale nodes",
     "control socket",
     "processes",
+    "configuration",
     "depth noise",
     "data folder",
     "ports",

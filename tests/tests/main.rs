@@ -17,6 +17,8 @@ mod camera_images;
 mod chaos;
 /// Command line: documents, choice of the daemon, other accounts, the doctor.
 mod command_line;
+/// Layers of the configuration, its commands, and its reload.
+mod configuration;
 /// Recordings played through the real libfreenect.
 mod fakenect;
 /// Processes that are killed, stopped, or cannot start.

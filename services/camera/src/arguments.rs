@@ -48,3 +48,18 @@ pub(crate) struct SourceArguments {
     #[arg(long, hide = true)]
     pub(crate) lockstep_recorder: bool,
 }
+
+impl SourceArguments {
+    /// True if an option is given that overrides a key of the configuration.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        match key {
+            "source" => self.source.is_some(),
+            "rate_hz" => self.rate.is_some(),
+            "loop" => self.looped,
+            "from_frame" => self.from.is_some(),
+            "to_frame" => self.to.is_some(),
+            "lockstep" => self.lockstep,
+            _ => false,
+        }
+    }
+}

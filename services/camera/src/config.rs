@@ -4,10 +4,16 @@ use crate::arguments::CameraArguments;
 use crate::source::{Playback, SourceSpec};
 use capture::FramePace;
 use serde::Deserialize;
-use service::{ConfigFile, Failure, has_been_ready};
+use service::{Configuration, Failure, has_been_ready};
 
 /// Valid frame rates, hertz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+
+/// Name of the section.
+const SECTION: &str = "camera";
+
+/// Keys whose values are refused, and the reason.
+type Violation = (&'static [&'static str], String);
 
 /// Section `[camera]` as written in TOML.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -37,17 +43,18 @@ pub struct Config {
 }
 
 impl Config {
-    /// Reads the section of the file, overridden by the arguments.
+    /// Reads the section of the configuration, overridden by the arguments.
     ///
     /// # Errors
     /// A usage failure that names the value and its rule.
-    pub fn new(arguments: &CameraArguments, file: &ConfigFile) -> Result<Self, Failure> {
-        let raw: RawConfig = file.section("camera")?;
+    pub fn new(arguments: &CameraArguments, found: &Configuration) -> Result<Self, Failure> {
+        let raw: RawConfig = found.section(SECTION)?;
         let given = &arguments.source;
         // An overridden source may be the simulator's, and is not parsed.
         let written = raw.source.as_deref().filter(|_| given.source.is_none());
         let written = written.map(str::parse::<SourceSpec>).transpose();
-        let written = written.map_err(|rule| file.wrong(format!("[camera] source: {rule}")))?;
+        let written =
+            written.map_err(|rule| found.wrong(SECTION, &["source"], format!("source: {rule}")))?;
         let config = Self {
             source: given
                 .source
@@ -67,34 +74,42 @@ impl Config {
             },
             is_source_checked: arguments.process.follow_parent.is_some() || has_been_ready(),
         };
-        config.check().map_err(Failure::usage)?;
+        config.check().map_err(|(keys, sentence)| {
+            let is_written = |key: &&str| !given.has(key) && found.setting(SECTION, key).is_some();
+            let written: Vec<&str> = keys.iter().copied().filter(is_written).collect();
+            match written.as_slice() {
+                [] => Failure::usage(sentence),
+                keys => found.wrong(SECTION, keys, sentence).into(),
+            }
+        })?;
         Ok(config)
     }
 
-    fn check(&self) -> Result<(), String> {
+    /// First rule that the options and keys violate together, with the keys that it is about.
+    fn check(&self) -> Result<(), Violation> {
         let Playback {
             rate_hz, from, to, ..
         } = self.playback;
         if let Some(rate) = rate_hz
             && !RATES_HZ.contains(&rate)
         {
-            return Err(format!(
-                "--rate must lie between 0.01 and 1000 frames per second, not {rate}"
-            ));
+            let sentence =
+                format!("--rate must lie between 0.01 and 1000 frames per second, not {rate}");
+            return Err((&["rate_hz"], sentence));
         }
         if let (from, Some(to)) = (from.unwrap_or(0), to)
             && from >= to
         {
-            return Err(format!(
-                "--from {from} --to {to} plays nothing; --to must be the larger"
-            ));
+            let sentence =
+                format!("--from {from} --to {to} plays nothing; --to must be the larger");
+            return Err((&["to_frame", "from_frame"], sentence));
         }
         self.check_live()
     }
 
     /// Rejects playback options for a Kinect, real or played by fakenect: it has its own
     /// rate and no frame numbers.
-    fn check_live(&self) -> Result<(), String> {
+    fn check_live(&self) -> Result<(), Violation> {
         let Playback {
             rate_hz,
             looped,
@@ -106,18 +121,22 @@ impl Config {
             SourceSpec::Fakenect(_) => "fakenect",
             _ => return Ok(()),
         };
-        let refused = [
-            ("--rate", rate_hz.is_some()),
-            ("--from", from.is_some()),
-            ("--to", to.is_some()),
-            ("--lockstep", self.pace.is_lockstep()),
-            ("--loop", looped && name == "kinect"),
+        let refused: [(&str, &'static [&'static str], bool); 5] = [
+            ("--rate", &["rate_hz"], rate_hz.is_some()),
+            ("--from", &["from_frame"], from.is_some()),
+            ("--to", &["to_frame"], to.is_some()),
+            ("--lockstep", &["lockstep"], self.pace.is_lockstep()),
+            ("--loop", &["loop"], looped && name == "kinect"),
         ];
-        match refused.iter().find(|(_, is_given)| *is_given) {
+        match refused.into_iter().find(|(.., is_given)| *is_given) {
             None => Ok(()),
-            Some((option, _)) => Err(format!(
-                "{option} cannot be used with --source {name}: libfreenect plays at the sensor's own pace"
-            )),
+            Some((option, keys, _)) => {
+                let sentence = format!(
+                    "{option} cannot be used with --source {name}: libfreenect plays at the \
+                     sensor's own pace"
+                );
+                Err((keys, sentence))
+            }
         }
     }
 }
@@ -125,12 +144,52 @@ impl Config {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::source::DEFAULT_RATE_HZ;
     use clap::Parser;
 
-    fn config(words: &str) -> Result<Config, String> {
+    fn arguments(words: &str) -> Result<CameraArguments, String> {
         let words = std::iter::once("tabula-camera").chain(words.split_ascii_whitespace());
-        let arguments = CameraArguments::try_parse_from(words).map_err(|e| e.to_string())?;
-        Config::new(&arguments, &ConfigFile::default()).map_err(|e| e.to_string())
+        CameraArguments::try_parse_from(words).map_err(|e| e.to_string())
+    }
+
+    fn config(words: &str) -> Result<Config, String> {
+        Config::new(&arguments(words)?, &Configuration::default()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn section_agrees_with_the_key_reference() {
+        let arguments = arguments("--source synthetic").unwrap();
+        // Values that are not given are those that the source takes.
+        let read = |found: &Configuration| {
+            let mut config = Config::new(&arguments, found)?;
+            config.playback.rate_hz.get_or_insert(DEFAULT_RATE_HZ);
+            config.playback.from.get_or_insert(0);
+            Ok::<_, Failure>(config)
+        };
+        service::check_section_reference(SECTION, read).unwrap();
+    }
+
+    #[test]
+    fn refused_key_is_named_with_its_file_unless_an_option_overrides_it() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "[camera]\nrate_hz = 5.0\nto_frame = 3\n").unwrap();
+        let found = Configuration::find(Some(file.path()), file.path()).unwrap();
+        let sentence = |words: &str| {
+            let failure = Config::new(&arguments(words).unwrap(), &found).unwrap_err();
+            failure.sentence
+        };
+        let name = file.path().display().to_string();
+        let frames = sentence("--source synthetic --from 4");
+        assert!(
+            frames.contains(&name) && frames.contains("line 3"),
+            "{frames}"
+        );
+        let kinect = sentence("--source kinect");
+        assert!(
+            kinect.contains(&name) && kinect.contains("line 2"),
+            "{kinect}"
+        );
+        assert!(!sentence("--source synthetic --rate 0").contains(&name));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use camera::{CameraArguments, Config, ReplayRequest};
 use message::ProcessKind;
-use service::{ConfigFile, CountingAllocator};
+use service::{Configuration, CountingAllocator, LiveConfig, Purpose};
 use std::process::ExitCode;
 
 #[global_allocator]
@@ -10,22 +10,21 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 fn main() -> ExitCode {
     let arguments: CameraArguments = service::parse_arguments();
-    let check_only = arguments.process.check_config;
-    let check = |file: &ConfigFile| {
-        let config = Config::new(&arguments, file)?;
-        if check_only {
-            camera::check_source(&config)?;
-        } else {
-            camera::restart_with_recording(&config)?;
+    let process = arguments.process.clone();
+    let check = move |found: &Configuration, purpose: Purpose| {
+        let config = Config::new(&arguments, found)?;
+        match purpose {
+            Purpose::Check => camera::check_source(&config)?,
+            Purpose::Start => camera::restart_with_recording(&config)?,
+            Purpose::Reload => {}
         }
         Ok(config)
     };
     let again = ReplayRequest::default();
-    let run = |context, config| camera::run(context, config, again.clone());
-    again.or(service::run(
-        ProcessKind::Camera,
-        &arguments.process,
-        check,
-        run,
-    ))
+    let run = |context, config: LiveConfig<Config>| {
+        // Its keys need a restart.
+        let config = config.get().as_ref().clone();
+        camera::run(context, config, again.clone())
+    };
+    again.or(service::run(ProcessKind::Camera, &process, check, run))
 }

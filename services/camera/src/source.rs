@@ -75,7 +75,7 @@ pub(crate) fn open(
 }
 
 /// Frame rate of a recording whose playback has none, hertz.
-const DEFAULT_RATE_HZ: f64 = 30.0;
+pub(crate) const DEFAULT_RATE_HZ: f64 = 30.0;
 
 /// Cursor over the frames of a recording, with looping and a count of unusable frames.
 #[derive(Debug, Clone)]

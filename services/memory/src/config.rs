@@ -4,7 +4,7 @@ use channel::control::RoleGroups;
 use memory_requests::UploadLimits;
 use perceptual_memory::{HistoryLimits, RetentionLimits, WRITE_BUFFER_BYTES};
 use serde::Deserialize;
-use service::{ConfigFile, Failure, check_rules};
+use service::{BrokenRule, Configuration, Failure, check_rules};
 use std::time::Duration;
 use working_memory::WorldConfig;
 
@@ -88,10 +88,11 @@ pub(crate) struct Config {
 }
 
 impl Config {
-    /// Reads and validates the section of the file.
-    pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
-        let raw: RawConfig = file.section("memory")?;
-        raw.check().map_err(|rule| file.wrong(rule))?;
+    /// Reads and validates the section of the configuration.
+    pub(crate) fn new(found: &Configuration) -> Result<Self, Failure> {
+        let raw: RawConfig = found.section("memory")?;
+        raw.check()
+            .map_err(|broken| found.wrong("memory", &[broken.key], broken))?;
         Ok(Self {
             queue_requests: raw.queue_requests,
             limits: RetentionLimits {
@@ -130,81 +131,97 @@ impl Config {
 
 impl RawConfig {
     /// First violated rule, if any. NaN violates every range.
-    fn check(&self) -> Result<(), &'static str> {
+    fn check(&self) -> Result<(), BrokenRule> {
         self.check_perceptual_memory()?;
         self.check_working_memory()
     }
 
-    fn check_perceptual_memory(&self) -> Result<(), &'static str> {
+    fn check_perceptual_memory(&self) -> Result<(), BrokenRule> {
         check_rules([
             (
                 (1..=1_000_000).contains(&self.queue_requests),
-                "[memory] queue_requests must lie between 1 and 1000000",
+                "queue_requests",
+                "must lie between 1 and 1000000",
             ),
             (
                 (10..=10_000).contains(&self.max_views_per_category),
-                "[memory] max_views_per_category must lie between 10 and 10000",
+                "max_views_per_category",
+                "must lie between 10 and 10000",
             ),
             (
                 (100..=1_000_000).contains(&self.max_unnamed_views),
-                "[memory] max_unnamed_views must lie between 100 and 1000000",
+                "max_unnamed_views",
+                "must lie between 100 and 1000000",
             ),
             (
                 (1..=256).contains(&self.write_buffer_mb),
-                "[memory] write_buffer_mb must lie between 1 and 256",
+                "write_buffer_mb",
+                "must lie between 1 and 256",
             ),
             (
                 self.forgotten_kept_days <= 36_500,
-                "[memory] forgotten_kept_days must lie between 0 and 36500",
+                "forgotten_kept_days",
+                "must lie between 0 and 36500",
             ),
             (
                 (1..=1_000_000).contains(&self.import_max_mb),
-                "[memory] import_max_mb must lie between 1 and 1000000",
+                "import_max_mb",
+                "must lie between 1 and 1000000",
             ),
             (
                 self.free_disk_min_mb <= 1_000_000,
-                "[memory] free_disk_min_mb must lie between 0 and 1000000",
+                "free_disk_min_mb",
+                "must lie between 0 and 1000000",
             ),
             (
                 (400..=36_500).contains(&self.tombstones_kept_days),
-                "[memory] tombstones_kept_days must lie between 400 and 36500",
+                "tombstones_kept_days",
+                "must lie between 400 and 36500",
             ),
             (
                 (1000..=1_000_000).contains(&self.history_recent_entries),
-                "[memory] history_recent_entries must lie between 1000 and 1000000",
+                "history_recent_entries",
+                "must lie between 1000 and 1000000",
             ),
             (
                 (16..=16_777_216).contains(&self.history_archive_max_mb),
-                "[memory] history_archive_max_mb must lie between 16 and 16777216",
+                "history_archive_max_mb",
+                "must lie between 16 and 16777216",
             ),
             (
                 (1..=36_500).contains(&self.request_ids_kept_days),
-                "[memory] request_ids_kept_days must lie between 1 and 36500",
+                "request_ids_kept_days",
+                "must lie between 1 and 36500",
             ),
         ])
     }
 
-    fn check_working_memory(&self) -> Result<(), &'static str> {
+    fn check_working_memory(&self) -> Result<(), BrokenRule> {
         check_rules([
             (
                 (50..=60_000).contains(&self.world_period_ms),
-                "[memory] world_period_ms must lie between 50 and 60000",
+                "world_period_ms",
+                "must lie between 50 and 60000",
             ),
             (
                 (0.001..=1.0).contains(&self.world_move_min_m),
-                "[memory] world_move_min_m must lie between 0.001 and 1",
+                "world_move_min_m",
+                "must lie between 0.001 and 1",
             ),
             (
                 (1.0..=180.0).contains(&self.world_turn_min_deg),
-                "[memory] world_turn_min_deg must lie between 1 and 180",
+                "world_turn_min_deg",
+                "must lie between 1 and 180",
             ),
             (
                 (0.001..=87_600.0).contains(&self.world_keep_hours),
-                "[memory] world_keep_hours must lie between 0.001 and 87600",
+                "world_keep_hours",
+                "must lie between 0.001 and 87600",
             ),
             (
                 (100..=1_000_000).contains(&self.world_kept_max),
-                "[memory] world_kept_max must lie between 100 and 1000000",
+                "world_kept_max",
+                "must lie between 100 and 1000000",
             ),
         ])
     }
@@ -213,6 +230,11 @@ impl RawConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn section_agrees_with_the_key_reference() {
+        service::check_section_reference("memory", Config::new).unwrap();
+    }
 
     #[test]
     fn numbers_out_of_range_and_nan_violate_a_rule() {

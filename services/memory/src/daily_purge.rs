@@ -1,11 +1,12 @@
 //! Daily purge: permanently deletes forgotten views when their retention time is over, and old
 //! tombstones.
 
+use crate::config::Config;
 use perceptual_memory::{
     Error, Mutation, MutationId, MutationReceipt, PerceptualMemory, Requester, StoreChange,
     StoreHandle,
 };
-use service::wall_clock_ns;
+use service::{LiveConfig, wall_clock_ns};
 use std::time::Duration;
 use tokio::sync::oneshot;
 
@@ -14,11 +15,13 @@ const PERIOD: Duration = Duration::from_secs(24 * 3600);
 /// Author of the purge in the history.
 const AUTHOR: &str = "upkeep";
 
-/// Purges periodically until the future is dropped.
-pub(crate) async fn run(store: StoreHandle, forgotten_kept: Duration, tombstones_kept: Duration) {
+/// Purges periodically until the future is dropped, with the retention times of that day.
+pub(crate) async fn run(store: StoreHandle, live: LiveConfig<Config>) {
     let mut period = tokio::time::interval(PERIOD);
     loop {
         period.tick().await;
+        let config = live.get();
+        let (forgotten_kept, tombstones_kept) = (config.forgotten_kept, config.tombstones_kept);
         match purge(&store, before_ns(forgotten_kept)).await {
             Ok(0) => {}
             Ok(n_views) => tracing::info!(

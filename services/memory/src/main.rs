@@ -2,6 +2,7 @@
 
 mod change_publisher;
 mod config;
+mod configuration_change;
 mod control;
 mod daily_purge;
 mod event_report;
@@ -48,7 +49,7 @@ fn main() -> ExitCode {
     service::run(
         ProcessKind::Memory,
         &arguments.process,
-        Config::new,
+        |found, _| Config::new(found),
         run::run,
     )
 }

@@ -3,6 +3,7 @@
 use crate::event_report;
 use crate::process_table::ProcessTable;
 use crate::working_memory::{WorkingMemory, now_ns};
+use channel::Domain;
 use channel::control::{Client, Peer};
 use memory_requests::MemoryRequestHandler;
 use message::ProcessKind;
@@ -17,6 +18,7 @@ const DEADLINE: Duration = Duration::from_secs(4);
 
 /// Router of all control requests, the gateway for clients.
 pub(crate) struct RequestRouter {
+    pub(crate) domain: Domain,
     pub(crate) desk: Arc<MemoryRequestHandler>,
     pub(crate) perception: Client,
     pub(crate) arm: Client,
@@ -45,6 +47,10 @@ impl RequestRouter {
         }
         match command {
             Command::Health => Ok(Reply::Health(self.processes.reports())),
+            Command::ReloadConfiguration => {
+                let reports = service::reload_processes(&self.domain, DEADLINE).await;
+                Ok(Reply::Reloaded(reports))
+            }
             Command::World(command) => self.world.answer(command).await,
             command => self.answer_from_memory(command, peer).await,
         }

@@ -2,6 +2,7 @@
 
 use crate::change_publisher::ChangePublisher;
 use crate::config::Config;
+use crate::configuration_change::ConfigurationChange;
 use crate::control;
 use crate::daily_purge;
 use crate::health_conditions::{Condition, HealthConditions, Store};
@@ -14,7 +15,7 @@ use channel::control::Client;
 use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 use message::ProcessKind;
 use perceptual_memory::{OpenReport, StoreConfig, StoreHandle, StoreThread};
-use service::{Context, Failure, HealthCounters, TaskGroup, wall_clock_ns};
+use service::{Context, Failure, HealthCounters, LiveConfig, TaskGroup, wall_clock_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -29,7 +30,8 @@ const LONGEST_OPENING: Duration = Duration::from_secs(600);
 ///
 /// # Errors
 /// When the store cannot be opened or shared memory fails.
-pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
+pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<(), Failure> {
+    let config = live.get();
     context.home.prepare_memories()?;
     let health = Arc::new(HealthConditions::new(context.health.clone()));
     let (thread, store, report) = open_store(&context, &config, &health)?;
@@ -46,6 +48,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let domain = &context.domain;
     let processes = Arc::new(ProcessTable::new(domain)?);
     let router = RequestRouter {
+        domain: domain.clone(),
         desk: desk.clone(),
         perception: Client::new(domain, ProcessKind::Perception)?,
         arm: Client::new(domain, ProcessKind::Simulator)?,
@@ -54,8 +57,8 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         position: positions.clone(),
     };
     let change_publisher = ChangePublisher::new(domain, positions)?;
-    let feed = WorldModelUpdater::new(domain, world)?;
-    let follower = SceneFollower::new(domain, context.health.clone(), feed, config.world_period)?;
+    let feed = WorldModelUpdater::new(domain, world.clone())?;
+    let follower = SceneFollower::new(domain, context.health.clone(), feed, live.clone())?;
     let reserved_bytes = change_publisher.reserved_bytes() + follower.reserved_bytes();
     context
         .health
@@ -63,20 +66,19 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         .store(reserved_bytes, Ordering::Relaxed);
     let (processes_server, people_server) = control::servers(domain, router, &config.groups)?;
     let probe = probe(store.clone(), context.health.clone(), processes);
+    let configuration_change = ConfigurationChange {
+        store: store.clone(),
+        desk,
+        world,
+        access: people_server.access_control(),
+    };
     let mut tasks = TaskGroup::default();
     tasks.spawn("the control server", processes_server.run());
     tasks.spawn("the control socket", people_server.run());
     tasks.spawn("the publisher of changes", change_publisher.run());
     tasks.spawn("the scene follower", follower.run());
     tasks.spawn("the probe of the store", probe);
-    tasks.spawn(
-        "the expiry of jobs",
-        async move { desk.expire_jobs().await },
-    );
-    tasks.spawn(
-        "the daily purge",
-        daily_purge::run(store, config.forgotten_kept, config.tombstones_kept),
-    );
+    spawn_upkeep(&mut tasks, store, configuration_change, live);
     let shutdown = async {
         context.shutdown.requested().await;
         Ok(())
@@ -86,6 +88,21 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
     let world_stopped = world_stopped.map_err(Failure::general);
     let stopped = thread.stop().map_err(Failure::general).and(world_stopped);
     outcome.and(stopped)
+}
+
+/// Spawns what keeps the memory in order, with the newest configuration.
+fn spawn_upkeep(
+    tasks: &mut TaskGroup,
+    store: StoreHandle,
+    configuration_change: ConfigurationChange,
+    live: LiveConfig<Config>,
+) {
+    let desk = configuration_change.desk.clone();
+    let expiry = async move { desk.expire_jobs().await };
+    tasks.spawn("the expiry of jobs", expiry);
+    tasks.spawn("the daily purge", daily_purge::run(store, live.clone()));
+    let configuration_change = configuration_change.follow(live);
+    tasks.spawn("the change of the configuration", configuration_change);
 }
 
 fn open_store(

@@ -1,14 +1,15 @@
 //! Scene follower: feeds scenes to the world model, and acknowledges lockstep frames.
 
+use crate::config::Config;
 use crate::world_model_updater::WorldModelUpdater;
 use channel::topic::{FinishedFrames, Scene};
 use channel::{Domain, Error, Publisher, Received, Subscriber};
 use message::{FrameDone, PlainHeader, ProcessKind, SceneSummary, Span, Stage, frame_flag};
-use service::{HealthCounters, TracePublisher, monotonic_ns};
+use service::{HealthCounters, LiveConfig, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use tokio::time::MissedTickBehavior;
+use tokio::time::{Interval, MissedTickBehavior};
 
 /// Subscriber to scenes that acknowledges each frame of a lockstep source.
 pub(crate) struct SceneFollower {
@@ -17,16 +18,16 @@ pub(crate) struct SceneFollower {
     trace: TracePublisher,
     health: Arc<HealthCounters>,
     feed: WorldModelUpdater,
-    look_period: Duration,
+    live: LiveConfig<Config>,
 }
 
 impl SceneFollower {
-    /// Scene follower that updates the world model once in `look_period`.
+    /// Scene follower that updates the world model once in the configured period.
     pub(crate) fn new(
         domain: &Domain,
         health: Arc<HealthCounters>,
         feed: WorldModelUpdater,
-        look_period: Duration,
+        live: LiveConfig<Config>,
     ) -> Result<Self, Error> {
         Ok(Self {
             scenes: Subscriber::waiting(domain)?,
@@ -34,7 +35,7 @@ impl SceneFollower {
             trace: TracePublisher::new(domain, ProcessKind::Memory)?,
             health,
             feed,
-            look_period,
+            live,
         })
     }
 
@@ -44,12 +45,15 @@ impl SceneFollower {
     }
 
     pub(crate) async fn run(mut self) {
-        let mut looks = tokio::time::interval(self.look_period);
-        looks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut looks = interval(self.live.take().world_period);
         loop {
             let followed = tokio::select! {
                 () = self.scenes.wake_event() => self.take_all(),
                 _ = looks.tick() => self.feed.look(&mut self.trace),
+                config = self.live.change() => {
+                    looks = interval(config.world_period);
+                    Ok(())
+                }
             };
             if let Err(error) = followed {
                 tracing::warn!("a scene was not followed: {error}");
@@ -83,4 +87,10 @@ impl SceneFollower {
         };
         self.finished.send_copy(PlainHeader::default(), &[done])
     }
+}
+
+fn interval(period: Duration) -> Interval {
+    let mut interval = tokio::time::interval(period);
+    interval.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    interval
 }

@@ -59,6 +59,11 @@ impl WorkingMemory {
         Ok((thread, world))
     }
 
+    /// Replaces the configuration of the model and the period of its writes.
+    pub(crate) fn set_config(&self, config: &Config) {
+        self.handle.set_config(config.world, config.world_period);
+    }
+
     /// Reads or changes the model under its lock; the work must be short.
     pub(crate) fn with<T>(&self, work: impl FnOnce(&mut WorldModel) -> T) -> T {
         let (result, newest) = self

@@ -2,12 +2,13 @@
 
 #[cfg(feature = "fault-injection")]
 use crate::fault_injection::FaultConfig;
+use actor::RestartPolicy;
 use channel::topic::{CameraCloud, Topic};
 use detection::InvalidConfig;
 use message::Text;
 use sensor_noise::DepthNoise;
 use serde::Deserialize;
-use service::{ConfigFile, Failure};
+use service::{Configuration, Failure};
 use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::time::Duration;
@@ -20,6 +21,13 @@ const MAX_WORKERS: usize = CameraCloud::LIMITS.borrowed - 2;
 /// Largest restart limit; every restart within the window is kept in memory.
 const RESTARTS_MAX: u32 = 10_000;
 const RESTART_WINDOW_MAX_S: f64 = 86_400.0;
+
+/// Restart back-off of a failed actor; doubled by each further failure within the window.
+const FIRST_BACKOFF: Duration = Duration::from_millis(50);
+const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
+
+/// Name of the section.
+const SECTION: &str = "perception";
 
 /// Section `[perception]` as written in TOML.
 #[derive(Debug, Clone, Deserialize)]
@@ -100,49 +108,61 @@ pub(crate) struct Config {
 }
 
 impl Config {
-    /// Reads and validates the section of the file.
-    pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
-        let raw: RawConfig = file.section("perception")?;
-        let wrong = |rule: &dyn Display| Failure::from(file.wrong(format!("[perception] {rule}")));
-        let workers = NonZeroUsize::new(raw.workers).filter(|workers| workers.get() <= MAX_WORKERS);
-        let milliseconds = |name: &str, value: u64, least: u64| {
+    /// Reads and validates the section of the configuration.
+    pub(crate) fn new(found: &Configuration) -> Result<Self, Failure> {
+        let raw: RawConfig = found.section(SECTION)?;
+        let wrong = |key: &str, rule: &dyn Display| {
+            Failure::from(found.wrong(SECTION, &[key], format!("{key} {rule}")))
+        };
+        let milliseconds = |key: &str, value: u64, least: u64| {
             if (least..=60_000).contains(&value) {
                 return Ok(Duration::from_millis(value));
             }
-            Err(wrong(&format!(
-                "{name} must lie between {least} and 60000, not {value}"
-            )))
+            let rule = format!("must lie between {least} and 60000, not {value}");
+            Err(wrong(key, &rule))
         };
-        let motion = MotionConfig::default();
-        let association = AssociationConfig::default();
+        let workers = NonZeroUsize::new(raw.workers).filter(|workers| workers.get() <= MAX_WORKERS);
+        let workers_rule = format!("must lie between 1 and {MAX_WORKERS}, not {}", raw.workers);
+        let (motion, association) = (MotionConfig::default(), AssociationConfig::default());
         Ok(Self {
-            workers: workers.ok_or_else(|| {
-                wrong(&format!(
-                    "workers must lie between 1 and {MAX_WORKERS}, not {}",
-                    raw.workers
-                ))
-            })?,
+            workers: workers.ok_or_else(|| wrong("workers", &workers_rule))?,
             actor_deadline: milliseconds("actor_deadline_ms", raw.actor_deadline_ms, 1)?,
             worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100)?,
-            actor_restarts_max: restarts_max(&raw).map_err(|rule| wrong(&rule))?,
-            actor_restart_window: restart_window(&raw).map_err(|rule| wrong(&rule))?,
+            actor_restarts_max: restarts_max(&raw)
+                .map_err(|rule| wrong("actor_restarts_max", &rule))?,
+            actor_restart_window: restart_window(&raw)
+                .map_err(|rule| wrong("actor_restart_window_s", &rule))?,
             #[cfg(feature = "fault-injection")]
             fault: FaultConfig {
                 panic_every: Duration::from_millis(raw.fault_panic_every_ms),
                 track_id: raw.fault_panic_track_id,
             },
-            detection: detection(&raw).map_err(|sentence| wrong(&sentence))?,
+            detection: detection(&raw).map_err(|WrongKey(key, rule)| wrong(key, &rule))?,
             pipeline: pipeline::Config::new(motion, association, raw.known_probability_min)
-                .map_err(|rule| wrong(&format!("known_probability_min: {rule}")))?,
+                .map_err(|rule| wrong("known_probability_min", &format!("is invalid: {rule}")))?,
         })
+    }
+
+    /// Restart policy of the object actors.
+    pub(crate) fn restart_policy(&self) -> Result<RestartPolicy, actor::Error> {
+        RestartPolicy::new(
+            self.actor_restarts_max,
+            self.actor_restart_window,
+            FIRST_BACKOFF,
+            LONGEST_BACKOFF,
+        )
     }
 }
 
+/// Key with an invalid value, and the rule: the end of a sentence that begins with the key.
+#[derive(Debug, PartialEq)]
+struct WrongKey(&'static str, String);
+
 fn restarts_max(raw: &RawConfig) -> Result<u32, String> {
     let given = raw.actor_restarts_max;
-    (given <= RESTARTS_MAX).then_some(given).ok_or_else(|| {
-        format!("actor_restarts_max must lie between 0 and {RESTARTS_MAX}, not {given}")
-    })
+    (given <= RESTARTS_MAX)
+        .then_some(given)
+        .ok_or_else(|| format!("must lie between 0 and {RESTARTS_MAX}, not {given}"))
 }
 
 fn restart_window(raw: &RawConfig) -> Result<Duration, String> {
@@ -152,19 +172,29 @@ fn restart_window(raw: &RawConfig) -> Result<Duration, String> {
         return Ok(Duration::from_secs_f64(given));
     }
     Err(format!(
-        "actor_restart_window_s must lie between 1 and {RESTART_WINDOW_MAX_S}, not {given}"
+        "must lie between 1 and {RESTART_WINDOW_MAX_S}, not {given}"
     ))
 }
 
-/// Validated detection settings, or a sentence that names the invalid one.
-fn detection(raw: &RawConfig) -> Result<detection::Config, String> {
+/// Key of a detection setting that is configured, by the setting's name.
+fn key_of(setting: &'static str) -> &'static str {
+    match setting {
+        "height_max_m" => "object_height_max_m",
+        "side_max_m" => "object_side_max_m",
+        other => other,
+    }
+}
+
+/// Validated detection settings, or the invalid key.
+fn detection(raw: &RawConfig) -> Result<detection::Config, WrongKey> {
     let depth_noise = DepthNoise::named(&raw.depth_noise).ok_or_else(|| {
-        format!(
-            "depth_noise must be one of {}, not {:?}; the noise on the table is measured while \
-             running, so take the law that is nearest",
+        let rule = format!(
+            "must be one of {}, not {:?}; the noise on the table is measured while running, so \
+             take the law that is nearest",
             DepthNoise::NAMES.join(", "),
             raw.depth_noise
-        )
+        );
+        WrongKey("depth_noise", rule)
     })?;
     let settings = detection::RawConfig {
         depth_noise,
@@ -181,16 +211,29 @@ fn detection(raw: &RawConfig) -> Result<detection::Config, String> {
         ..detection::RawConfig::default()
     };
     let config = detection::Config::new(settings).map_err(|error| match error {
-        InvalidConfig::Rule(error) => format!("candidate_rule: {error}"),
-        other => other.to_string(),
+        InvalidConfig::Rule(error) => WrongKey("candidate_rule", format!("is invalid: {error}")),
+        InvalidConfig::OutOfRange {
+            name,
+            value,
+            min,
+            max,
+        } => WrongKey(
+            key_of(name),
+            format!("must lie between {min} and {max}, not {value}"),
+        ),
+        other => WrongKey(
+            "candidate_rule",
+            format!("or another key is invalid: {other}"),
+        ),
     })?;
     let length = config.rule().to_string().len();
     if length > Text::CAPACITY {
-        return Err(format!(
-            "candidate_rule is {length} bytes long when written with ∧ ∨ ¬, and the scene \
-             carries {} at most; write a shorter one",
+        let rule = format!(
+            "is {length} bytes long when written with ∧ ∨ ¬, and the scene carries {} at most; \
+             write a shorter one",
             Text::CAPACITY
-        ));
+        );
+        return Err(WrongKey("candidate_rule", rule));
     }
     Ok(config)
 }
@@ -199,7 +242,13 @@ fn detection(raw: &RawConfig) -> Result<detection::Config, String> {
 mod tests {
     use super::*;
 
-    fn with_rule(rule: &str) -> Result<detection::Config, String> {
+    #[cfg(not(feature = "fault-injection"))]
+    #[test]
+    fn section_agrees_with_the_key_reference() {
+        service::check_section_reference(SECTION, Config::new).unwrap();
+    }
+
+    fn with_rule(rule: &str) -> Result<detection::Config, WrongKey> {
         detection(&RawConfig {
             candidate_rule: rule.into(),
             ..RawConfig::default()
@@ -215,11 +264,9 @@ mod tests {
             })
         };
         assert_eq!(of("stereo").unwrap().get().depth_noise, DepthNoise::STEREO);
-        let sentence = of("kinect").unwrap_err();
-        assert!(
-            sentence.contains("kinect-v1, stereo, time-of-flight"),
-            "{sentence}"
-        );
+        let WrongKey(key, rule) = of("kinect").unwrap_err();
+        assert_eq!(key, "depth_noise");
+        assert!(rule.contains("kinect-v1, stereo, time-of-flight"), "{rule}");
     }
 
     #[test]
@@ -236,8 +283,8 @@ mod tests {
             Ok(Duration::from_millis(1500))
         );
         for wrong in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
-            let sentence = restart_window(&raw(5, wrong)).unwrap_err();
-            assert!(sentence.contains("actor_restart_window_s"), "{sentence}");
+            let rule = restart_window(&raw(5, wrong)).unwrap_err();
+            assert!(rule.contains("between 1 and 86400"), "{rule}");
         }
     }
 
@@ -253,16 +300,14 @@ mod tests {
 
     #[test]
     fn invalid_candidate_rules_are_named() {
-        for (rule, words) in [
-            ("C_table and C_unicorn", ["candidate_rule", "C_unicorn"]),
-            ("", ["candidate_rule", "empty"]),
-            (&["table"; 20].join(" and "), ["candidate_rule", "shorter"]),
+        for (rule, word) in [
+            ("C_table and C_unicorn", "C_unicorn"),
+            ("", "empty"),
+            (&["table"; 20].join(" and "), "shorter"),
         ] {
-            let sentence = with_rule(rule).unwrap_err();
-            assert!(
-                words.iter().all(|word| sentence.contains(word)),
-                "{sentence}"
-            );
+            let WrongKey(key, sentence) = with_rule(rule).unwrap_err();
+            assert_eq!(key, "candidate_rule");
+            assert!(sentence.contains(word), "{sentence}");
         }
     }
 }

@@ -74,6 +74,11 @@ impl Detector {
         &self.config
     }
 
+    /// Replaces the settings, between two frames.
+    pub(crate) fn set_config(&mut self, config: Config) {
+        self.config = Arc::new(config);
+    }
+
     /// Detects objects in a frame, reading the points in shared memory without a copy.
     pub(crate) async fn detect(
         &mut self,

@@ -1,5 +1,7 @@
 //! Frame loop: receives each frame, runs it through the pipeline and publishes the results.
 
+mod configuration_change;
+
 use crate::assumption_log::AssumptionLog;
 use crate::body_subscriber::BodySubscribers;
 use crate::camera_watch::{CameraWatch, LOOK_PERIOD};
@@ -27,12 +29,13 @@ use message::{
     FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
 use pipeline::{FramePipeline, ObjectWorkspace};
-use service::{HealthCounters, Stopwatch, monotonic_ns};
+use service::{HealthCounters, LiveConfig, Stopwatch, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// State of the frame loop that lasts from frame to frame.
 pub(crate) struct FrameLoop {
+    settings: LiveConfig<Config>,
     frame_receiver: FrameReceiver,
     camera_watch: CameraWatch,
     pipeline: FramePipeline,
@@ -69,9 +72,10 @@ pub(crate) struct FrameLoopParts {
 impl FrameLoop {
     pub(crate) fn new(
         domain: &Domain,
-        config: &Config,
+        mut settings: LiveConfig<Config>,
         parts: FrameLoopParts,
     ) -> Result<Self, Error> {
+        let config = settings.take();
         let publishers = Publishers::new(domain)?;
         let trace = FrameTrace::new(domain)?;
         parts.health.shared_memory_bytes.store(
@@ -82,6 +86,7 @@ impl FrameLoop {
         let rule = detector.config().rule().to_string();
         tracing::info!("a candidate becomes an object when {rule}");
         Ok(Self {
+            settings,
             frame_receiver: FrameReceiver::new(domain)?,
             camera_watch: CameraWatch::new(parts.health.clone()),
             pipeline: FramePipeline::new(config.pipeline),
@@ -120,6 +125,7 @@ impl FrameLoop {
         let mut looks = tokio::time::interval(LOOK_PERIOD);
         loop {
             while let Some(received) = self.frame_receiver.newest()? {
+                self.take_configuration_change().await;
                 self.frame(&received).await?;
                 probe.reset();
                 // A camera faster than the loop leaves no pause between frames.
@@ -128,6 +134,7 @@ impl FrameLoop {
             tokio::select! {
                 () = self.frame_receiver.woken() => {}
                 () = self.latest_scene.outdated() => self.relabel_if_requested().await,
+                config = self.settings.change() => self.apply(&config).await,
                 _ = probe.tick() => self.probe().await?,
                 _ = looks.tick() => self.camera_watch.look(monotonic_ns()),
             }

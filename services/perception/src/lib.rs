@@ -59,7 +59,7 @@ pub fn main() -> ExitCode {
     service::run(
         ProcessKind::Perception,
         &arguments.process,
-        Config::new,
+        |found, _| Config::new(found),
         run::run,
     )
 }

@@ -21,9 +21,8 @@ pub(crate) struct ObjectActor {
     context: Arc<ObjectContext>,
 }
 
-/// Settings and categories shared by all object actors.
+/// Categories shared by all object actors.
 pub(crate) struct ObjectContext {
-    pub(crate) config: Config,
     pub(crate) categories: SharedCategories,
 }
 
@@ -38,6 +37,8 @@ pub(crate) struct ObserveView {
     pub(crate) candidate: usize,
     /// Track-id of the observed object.
     pub(crate) track_id: u64,
+    /// Settings of the frame, the same for all objects in it.
+    pub(crate) config: Config,
     /// Measurement of the candidate that was matched with the track.
     pub(crate) measured: CandidateMeasurement,
     /// Buffer for the descriptor, reused.
@@ -106,6 +107,7 @@ impl Actor for ObjectActor {
             received,
             detected,
             candidate,
+            config,
             measured,
             mut descriptor,
             points: mut own_points,
@@ -132,7 +134,7 @@ impl Actor for ObjectActor {
         let posterior = self.state.observe(
             &observation,
             &snapshot.index,
-            &self.context.config,
+            &config,
             &mut self.tools,
             stages,
         )?;

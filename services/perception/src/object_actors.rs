@@ -7,8 +7,8 @@ use crate::fault_injection::{FaultConfig, FaultInjector};
 use crate::frame_receiver::ReceivedFrame;
 use crate::object_actor::{ObjectActor, ObserveView, ObservedView};
 use crate::restart_backoff::RestartBackoff;
-use actor::{Address, PendingReply, Supervisor};
-use pipeline::{ObjectState, Sighting};
+use actor::{Address, PendingReply, RestartPolicy, Supervisor};
+use pipeline::{Config, ObjectState, Sighting};
 use point_cloud::Point;
 use service::monotonic_ns;
 use std::collections::BTreeMap;
@@ -25,6 +25,7 @@ pub(crate) struct ObjectActors {
     supervisor: Supervisor<u64, ObjectActor>,
     addresses: BTreeMap<u64, Address<ObjectActor>>,
     backoff: Arc<RestartBackoff>,
+    config: Config,
     #[cfg(feature = "fault-injection")]
     fault: FaultInjector,
     spare_descriptors: Vec<Vec<f32>>,
@@ -39,18 +40,26 @@ impl ObjectActors {
     pub(crate) fn new(
         supervisor: Supervisor<u64, ObjectActor>,
         backoff: Arc<RestartBackoff>,
+        config: Config,
         #[cfg(feature = "fault-injection")] fault: FaultConfig,
     ) -> Self {
         Self {
             supervisor,
             addresses: BTreeMap::new(),
             backoff,
+            config,
             #[cfg(feature = "fault-injection")]
             fault: FaultInjector::new(fault),
             spare_descriptors: Vec::new(),
             spare_points: Vec::new(),
             asked: Vec::new(),
         }
+    }
+
+    /// Replaces the settings of observations and the restart policy, between two frames.
+    pub(crate) fn set_config(&mut self, config: Config, policy: RestartPolicy) {
+        self.config = config;
+        self.supervisor.set_policy(policy);
     }
 
     /// Starts an actor for a new track.
@@ -145,6 +154,7 @@ impl ObjectActors {
             detected: detected.clone(),
             candidate: sighting.candidate,
             track_id: sighting.track_id,
+            config: self.config,
             measured: sighting.measured,
             descriptor: self.spare_descriptors.pop().unwrap_or_default(),
             points: self.spare_points.pop().unwrap_or_default(),

@@ -12,18 +12,15 @@ use crate::object_actors::ObjectActors;
 use crate::outbox::outbox;
 use crate::restart_backoff::RestartBackoff;
 use crate::track_ids::TrackIds;
-use actor::{Events, Placement, PoolConfig, Restart, RestartPolicy, Supervisor, WorkerPool};
+use actor::{Events, Placement, PoolConfig, Restart, Supervisor, WorkerPool};
 use channel::control::{Client, Server};
 use message::{ProcessKind, ProcessState};
-use service::{Context, Failure, TaskGroup};
+use service::{Context, Failure, LiveConfig, TaskGroup};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::runtime::Handle;
 
-/// Restart back-off of a failed actor; doubled by each further failure within the window.
-const FIRST_BACKOFF: Duration = Duration::from_millis(50);
-const LONGEST_BACKOFF: Duration = Duration::from_secs(1);
 /// Time limit for an actor to finish its message at shutdown.
 const ACTOR_SHUTDOWN: Duration = Duration::from_secs(2);
 /// Number of stalled workers at which the process gives up.
@@ -37,8 +34,8 @@ const EVENTS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
 ///
 /// # Errors
 /// When shared memory fails, too many workers stall, or too many actors fail.
-pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
-    let domain = &context.domain;
+pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<(), Failure> {
+    let (config, domain) = (live.get(), &context.domain);
     let health = context.health.clone();
     let pool = start_pool(&config)?;
     let categories = SharedCategories::default();
@@ -66,7 +63,7 @@ pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure>
         latest_scene,
         health: health.clone(),
     };
-    let mut frames = FrameLoop::new(domain, &config, parts)?;
+    let mut frames = FrameLoop::new(domain, live, parts)?;
     let mut tasks = TaskGroup::default();
     tasks.spawn("the control server", server.run());
     tasks.spawn("the replica of the memory", replica.run());
@@ -97,11 +94,10 @@ fn actors(
     supervisor: Supervisor<u64, ObjectActor>,
     backoff: Arc<RestartBackoff>,
 ) -> ObjectActors {
-    #[cfg(not(feature = "fault-injection"))]
-    let _ = config;
     ObjectActors::new(
         supervisor,
         backoff,
+        config.pipeline,
         #[cfg(feature = "fault-injection")]
         config.fault,
     )
@@ -124,13 +120,7 @@ fn start_supervisor(
     pool: &WorkerPool,
     categories: SharedCategories,
 ) -> Result<(Supervisor<u64, ObjectActor>, Events<u64>), Failure> {
-    let policy = RestartPolicy::new(
-        config.actor_restarts_max,
-        config.actor_restart_window,
-        FIRST_BACKOFF,
-        LONGEST_BACKOFF,
-    )
-    .map_err(Failure::general)?;
+    let policy = config.restart_policy().map_err(Failure::general)?;
     let supervision = actor::Config {
         restart: Restart::Transient,
         policy,
@@ -139,9 +129,6 @@ fn start_supervisor(
         shutdown: ACTOR_SHUTDOWN,
         event_capacity: EVENTS,
     };
-    let context = Arc::new(ObjectContext {
-        config: config.pipeline,
-        categories,
-    });
+    let context = Arc::new(ObjectContext { categories });
     Ok(Supervisor::new(supervision, context, Handle::current()))
 }

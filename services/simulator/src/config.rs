@@ -2,7 +2,7 @@
 
 use crate::arguments::SimulatorArguments;
 use serde::Deserialize;
-use service::{ConfigFile, Failure};
+use service::{Configuration, Failure};
 use simulated_world::{ArmMount, MAX_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
 use std::path::{Path, PathBuf};
 
@@ -10,6 +10,9 @@ use std::path::{Path, PathBuf};
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=120.0;
 /// Default number of objects of the everyday scene.
 const EVERYDAY_OBJECTS: usize = 5;
+
+/// Name of the section.
+const SECTION: &str = "simulator";
 
 /// Section `[simulator]` as written in TOML.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -46,16 +49,27 @@ pub(crate) struct Config {
 }
 
 impl Config {
-    /// Reads the section of the file, overridden by the arguments.
+    /// Reads the section of the configuration, overridden by the arguments.
     ///
     /// # Errors
     /// A usage failure that names the value and its rule.
-    pub(crate) fn new(arguments: &SimulatorArguments, file: &ConfigFile) -> Result<Self, Failure> {
-        let raw: RawConfig = file.section("simulator")?;
+    pub(crate) fn new(
+        arguments: &SimulatorArguments,
+        found: &Configuration,
+    ) -> Result<Self, Failure> {
+        let raw: RawConfig = found.section(SECTION)?;
         let given = &arguments.scene;
         let scene = given.scene.clone().or(raw.scene);
+        // The sentences name options; a value of the file is named with its place.
+        let refused = |key: &str, is_given: bool, sentence: String| {
+            if is_given || found.setting(SECTION, key).is_none() {
+                return Failure::usage(sentence);
+            }
+            found.wrong(SECTION, &[key], sentence).into()
+        };
         let config = Self {
-            plan: plan(scene.as_deref()).map_err(Failure::usage)?,
+            plan: plan(scene.as_deref())
+                .map_err(|sentence| refused("scene", given.scene.is_some(), sentence))?,
             n_objects: given.objects.or(raw.objects),
             seed: given.seed.or(raw.seed),
             models: raw
@@ -64,7 +78,12 @@ impl Config {
             rate_hz: given.rate.or(raw.rate_hz).unwrap_or(30.0),
             lockstep: given.lockstep || raw.lockstep,
         };
-        config.check().map_err(Failure::usage)?;
+        config
+            .check_rate()
+            .map_err(|sentence| refused("rate_hz", given.rate.is_some(), sentence))?;
+        config
+            .check_objects()
+            .map_err(|sentence| refused("objects", given.objects.is_some(), sentence))?;
         if arguments.process.check_config {
             config
                 .scene()
@@ -73,13 +92,17 @@ impl Config {
         Ok(config)
     }
 
-    fn check(&self) -> Result<(), String> {
+    fn check_rate(&self) -> Result<(), String> {
         let rate_hz = self.rate_hz;
-        if !RATES_HZ.contains(&rate_hz) {
-            return Err(format!(
-                "--rate must lie between 0.1 and 120 frames per second, not {rate_hz}"
-            ));
+        if RATES_HZ.contains(&rate_hz) {
+            return Ok(());
         }
+        Err(format!(
+            "--rate must lie between 0.1 and 120 frames per second, not {rate_hz}"
+        ))
+    }
+
+    fn check_objects(&self) -> Result<(), String> {
         match (self.n_objects, &self.plan) {
             (Some(_), SceneChoice::File(path)) => Err(format!(
                 "--objects cannot be used with a scene file; write the number into {}",
@@ -161,7 +184,21 @@ mod tests {
     fn config(words: &str) -> Result<Config, String> {
         let words = std::iter::once("tabula-simulator").chain(words.split_ascii_whitespace());
         let arguments = SimulatorArguments::try_parse_from(words).map_err(|e| e.to_string())?;
-        Config::new(&arguments, &ConfigFile::default()).map_err(|e| e.to_string())
+        Config::new(&arguments, &Configuration::default()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn section_agrees_with_the_key_reference() {
+        let arguments = SimulatorArguments::parse_from(["tabula-simulator"]);
+        // A seed that is not given is the default one.
+        let read = |found: &Configuration| {
+            let config = Config::new(&arguments, found)?;
+            Ok::<_, Failure>(Config {
+                seed: Some(config.seed()),
+                ..config
+            })
+        };
+        service::check_section_reference(SECTION, read).unwrap();
     }
 
     #[test]

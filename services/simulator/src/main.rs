@@ -20,10 +20,12 @@ static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 fn main() -> ExitCode {
     let arguments: SimulatorArguments = service::parse_arguments();
+    let process = arguments.process.clone();
     service::run(
         ProcessKind::Simulator,
-        &arguments.process,
-        |file| Config::new(&arguments, file),
-        run::run,
+        &process,
+        move |found, _| Config::new(&arguments, found),
+        // Its keys need a restart.
+        |context, config| run::run(context, config.get().as_ref().clone()),
     )
 }

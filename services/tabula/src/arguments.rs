@@ -1,7 +1,10 @@
 //! Command-line arguments of `tabula`.
 
+mod config;
 mod memory;
 mod world;
+
+pub(crate) use config::ConfigVerb;
 
 pub(crate) use memory::{
     CompactArguments, EntriesArguments, ForgetArguments, ImportArguments, InspectArguments,
@@ -123,6 +126,12 @@ pub(crate) enum Verb {
     /// Replay a recording in a daemon; see `tabula replay --help`
     #[command(disable_help_flag = true)]
     Replay(LabArguments),
+    /// Check, show, explain and reload the configuration
+    Config {
+        /// Action on the configuration
+        #[command(subcommand)]
+        verb: ConfigVerb,
+    },
     /// Show the state of the daemon's processes
     Status,
     /// Diagnose this machine and its configuration
@@ -215,7 +224,7 @@ pub(crate) struct LabelArguments {
 
 /// Sensor options of `tabula run`; passed on to tabula-camera or tabula-simulator, which check
 /// them.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Default, Args)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is a flag of the command line"

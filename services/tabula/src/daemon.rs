@@ -1,6 +1,7 @@
 //! `tabula run`: supervisor that runs the daemon's processes as children.
 
 use crate::arguments::RunArguments;
+use crate::daemon_reload::DaemonReload;
 use crate::sensor::Sensor;
 use crate::supervision::{self, Child, Supervision, SupervisionConfig};
 use channel::control::SocketClient;
@@ -9,7 +10,7 @@ use command_line::{Output, StopSignal};
 use message::ProcessKind;
 use message::control::{Command, Reply};
 use serde::Serialize;
-use service::{CommonArguments, ConfigFile, Failure, start_log, stop_with_parent};
+use service::{CommonArguments, Configuration, Failure, start_log, stop_with_parent};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -46,14 +47,14 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     start_log();
     let home = common.home();
-    let file = ConfigFile::find(common.config.as_deref(), home.path())?;
-    let config = SupervisionConfig::new(&file)?;
+    let found = Configuration::find(common.config.as_deref(), home.path())?;
+    let config = SupervisionConfig::new(&found)?;
     let processes = checked_processes(common, run)?;
     if run.check_config {
         output.print_text("the configuration and the arguments are in order");
         return Ok(ExitCode::SUCCESS);
     }
-    let stop = StopSignal::install()?;
+    let (stop, hang_ups) = StopSignal::install_beside_hang_ups()?;
     if run
         .follow_parent
         .is_some_and(|parent| !stop_with_parent(parent))
@@ -64,17 +65,22 @@ pub(crate) fn run(
     // even those of killed processes.
     let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Only(ROLE))?;
     let mut supervision = Supervision::new(&domain, config)?;
+    let mut reload = DaemonReload::new(&domain, hang_ups, found, (common, run))?;
     let outcome = processes
         .into_iter()
         .try_for_each(|(process, arguments)| supervision.start(process, arguments))
-        .and_then(|()| keep_running(&mut supervision, common, &domain, &stop, output));
+        .and_then(|()| keep_running(&mut supervision, &mut reload, common, &stop, output));
     tracing::info!("stopping all processes");
     supervision.stop();
     outcome.map(|()| ExitCode::SUCCESS)
 }
 
-/// Processes of the daemon with their arguments, which they have checked themselves.
-fn checked_processes(
+/// Processes of the daemon with their arguments, which they have checked themselves, with all of the
+/// configuration.
+///
+/// # Errors
+/// The sentence of the process that refuses its arguments or its section.
+pub(crate) fn checked_processes(
     common: &CommonArguments,
     run: &RunArguments,
 ) -> Result<Vec<(ProcessKind, Vec<String>)>, Failure> {
@@ -105,20 +111,26 @@ fn checked_processes(
 
 fn keep_running(
     supervision: &mut Supervision,
+    reload: &mut DaemonReload,
     common: &CommonArguments,
-    domain: &Domain,
     stop: &StopSignal,
     output: &Output,
 ) -> Result<(), Failure> {
+    let domain = reload.domain().clone();
     let mut is_announced = false;
     let mut next_readiness_check = Instant::now();
     while !stop.is_raised() {
         supervision.poll()?;
+        reload.poll(supervision);
+        if reload.is_terminal_closed() {
+            tracing::info!("stopping: the terminal was closed");
+            return Ok(());
+        }
         if !is_announced && next_readiness_check <= Instant::now() {
-            is_announced = is_ready(supervision.children(), domain);
+            is_announced = is_ready(supervision.children(), &domain);
             next_readiness_check = Instant::now() + READINESS_PERIOD;
             if is_announced {
-                announce(supervision.children(), common, domain, output);
+                announce(supervision.children(), common, &domain, output);
             }
         }
         stop.sleep(POLL_PERIOD);

@@ -1,6 +1,7 @@
 //! `tabula doctor`: diagnosis of this machine.
 
 mod checks;
+mod configuration;
 mod depth_noise;
 mod expected_processes;
 

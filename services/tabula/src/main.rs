@@ -2,7 +2,9 @@
 
 mod arguments;
 mod arm;
+mod config_command;
 mod daemon;
+mod daemon_reload;
 mod doctor;
 mod knowledge;
 mod lab_program;
@@ -33,6 +35,7 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Doctor => Ok(doctor::run(&arguments.common, output)),
         Verb::Objects { watch } => objects::objects(&arguments.common, *watch, output),
         Verb::Ask { track_id } => objects::ask(&arguments.common, *track_id, output),
+        Verb::Config { verb } => config_command::run(&arguments.common, verb, output),
         Verb::Status => status::run(&arguments.common, output),
         Verb::Teach(label) => learn::teach(&arguments.common, label, output),
         Verb::Correct(label) => learn::correct(&arguments.common, label, output),

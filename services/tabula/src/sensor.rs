@@ -2,7 +2,7 @@
 
 use message::ProcessKind;
 use serde::Deserialize;
-use service::{CommonArguments, ConfigFile, Failure};
+use service::{CommonArguments, Configuration, Failure};
 
 /// Source name of the simulator.
 const SIMULATION: &str = "simulation";
@@ -36,9 +36,10 @@ impl Sensor {
             return Self::named(source);
         }
         let home = common.home();
-        let file = ConfigFile::find(common.config.as_deref(), home.path())?;
-        let camera: RawCamera = file.section("camera")?;
+        let found = Configuration::find(common.config.as_deref(), home.path())?;
+        let camera: RawCamera = found.section("camera")?;
         Self::named(camera.source.as_deref().unwrap_or(SIMULATION))
+            .map_err(|failure| found.wrong("camera", &["source"], failure).into())
     }
 
     fn named(source: &str) -> Result<Self, Failure> {

@@ -86,6 +86,15 @@ impl Supervision {
         Ok(())
     }
 
+    /// Replaces the configuration, and passes the request to reload on to all processes.
+    pub(crate) fn reload(&mut self, config: SupervisionConfig) {
+        self.config = config;
+        for child in &mut self.children {
+            child.set_config(config);
+            child.request_reload();
+        }
+    }
+
     /// All processes in the order of their start.
     pub(crate) fn children(&self) -> &[Child] {
         &self.children

@@ -1,7 +1,7 @@
 //! Checks of `tabula doctor`: shared memory, descriptors, domain, processes, socket, depth
 //! noise, disk, camera.
 
-use super::{Finding, Severity, depth_noise, expected_processes};
+use super::{Finding, Severity, configuration, depth_noise, expected_processes};
 use channel::control::{CallError, SocketClient};
 use channel::{DomainState, RunFolder, SharedMemory, domain_reservation};
 use freenect::{Library, LibraryKind, Presence};
@@ -36,6 +36,7 @@ pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
         crashed_run(&state),
         control_socket(&health, &state),
         expected_processes::finding(common, &health),
+        configuration::finding(common),
         noise(common, &state),
         data_folder(common.home().path()),
         ports(),

@@ -29,6 +29,8 @@ pub(crate) struct Child {
     streak: RestartStreak,
     has_been_ready: bool,
     trouble: Option<Trouble>,
+    /// `true` until the running process has got a request to reload its configuration.
+    wants_reload: bool,
     /// Wall clock of the last change of the recorded state, nanoseconds since 1970.
     since_ns: u64,
 }
@@ -80,8 +82,25 @@ impl Child {
             streak: RestartStreak::new(config.restart_delay_max),
             has_been_ready: false,
             trouble: None,
+            wants_reload: false,
             since_ns: wall_ns(),
         })
+    }
+
+    /// Replaces the configuration of the supervision.
+    pub(crate) fn set_config(&mut self, config: SupervisionConfig) {
+        self.config = config;
+        self.streak.set_longest_delay(config.restart_delay_max);
+        if let ChildState::Running(running) = &mut self.state {
+            let limits = config.progress_limits(self.process);
+            running.watch.set_limits(limits);
+        }
+    }
+
+    /// Requests the running process to reload its configuration. One that is started later reads
+    /// the new one anyway.
+    pub(crate) fn request_reload(&mut self) {
+        self.wants_reload = matches!(self.state, ChildState::Running(_));
     }
 
     /// Kind of the child process.
@@ -157,6 +176,10 @@ impl Child {
             Some(feed) => {
                 if let Some(report) = feed.report(running.child.id()) {
                     running.watch.observe(report, now);
+                    // Before its first report, SIGHUP would end the process.
+                    if std::mem::take(&mut self.wants_reload) {
+                        send(&running.child, Signal::HUP);
+                    }
                 }
             }
         }
@@ -240,6 +263,7 @@ impl Child {
     }
 
     fn start_again(&mut self, now: BootTime) {
+        self.wants_reload = false;
         match RunningProcess::start(self.process, &self.arguments, &self.config, now) {
             Ok(running) => self.state = ChildState::Running(running),
             Err(failure) => {

@@ -3,7 +3,7 @@
 use super::progress_watch::ProgressLimits;
 use message::ProcessKind;
 use serde::Deserialize;
-use service::{ConfigFile, Failure, check_rules};
+use service::{BrokenRule, Configuration, Failure, check_rules};
 use std::time::Duration;
 
 /// Section `[run]` as written in TOML.
@@ -45,13 +45,14 @@ pub(crate) struct SupervisionConfig {
 }
 
 impl SupervisionConfig {
-    /// Reads and validates the section of the file.
+    /// Reads and validates the section of the configuration.
     ///
     /// # Errors
     /// When a key is unknown or a value is out of range.
-    pub(crate) fn new(file: &ConfigFile) -> Result<Self, Failure> {
-        let raw: RawConfig = file.section("run")?;
-        raw.check().map_err(|rule| file.wrong(rule))?;
+    pub(crate) fn new(found: &Configuration) -> Result<Self, Failure> {
+        let raw: RawConfig = found.section("run")?;
+        raw.check()
+            .map_err(|broken| found.wrong("run", &[broken.key], broken))?;
         Ok(Self {
             watchdog: Duration::from_secs_f64(raw.watchdog_s),
             memory_watchdog: Duration::from_secs_f64(raw.memory_watchdog_s),
@@ -75,25 +76,29 @@ impl SupervisionConfig {
 
 impl RawConfig {
     /// First violated rule, if any. NaN violates every range.
-    fn check(&self) -> Result<(), &'static str> {
+    fn check(&self) -> Result<(), BrokenRule> {
         check_rules([
             (
                 // A process that waits for another one, or for a device, records progress
                 // every 3 s at the latest, and reports it 0.5 s later.
                 (4.0..=3600.0).contains(&self.watchdog_s),
-                "[run] watchdog_s must lie between 4 and 3600",
+                "watchdog_s",
+                "must lie between 4 and 3600",
             ),
             (
                 (4.0..=3600.0).contains(&self.memory_watchdog_s),
-                "[run] memory_watchdog_s must lie between 4 and 3600",
+                "memory_watchdog_s",
+                "must lie between 4 and 3600",
             ),
             (
                 (self.watchdog_s..=86_400.0).contains(&self.startup_watchdog_s),
-                "[run] startup_watchdog_s must lie between watchdog_s and 86400",
+                "startup_watchdog_s",
+                "must lie between watchdog_s and 86400",
             ),
             (
                 (0.05..=3600.0).contains(&self.restart_delay_max_s),
-                "[run] restart_delay_max_s must lie between 0.05 and 3600",
+                "restart_delay_max_s",
+                "must lie between 0.05 and 3600",
             ),
         ])
     }
@@ -102,6 +107,11 @@ impl RawConfig {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn section_agrees_with_the_key_reference() {
+        service::check_section_reference("run", SupervisionConfig::new).unwrap();
+    }
 
     #[test]
     fn numbers_out_of_range_and_nan_violate_a_rule() {

@@ -17,21 +17,51 @@ pub(crate) fn common_arguments(common: &CommonArguments) -> Vec<String> {
     arguments
 }
 
-/// Validates a process's arguments with `--check-config`.
+/// Validates a process's arguments and its section of the configuration with `--check-config`.
+///
+/// # Errors
+/// The sentence with which the process refuses them, and its exit code.
 pub(crate) fn check(process: ProcessKind, arguments: &[String]) -> Result<(), Failure> {
-    let status = command(process)?
+    let output = command(process)?
         .args(arguments)
         .arg("--check-config")
-        .status();
-    match status.map_err(|error| start_failure(process, &error))? {
-        status if status.success() => Ok(()),
-        status => Err(Failure::new(
-            status
-                .code()
-                .and_then(|code| u8::try_from(code).ok())
-                .unwrap_or(exit_code::FAILURE),
-            format!("{} cannot run, see its message above", process.program()),
-        )),
+        .stderr(Stdio::piped())
+        .output();
+    let output = output.map_err(|error| start_failure(process, &error))?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let (log, refusal) = split_refusal(&text, &process.program());
+    print_log(log);
+    if output.status.success() {
+        return Ok(());
+    }
+    let code = output
+        .status
+        .code()
+        .and_then(|code| u8::try_from(code).ok());
+    let sentence = refusal.map_or_else(
+        || format!("{} cannot run, see its message above", process.program()),
+        str::to_owned,
+    );
+    Err(Failure::new(code.unwrap_or(exit_code::FAILURE), sentence))
+}
+
+/// Splits the output of a check into log lines and the refusal behind the program's name, which
+/// comes last.
+fn split_refusal<'a>(output: &'a str, program: &str) -> (&'a str, Option<&'a str>) {
+    let begins = |at: usize| at == 0 || output.as_bytes()[at - 1] == b'\n';
+    let prefix = format!("{program}: ");
+    let mut found = output.match_indices(&prefix);
+    match found.find(|(at, _)| begins(*at)) {
+        Some((at, _)) => (&output[..at], Some(output[at + prefix.len()..].trim_end())),
+        None => (output, None),
+    }
+}
+
+/// Passes log lines of a check on.
+#[expect(clippy::print_stderr, reason = "a log of another process")]
+fn print_log(log: &str) {
+    if !log.is_empty() {
+        eprint!("{log}");
     }
 }
 
@@ -72,4 +102,23 @@ fn program(process: ProcessKind) -> Result<PathBuf, Failure> {
 fn start_failure(process: ProcessKind, error: &std::io::Error) -> Failure {
     let sentence = format!("{} could not be started: {error}", process.program());
     Failure::general(sentence)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refusal_is_behind_the_name_of_its_program() {
+        let split = |output| split_refusal(output, "tabula-camera");
+        assert_eq!(split(""), ("", None));
+        assert_eq!(
+            split("tabula-camera: the folder x is empty\n"),
+            ("", Some("the folder x is empty"))
+        );
+        let log = "WARN about tabula-camera: odd\n";
+        assert_eq!(split(log), (log, None));
+        let both = format!("{log}tabula-camera: wrong\nand more\n");
+        assert_eq!(split(&both), (log, Some("wrong\nand more")));
+    }
 }

@@ -57,6 +57,11 @@ impl ProgressWatch {
         }
     }
 
+    /// Replaces the limits.
+    pub(crate) fn set_limits(&mut self, limits: ProgressLimits) {
+        self.limits = limits;
+    }
+
     /// Takes the newest report of the process. A counter that is smaller than before is
     /// progress as well: the process has replaced its program.
     pub(crate) fn observe(&mut self, report: ProgressReport, now: BootTime) {

@@ -43,6 +43,11 @@ impl RestartStreak {
         }
     }
 
+    /// Replaces the longest delay.
+    pub(crate) fn set_longest_delay(&mut self, longest_delay: Duration) {
+        self.longest_delay = longest_delay;
+    }
+
     /// Decides about an end with this cause, after the process has worked for a time; zero
     /// when it was never ready.
     pub(crate) fn on_end(&mut self, cause: &str, worked_for: Duration) -> RestartDelay {
@@ -105,6 +110,18 @@ mod tests {
                 LONGEST
             );
         }
+    }
+
+    #[test]
+    fn longest_delay_can_be_replaced_in_a_streak() {
+        let mut streak = RestartStreak::new(LONGEST);
+        for _ in 0..20 {
+            streak.on_end("exit status: 1", Duration::ZERO);
+        }
+        let shorter = Duration::from_secs(2);
+        streak.set_longest_delay(shorter);
+        let end = streak.on_end("exit status: 1", Duration::ZERO);
+        assert_eq!((end.delay, end.n_ends), (shorter, 21));
     }
 
     #[test]

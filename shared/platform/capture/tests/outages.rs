@@ -7,7 +7,7 @@ use channel::{Domain, Role, RunFolder};
 use geometry::PinholeCamera;
 use message::{ProcessKind, ProcessState};
 use point_cloud::Point;
-use service::{ConfigFile, Context, Failure, HealthCounters, Home, Shutdown, exit_code};
+use service::{Context, Failure, HealthCounters, Home, Shutdown, exit_code};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -112,7 +112,6 @@ fn capture(script: &[Attempt]) -> Captured {
         process: ProcessKind::Camera,
         domain,
         home: Home::at(folder.path().join("home")),
-        config: ConfigFile::default(),
         shutdown: Shutdown::new().1,
         health: health.clone(),
     };

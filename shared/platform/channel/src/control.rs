@@ -19,7 +19,7 @@ mod server;
 mod socket_client;
 mod socket_server;
 
-pub use access_policy::RoleGroups;
+pub use access_policy::{AccessControl, RoleGroups};
 pub use call_error::CallError;
 pub use client::Client;
 pub use connection::serve_stream;

@@ -17,5 +17,5 @@ mod table;
 
 pub use output::{Output, redraw_terminal};
 pub use progress::progress_bar;
-pub use stop_signal::StopSignal;
+pub use stop_signal::{HangUps, StopSignal};
 pub use table::format_table;

@@ -3,6 +3,7 @@
 use parking_lot::{Condvar, Mutex};
 use service::Failure;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
 
@@ -10,12 +11,36 @@ use tokio::signal::unix::{SignalKind, signal};
 #[derive(Debug, Clone)]
 pub struct StopSignal(Arc<(Mutex<bool>, Condvar)>);
 
+/// Note of received SIGHUPs, for a program that does not stop at them.
+#[derive(Debug, Clone, Default)]
+pub struct HangUps(Arc<AtomicBool>);
+
+impl HangUps {
+    /// Takes the note; true if a SIGHUP came since it was last taken.
+    pub fn take(&self) -> bool {
+        self.0.swap(false, Ordering::AcqRel)
+    }
+}
+
 impl StopSignal {
     /// Installs the signal handlers, on a separate thread.
     ///
     /// # Errors
     /// When the signal handlers cannot be installed.
     pub fn install() -> Result<Self, Failure> {
+        Self::listen(None)
+    }
+
+    /// As [`install`](Self::install), but SIGHUP is noted instead of stopping.
+    ///
+    /// # Errors
+    /// When the signal handlers cannot be installed.
+    pub fn install_beside_hang_ups() -> Result<(Self, HangUps), Failure> {
+        let hang_ups = HangUps::default();
+        Ok((Self::listen(Some(hang_ups.clone()))?, hang_ups))
+    }
+
+    fn listen(hang_ups: Option<HangUps>) -> Result<Self, Failure> {
         let failed = |error| Failure::general(format!("could not listen for signals: {error}"));
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_io()
@@ -30,10 +55,15 @@ impl StopSignal {
         let to_raise = raised.clone();
         std::thread::spawn(move || {
             runtime.block_on(async {
-                tokio::select! {
-                    _ = interrupt.recv() => {}
-                    _ = terminate.recv() => {}
-                    _ = hang_up.recv() => {}
+                loop {
+                    tokio::select! {
+                        _ = interrupt.recv() => return,
+                        _ = terminate.recv() => return,
+                        _ = hang_up.recv() => match &hang_ups {
+                            None => return,
+                            Some(noted) => noted.0.store(true, Ordering::Release),
+                        }
+                    }
                 }
             });
             to_raise.raise();

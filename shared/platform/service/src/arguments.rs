@@ -22,7 +22,7 @@ pub struct CommonArguments {
     #[arg(long, env = "TABULA_HOME", value_name = "DIR", global = true)]
     pub home: Option<PathBuf>,
 
-    /// Configuration file [default: tabula.toml in the home folder, /etc/tabula/tabula.toml]
+    /// Configuration file, with drop-ins in FILE.d [default: tabula.toml in the home folder, /etc/tabula/tabula.toml]
     #[arg(long, value_name = "FILE", global = true)]
     pub config: Option<PathBuf>,
 }

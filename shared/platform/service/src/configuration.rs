@@ -1,199 +1,255 @@
-//! Configuration file `tabula.toml` with one section per process.
+//! Configuration of all processes: `tabula.toml` and its drop-ins, merged key by key.
 
+mod config_error;
+mod config_layer;
+mod key_reference;
+mod key_value_check;
+mod layer_parsing;
+mod nearest_names;
+mod reference_check;
+
+pub use config_error::ConfigError;
+pub use key_reference::{KeyDescription, KeyReference};
+pub use key_value_check::{KeyBound, KeyRange, ValueKind};
+pub use nearest_names::nearest_names;
+pub use reference_check::check_section_reference;
+
+pub(crate) use config_error::one_line;
+use config_error::printable_line;
 use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+use std::fmt;
 use std::path::{Path, PathBuf};
-use std::{fmt, io};
+use std::sync::Arc;
+use toml::{Table, Value};
 
-/// Sections of the file: one for each process, and `run` for their parent.
-const SECTIONS: [&str; 5] = ["run", "camera", "simulator", "perception", "memory"];
+/// Sections of the configuration: one for each process, and `run` for their parent.
+pub const SECTIONS: [&str; 5] = ["run", "camera", "simulator", "perception", "memory"];
 
-/// Largest accepted configuration file, bytes.
-const MAX_BYTES: u64 = 1 << 20;
+/// Beginning of keys that only test programs have, which check them themselves.
+const TEST_KEY_PREFIX: &str = "fault_";
 
-/// Configuration file of all processes, each with its own section.
-#[derive(Debug, Clone, Default)]
-pub struct ConfigFile {
-    path: Option<PathBuf>,
-    text: String,
+/// Value of a key, with its place in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Value as written.
+    pub value: Value,
+    /// File that has set it.
+    pub file: Arc<PathBuf>,
+    /// Line of the key in the file, from 1.
+    pub line: usize,
 }
 
-/// Error of an unusable configuration.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ConfigError {
-    /// Configuration file that cannot be read.
-    #[error("could not read the configuration {}: {source}", .path.display())]
-    Unreadable {
-        /// Path of the configuration file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
-    /// Configuration file with invalid content.
-    #[error("the configuration {} is wrong: {}", .path.display(), .cause.trim_end())]
-    Wrong {
-        /// Path of the configuration file.
-        path: PathBuf,
-        /// Position of the error in the file and its reason.
-        cause: String,
-    },
+/// Configuration of all processes, each with its own section: the settings of a file and of its
+/// drop-ins. Of a key that several files set, the value of the last one counts.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Configuration {
+    files: Vec<Arc<PathBuf>>,
+    settings: BTreeMap<&'static str, BTreeMap<String, Setting>>,
 }
 
-impl ConfigFile {
-    /// Reads the given file, or else the first that exists: `tabula.toml` in the home
-    /// folder, `/etc/tabula/tabula.toml`. Without any, all defaults.
+impl Configuration {
+    /// Reads the given file with the drop-ins `FILE.d/*.toml` beside it, or else the first of these
+    /// that exists with its own: `tabula.toml` in the home folder, `/etc/tabula/tabula.toml`. A
+    /// file exists when it or a drop-in of it does. Without any, all defaults.
+    ///
+    /// Keys, types and ranges of all sections are checked with the key reference.
     ///
     /// # Errors
-    /// When the file cannot be read, is no TOML, or has an unknown section.
+    /// When a file cannot be read, is no TOML, or has an unknown section, an unknown key, or a
+    /// value of another type or out of range. The sentence names the file and the line.
     pub fn find(given: Option<&Path>, home: &Path) -> Result<Self, ConfigError> {
-        let places = [
-            home.join("tabula.toml"),
-            PathBuf::from("/etc/tabula/tabula.toml"),
-        ];
-        let found = || places.into_iter().find(|path| path.exists());
-        let Some(path) = given.map(Path::to_owned).or_else(found) else {
-            return Ok(Self::default());
-        };
-        let text = read(&path).map_err(|source| ConfigError::Unreadable {
-            path: path.clone(),
-            source,
-        })?;
-        let file = Self {
-            path: Some(path),
-            text,
-        };
-        file.check_sections()?;
-        Ok(file)
+        let found = Self::merge(config_layer::find(given, home)?)?;
+        found.check()?;
+        Ok(found)
     }
 
-    /// Path of the configuration file, if any.
-    pub fn path(&self) -> Option<&Path> {
-        self.path.as_deref()
+    /// Merges texts with their paths, in the order of precedence, the last one wins.
+    fn merge(layers: Vec<config_layer::ConfigLayer>) -> Result<Self, ConfigError> {
+        let mut merged = Self::default();
+        for layer in layers {
+            let file = Arc::new(layer.path);
+            for (section, key, setting) in layer_parsing::parse(&file, &layer.text)? {
+                merged.set(section, key, setting);
+            }
+            merged.files.push(file);
+        }
+        Ok(merged)
     }
 
-    /// Parses one process's section; the default when it is missing.
-    ///
-    /// # Errors
-    /// When a key is unknown or a value is invalid.
-    pub fn section<T: DeserializeOwned + Default>(&self, name: &str) -> Result<T, ConfigError> {
-        let mut table: toml::Table = toml::from_str(&self.text).map_err(|e| self.wrong(e))?;
-        match table.remove(name) {
-            None => Ok(T::default()),
-            Some(section) => section
-                .try_into()
-                .map_err(|error| self.wrong(format!("in the section [{name}]: {error}"))),
+    /// Files that were read, in the order of reading; none for the defaults.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(|file| file.as_path())
+    }
+
+    /// Files as text, for the log.
+    pub fn origin(&self) -> String {
+        let files: Vec<String> = self
+            .files()
+            .map(|file| file.display().to_string())
+            .collect();
+        match files.as_slice() {
+            [] => "built in".to_owned(),
+            files => files.join(", "),
         }
     }
 
-    /// Creates an error about this configuration file.
-    pub fn wrong(&self, cause: impl fmt::Display) -> ConfigError {
-        let path = self
-            .path
-            .clone()
-            .unwrap_or_else(|| PathBuf::from("(built-in defaults)"));
+    /// Setting of a key; `None` when no file sets it.
+    pub fn setting(&self, section: &str, key: &str) -> Option<&Setting> {
+        self.settings.get(section)?.get(key)
+    }
+
+    /// Value of a key that applies: that of a file, or the default. `None` for a key without
+    /// either.
+    pub fn effective(&self, section: &str, key: &str) -> Option<&Value> {
+        let default = || KeyReference::get().key(section, key)?.default.as_ref();
+        self.setting(section, key)
+            .map(|setting| &setting.value)
+            .or_else(default)
+    }
+
+    /// Keys that files set in a section, in alphabetical order.
+    pub(crate) fn keys(&self, section: &str) -> impl Iterator<Item = &str> {
+        let settings = self.settings.get(section).into_iter().flatten();
+        settings.map(|(key, _)| key.as_str())
+    }
+
+    /// Sets a key.
+    pub(crate) fn set(&mut self, section: &'static str, key: String, setting: Setting) {
+        let settings = self.settings.entry(section).or_default();
+        settings.insert(key, setting);
+    }
+
+    /// Removes a key, so that its default applies.
+    pub(crate) fn unset(&mut self, section: &str, key: &str) {
+        if let Some(settings) = self.settings.get_mut(section) {
+            settings.remove(key);
+        }
+    }
+
+    /// Parses the section of one process; the default when it is missing.
+    ///
+    /// # Errors
+    /// When a key is unknown to the process or has a value of another type.
+    pub fn section<T: DeserializeOwned + Default>(&self, name: &str) -> Result<T, ConfigError> {
+        let Some(settings) = self.settings.get(name) else {
+            return Ok(T::default());
+        };
+        table_of(settings.iter()).try_into().map_err(|error| {
+            // Keys do not depend on each other here, so the wrong one is wrong alone, too.
+            let is_wrong = |one: &(&String, &Setting)| {
+                let alone = table_of(std::iter::once(*one));
+                alone.try_into::<T>().is_err()
+            };
+            let wrong = settings.iter().find(is_wrong);
+            let keys: Vec<&str> = wrong.iter().map(|(key, _)| key.as_str()).collect();
+            let name_of_key = keys.first().copied().unwrap_or_default();
+            let cause = format!("[{name}] {name_of_key}: {}", error.message());
+            self.error_at(name, &keys, printable_line(&cause))
+        })
+    }
+
+    /// Error about the values of keys in a section. It names the place of the first of the keys
+    /// that a file sets.
+    pub fn wrong(&self, section: &str, keys: &[&str], cause: impl fmt::Display) -> ConfigError {
+        self.error_at(section, keys, one_line(&format!("[{section}] {cause}")))
+    }
+
+    fn error_at(&self, section: &str, keys: &[&str], cause: String) -> ConfigError {
+        let setting = keys.iter().find_map(|key| self.setting(section, key));
+        let path = match (setting, self.files.first()) {
+            (Some(setting), _) => setting.file.to_path_buf(),
+            (None, Some(file)) => file.to_path_buf(),
+            (None, None) => PathBuf::from("(built-in defaults)"),
+        };
         ConfigError::Wrong {
             path,
-            cause: cause.to_string(),
+            line: setting.map(|setting| setting.line),
+            cause,
         }
     }
 
-    fn check_sections(&self) -> Result<(), ConfigError> {
-        let table: toml::Table = toml::from_str(&self.text).map_err(|e| self.wrong(e))?;
-        match table.keys().find(|key| !SECTIONS.contains(&key.as_str())) {
-            None => Ok(()),
-            Some(key) => Err(self.wrong(format!(
-                "there is no section [{key}]; the sections are {}",
-                SECTIONS.map(|name| format!("[{name}]")).join(", ")
-            ))),
+    /// Checks the settings of all sections against the key reference.
+    fn check(&self) -> Result<(), ConfigError> {
+        for (section, settings) in &self.settings {
+            for (key, setting) in settings {
+                self.check_setting(section, key, &setting.value)?;
+            }
         }
+        self.check_dependent_defaults()
+    }
+
+    /// Checks the defaults whose range depends on another key, which a file may have set.
+    fn check_dependent_defaults(&self) -> Result<(), ConfigError> {
+        for one in KeyReference::get().keys() {
+            let bound = one.range.as_ref().map(|range| &range.least);
+            let (Some(KeyBound::Key(other)), Some(default)) = (bound, &one.default) else {
+                continue;
+            };
+            if self.setting(one.section, one.key).is_none() {
+                let number_of = |key: &str| as_number(self.effective(one.section, key)?);
+                one.check(default, number_of).map_err(|rule| {
+                    self.wrong(one.section, &[*other], format!("{} {rule}", one.key))
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_setting(&self, section: &str, key: &str, value: &Value) -> Result<(), ConfigError> {
+        let reference = KeyReference::get();
+        let Some(description) = reference.key(section, key) else {
+            if key.starts_with(TEST_KEY_PREFIX) {
+                return Ok(());
+            }
+            let names = reference.section(section).map(|known| known.key);
+            let near = nearest_names(key, names).join(" or ");
+            let cause = format!("there is no key {key:?}; perhaps {near} is meant");
+            return Err(self.wrong(section, &[key], cause));
+        };
+        let number_of = |other: &str| as_number(self.effective(section, other)?);
+        description
+            .check(value, number_of)
+            .map_err(|rule| self.wrong(section, &[key], format!("{key} {rule}")))
     }
 }
 
-/// First rule of a section that is not kept, of pairs of whether it is and its sentence.
+/// Table of settings without their places.
+fn table_of<'a>(settings: impl Iterator<Item = (&'a String, &'a Setting)>) -> Table {
+    settings
+        .map(|(key, setting)| (key.clone(), setting.value.clone()))
+        .collect()
+}
+
+/// Number of an integer or a float.
+pub(crate) fn as_number(value: &Value) -> Option<f64> {
+    value
+        .as_float()
+        .or_else(|| value.as_integer().map(|integer| integer as f64))
+}
+
+/// Rule of a section that is not kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("{key} {rule}")]
+pub struct BrokenRule {
+    /// Key whose value breaks the rule.
+    pub key: &'static str,
+    /// Rule, the end of a sentence that begins with the key.
+    pub rule: &'static str,
+}
+
+/// First rule of a section that is not kept, of triples of a condition, its key, and its rule.
 ///
 /// # Errors
-/// The sentence of that rule.
-pub fn check_rules<const N: usize>(rules: [(bool, &'static str); N]) -> Result<(), &'static str> {
-    match rules.into_iter().find(|(is_kept, _)| !is_kept) {
-        Some((_, rule)) => Err(rule),
+/// That rule.
+pub fn check_rules<const N: usize>(
+    rules: [(bool, &'static str, &'static str); N],
+) -> Result<(), BrokenRule> {
+    match rules.into_iter().find(|(is_kept, ..)| !is_kept) {
+        Some((_, key, rule)) => Err(BrokenRule { key, rule }),
         None => Ok(()),
     }
 }
 
-fn read(path: &Path) -> io::Result<String> {
-    if std::fs::metadata(path)?.len() > MAX_BYTES {
-        return Err(io::Error::new(
-            io::ErrorKind::InvalidData,
-            "it is larger than 1 MiB",
-        ));
-    }
-    std::fs::read_to_string(path)
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use serde::Deserialize;
-
-    #[derive(Debug, Default, PartialEq, Deserialize)]
-    #[serde(deny_unknown_fields, default)]
-    struct Camera {
-        rate_hz: f64,
-    }
-
-    fn read_section(text: &str) -> Result<Camera, String> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("tabula.toml");
-        std::fs::write(&path, text).unwrap();
-        let file = ConfigFile::find(Some(&path), folder.path()).map_err(|e| e.to_string())?;
-        file.section("camera").map_err(|e| e.to_string())
-    }
-
-    #[test]
-    fn a_section_is_read_and_defaults_fill_the_rest() {
-        assert_eq!(
-            read_section("[camera]\nrate_hz = 5.0"),
-            Ok(Camera { rate_hz: 5.0 })
-        );
-        assert_eq!(read_section("[memory]\n"), Ok(Camera::default()));
-        assert_eq!(
-            ConfigFile::default().section::<Camera>("camera").unwrap(),
-            Camera::default()
-        );
-    }
-
-    /// Any text is a configuration or is refused with a sentence.
-    #[test]
-    fn fuzz_configuration_files() {
-        let seeds = [
-            b"[camera]\nrate_hz = 5.0\n[memory]\nqueue_requests = 3\n".to_vec(),
-            b"[run]\n\n[camera]\nrate_hz = 1e3 # fast\n".to_vec(),
-        ];
-        mutation_fuzzing::fuzz(&seeds, |bytes| {
-            let text = String::from_utf8_lossy(bytes).into_owned();
-            let file = ConfigFile { path: None, text };
-            let camera = file.check_sections().and_then(|()| file.section("camera"));
-            match camera {
-                Ok(Camera { .. }) => assert!(toml::from_str::<toml::Table>(&file.text).is_ok()),
-                Err(error) => assert!(error.to_string().contains("the configuration")),
-            }
-        });
-    }
-
-    #[test]
-    fn errors_name_the_problem_and_the_file() {
-        let check = |text: &str, word: &str| {
-            let sentence = read_section(text).unwrap_err();
-            assert!(
-                sentence.contains(word) && sentence.contains("tabula.toml"),
-                "{sentence}"
-            );
-        };
-        check("[camera]\nrate = 5.0", "rate");
-        check("[camera]\nrate_hz = \"fast\"", "rate_hz");
-        check("[kamera]\n", "[kamera]");
-        check("[camera", "TOML");
-        let nowhere = ConfigFile::find(Some(Path::new("/nowhere/x.toml")), Path::new("/nowhere"));
-        assert!(nowhere.unwrap_err().to_string().contains("/nowhere/x.toml"));
-    }
-}
+mod tests;

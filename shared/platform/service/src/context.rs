@@ -1,6 +1,6 @@
 //! Process context: everything a process gets from its runtime.
 
-use crate::{ConfigFile, HealthCounters, Home, Shutdown};
+use crate::{HealthCounters, Home, Shutdown};
 use channel::Domain;
 use message::ProcessKind;
 use std::sync::Arc;
@@ -14,8 +14,6 @@ pub struct Context {
     pub domain: Domain,
     /// Folder of persistent data.
     pub home: Home,
-    /// Configuration file.
-    pub config: ConfigFile,
     /// Shutdown request to the process.
     pub shutdown: Shutdown,
     /// Health counters of the process.

@@ -21,8 +21,9 @@
 
 mod arguments;
 mod clock;
-mod config_file;
+mod configuration;
 mod context;
+mod controlling_terminal;
 mod cpu_affinity;
 mod failure;
 mod health_counters;
@@ -32,6 +33,7 @@ mod log;
 mod manuals;
 mod processor;
 mod program_arguments;
+mod reload;
 mod run;
 mod service_manager;
 mod shutdown;
@@ -43,15 +45,23 @@ mod trace_publisher;
 pub use allocation_counter::CountingAllocator;
 pub use arguments::{CommonArguments, ProcessArguments};
 pub use clock::{monotonic_ns, wall_clock_ns, wall_clock_offset_ns};
-pub use config_file::{ConfigError, ConfigFile, check_rules};
+pub use configuration::{
+    BrokenRule, ConfigError, Configuration, KeyBound, KeyDescription, KeyRange, KeyReference,
+    SECTIONS, Setting, ValueKind, check_rules, check_section_reference, nearest_names,
+};
 pub use context::Context;
+pub use controlling_terminal::ControllingTerminal;
 pub use cpu_affinity::CpuAffinity;
 pub use failure::{Failure, exit_code};
 pub use health_counters::HealthCounters;
 pub use home::{Home, set_private_umask};
 pub use log::start_log;
 pub use program_arguments::parse_arguments;
-pub use run::{run, stop_with_parent};
+pub use reload::{
+    LiveConfig, ReloadNotice, ReloadPlan, ReloadRecordPublisher, last_reloads, log_reload,
+    reload_processes,
+};
+pub use run::{Purpose, run, stop_with_parent};
 pub use service_manager::has_been_ready;
 pub use shutdown::{Shutdown, ShutdownTrigger};
 pub use stopwatch::Stopwatch;

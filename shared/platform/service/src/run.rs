@@ -2,11 +2,12 @@
 
 use crate::health_reporter::HealthReporter;
 use crate::home::set_private_umask;
+use crate::reload::{ConfigPlace, Reloader};
 use crate::service_manager::clear_readiness_marker;
 use crate::shutdown::on_signals;
 use crate::{
-    CommonArguments, ConfigFile, Context, Failure, HealthCounters, Home, ProcessArguments,
-    Shutdown, has_been_ready, start_log,
+    Configuration, Context, Failure, HealthCounters, Home, LiveConfig, ProcessArguments, Shutdown,
+    has_been_ready, start_log,
 };
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
@@ -21,19 +22,32 @@ use std::time::Duration;
 /// Time limit of stopping; then the process ends without waiting.
 const STOP_TIME: Duration = Duration::from_secs(4);
 
+/// Purpose for which a process checks its configuration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Check only: the process ends then.
+    Check,
+    /// Start of the process.
+    Start,
+    /// Reload by the running process.
+    Reload,
+}
+
 /// Runs a process from its arguments to its exit code: log, configuration, domain,
 /// health, signals, and in between `body`, which returns when `context.shutdown` is
 /// requested, or with a failure.
 ///
-/// `check` turns the configuration file into the process's own configuration; with
-/// `--check-config` nothing else happens.
+/// `check` turns the configuration into the process's own; with `--check-config` nothing else
+/// happens. It is called again at each reload, at SIGHUP, and its result replaces the live
+/// configuration that `body` has.
 pub fn run<C, F>(
     process: ProcessKind,
     arguments: &ProcessArguments,
-    check: impl FnOnce(&ConfigFile) -> Result<C, Failure>,
-    body: impl FnOnce(Context, C) -> F,
+    mut check: impl FnMut(&Configuration, Purpose) -> Result<C, Failure> + Send + 'static,
+    body: impl FnOnce(Context, LiveConfig<C>) -> F,
 ) -> ExitCode
 where
+    C: Send + Sync + 'static,
     F: Future<Output = Result<(), Failure>> + Send + 'static,
 {
     start_log();
@@ -45,12 +59,24 @@ where
         return ExitCode::SUCCESS;
     }
     let home = common.home();
-    let configured = ConfigFile::find(common.config.as_deref(), home.path())
+    let purpose = if arguments.check_config {
+        Purpose::Check
+    } else {
+        Purpose::Start
+    };
+    let configured = Configuration::find(common.config.as_deref(), home.path())
         .map_err(Failure::from)
-        .and_then(|file| Ok((check(&file)?, file)));
+        .and_then(|found| Ok((check(&found, purpose)?, found)));
     let outcome = match configured {
         Ok(_) if arguments.check_config => Ok(()),
-        Ok((config, file)) => live(process, common, home, file, |context| body(context, config)),
+        Ok((config, found)) => {
+            let check = move |found: &Configuration| check(found, Purpose::Reload);
+            live(process, arguments, home, (found, config, check), body)
+        }
+        Err(failure) if arguments.check_config => {
+            print_refusal(process, &failure);
+            return ExitCode::from(failure.code);
+        }
         Err(failure) => Err(failure),
     };
     match outcome {
@@ -63,13 +89,27 @@ where
     }
 }
 
-fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
+/// Prints why a configuration is refused; `tabula` reads the sentence behind the program's name.
+#[expect(clippy::print_stderr, reason = "a check has an answer, and no log")]
+fn print_refusal(process: ProcessKind, failure: &Failure) {
+    eprintln!("{}: {failure}", process.program());
+}
+
+fn live<C, F>(
     process: ProcessKind,
-    common: &CommonArguments,
+    arguments: &ProcessArguments,
     home: Home,
-    config: ConfigFile,
-    body: impl FnOnce(Context) -> F,
-) -> Result<(), Failure> {
+    started: (
+        Configuration,
+        C,
+        impl FnMut(&Configuration) -> Result<C, Failure> + Send + 'static,
+    ),
+    body: impl FnOnce(Context, LiveConfig<C>) -> F,
+) -> Result<(), Failure>
+where
+    C: Send + Sync + 'static,
+    F: Future<Output = Result<(), Failure>> + Send + 'static,
+{
     set_private_umask();
     raise_descriptor_limit();
     let runtime = tokio::runtime::Builder::new_multi_thread()
@@ -80,39 +120,45 @@ fn live<F: Future<Output = Result<(), Failure>> + Send + 'static>(
         .map_err(|error| Failure::general(format!("could not start the runtime: {error}")))?;
     let outcome = runtime.block_on(async {
         let program = process.program();
+        let common = &arguments.common;
         let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Only(&program))?;
         tracing::info!(
             "{program} {} started: domain {}, data {}, configuration {}",
             env!("CARGO_PKG_VERSION"),
             domain.name(),
             home.path().display(),
-            config
-                .path()
-                .map_or("built in".into(), |path| path.display().to_string()),
+            started.0.origin(),
         );
         let (trigger, shutdown) = Shutdown::new();
         on_signals(trigger.clone())
             .map_err(|error| Failure::general(format!("could not listen for signals: {error}")))?;
         let health = Arc::new(HealthCounters::default());
+        let place = ConfigPlace {
+            given: common.config.clone(),
+            home: home.path().to_owned(),
+        };
+        let parent = arguments.follow_parent;
+        let (reloader, live) =
+            Reloader::new(&domain, process, place, parent, started, health.clone())?;
+        let reloader = tokio::spawn(reloader.run(trigger.clone(), shutdown.clone()));
         let reporter = HealthReporter::new(&domain, process, health.clone())?;
         let reporter = tokio::spawn(reporter.run(shutdown.clone()));
         // On a reactor thread, which is the first to see new messages; this thread
         // would have to be woken by it.
-        let outcome = tokio::spawn(body(Context {
+        let context = Context {
             process,
             domain,
             home,
-            config,
             shutdown,
             health,
-        }))
-        .await;
+        };
+        let outcome = tokio::spawn(body(context, live)).await;
         let outcome = outcome.unwrap_or_else(|lost| std::panic::resume_unwind(lost.into_panic()));
         if trigger.is_requested() {
             clear_readiness_marker();
         }
         trigger.request();
-        let _ = reporter.await;
+        let _ = tokio::join!(reporter, reloader);
         tracing::info!("{program} stopped");
         outcome
     });

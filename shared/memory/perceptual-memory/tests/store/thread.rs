@@ -228,3 +228,26 @@ fn panic_in_a_read_or_reply_is_contained() {
         2
     );
 }
+
+#[test]
+fn limits_are_replaced_while_the_thread_runs() {
+    let folder = fast_folder();
+    let (thread, handle) = start(&folder, 8);
+    let n_unnamed_after = |tracks: std::ops::RangeInclusive<u64>| {
+        for track in tracks {
+            let stored = store_views(u128::from(track), vec![view(track, 0, 0)]);
+            handle.mutate_and_wait(stored).unwrap();
+        }
+        handle
+            .read_and_wait(|memory| memory.stats())
+            .unwrap()
+            .n_unnamed
+    };
+    assert_eq!(n_unnamed_after(1..=12), 12);
+    handle.set_limits(perceptual_memory::RetentionLimits {
+        max_unnamed_views: 10,
+        ..perceptual_memory::RetentionLimits::default()
+    });
+    assert_eq!(n_unnamed_after(13..=13), 9);
+    thread.stop().unwrap();
+}

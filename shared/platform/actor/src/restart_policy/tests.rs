@@ -119,3 +119,20 @@ fn contradictory_policies_are_refused() {
     let crossed = RestartPolicy::new(3, SECOND, 2 * SECOND, SECOND).unwrap_err();
     assert!(crossed.to_string().contains("shortest back-off"));
 }
+
+#[test]
+fn restarts_count_on_under_another_policy() {
+    let mut history = RestartHistory::new(policy(8, 60_000, 50, 1_000));
+    let now = Instant::now();
+    for _ in 0..3 {
+        let decision = history.on_failure(now);
+        assert!(matches!(decision, RestartDecision::Restart { .. }));
+    }
+    history.set_policy(policy(3, 60_000, 50, 1_000));
+    assert_eq!(history.on_failure(now), RestartDecision::Escalate);
+    let wider = policy(4, 60_000, 50, 1_000);
+    history.set_policy(wider);
+    let after = wider.backoff(3);
+    assert_eq!(history.on_failure(now), RestartDecision::Restart { after });
+    assert_eq!(history.on_failure(now), RestartDecision::Escalate);
+}

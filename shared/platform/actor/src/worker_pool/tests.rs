@@ -140,6 +140,21 @@ fn a_slow_worker_that_ticks_is_left_alone() {
 }
 
 #[test]
+fn stall_time_can_be_replaced_while_a_job_runs() {
+    let pool = pool(1, 2);
+    let start = Instant::now();
+    pool.check(start);
+    let hung = hang(&pool);
+    assert_eq!(pool.check(start + STALL / 2), 0);
+    pool.set_stall_after(STALL / 4);
+    // A gap longer than the new time proves nothing.
+    assert_eq!(pool.check(start + STALL * 4 / 5), 0);
+    assert_eq!(pool.check(start + STALL * 9 / 10), 0);
+    assert_eq!(pool.check(start + STALL * 21 / 20), 1);
+    assert_eq!(wait(hung.result), Err(JobLost::Stalled));
+}
+
+#[test]
 fn an_idle_worker_is_never_stalled() {
     let pool = pool(2, 1);
     assert_eq!(wait(pool.run(|_| ())), Ok(()));

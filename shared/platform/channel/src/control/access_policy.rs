@@ -5,6 +5,7 @@ use super::peer_groups::peer_groups;
 use crate::group::group_id;
 use message::control::UserRole;
 use std::io;
+use std::sync::{Arc, PoisonError, RwLock};
 use tokio::net::UnixStream;
 
 /// Groups whose members have more than the role of a reader, by name or number.
@@ -14,6 +15,26 @@ pub struct RoleGroups {
     pub teachers: String,
     /// Group whose members are administrators.
     pub administrators: String,
+}
+
+/// Control of the groups of a running server.
+#[derive(Debug, Clone)]
+pub struct AccessControl(Arc<RwLock<AccessPolicy>>);
+
+impl AccessControl {
+    pub(super) fn new(groups: &RoleGroups) -> Self {
+        Self(Arc::new(RwLock::new(AccessPolicy::new(groups))))
+    }
+
+    /// Replaces the groups, for new connections. Their names are looked up now.
+    pub fn set_groups(&self, groups: &RoleGroups) {
+        let policy = AccessPolicy::new(groups);
+        *self.0.write().unwrap_or_else(PoisonError::into_inner) = policy;
+    }
+
+    pub(super) fn policy(&self) -> AccessPolicy {
+        *self.0.read().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Roles of those who may connect: the daemon's user and root administer, members of the two
@@ -78,6 +99,23 @@ mod tests {
         assert_eq!(policy.role(1000, &[5, 991]), UserRole::Administrator);
         assert_eq!(policy.role(1000, &[990, 5]), UserRole::Teacher);
         assert_eq!(policy.role(1000, &[5]), UserRole::Reader);
+    }
+
+    #[test]
+    fn groups_are_replaced_while_the_server_runs() {
+        let groups = |administrators: &str| RoleGroups {
+            teachers: "no such group".into(),
+            administrators: administrators.into(),
+        };
+        let control = AccessControl::new(&groups("12345"));
+        let role = || {
+            control
+                .policy()
+                .role(control.policy().own_uid + 1, &[12345])
+        };
+        assert_eq!(role(), UserRole::Administrator);
+        control.clone().set_groups(&groups("54321"));
+        assert_eq!(role(), UserRole::Reader);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Server of the control socket (Unix domain socket), on a thread of its own.
 
-use super::access_policy::AccessPolicy;
+use super::access_policy::{AccessControl, AccessPolicy};
 use super::connection::{Handlers, serve};
 use super::connection_table::{ConnectionTable, Limits};
 use super::{Handler, RoleGroups};
@@ -47,7 +47,7 @@ pub type UrgentHandler = Box<dyn FnOnce() -> Result<Handler, Error> + Send>;
 pub struct SocketServer {
     listener: BlockingListener,
     path: PathBuf,
-    access: AccessPolicy,
+    access: AccessControl,
     ordinary: Handler,
     /// Taken when serving begins.
     urgent: Option<UrgentHandler>,
@@ -79,10 +79,15 @@ impl SocketServer {
         Ok(Self {
             listener,
             path: path.to_owned(),
-            access: AccessPolicy::new(groups),
+            access: AccessControl::new(groups),
             ordinary,
             urgent: Some(urgent),
         })
+    }
+
+    /// Control of the groups, for the time when the server runs.
+    pub fn access_control(&self) -> AccessControl {
+        self.access.clone()
     }
 
     /// Serves connections until the future is dropped. Ordinary requests are carried out on the
@@ -128,7 +133,7 @@ impl SocketServer {
                 runtime,
             };
             tokio::select! {
-                () = accept(&listener, self.access, &handlers) => {}
+                () = accept(&listener, &self.access, &handlers) => {}
                 _ = stopped => {}
             }
             Ok(())
@@ -143,12 +148,12 @@ impl Drop for SocketServer {
 }
 
 /// Accepts connections for ever; each is served by a task.
-async fn accept(listener: &UnixListener, access: AccessPolicy, handlers: &Handlers) {
+async fn accept(listener: &UnixListener, access: &AccessControl, handlers: &Handlers) {
     let table = ConnectionTable::new(limits());
     let mut n_accepted: u32 = 0;
     loop {
         match listener.accept().await {
-            Ok((stream, _)) => begin(stream, access, &table, handlers),
+            Ok((stream, _)) => begin(stream, access.policy(), &table, handlers),
             Err(error) => {
                 tracing::warn!("the control socket could not accept a connection: {error}");
                 tokio::time::sleep(ACCEPT_PAUSE).await;

@@ -1,0 +1,31 @@
+//! Change of the configuration of the running memory.
+
+use crate::config::Config;
+use crate::working_memory::WorkingMemory;
+use channel::control::AccessControl;
+use memory_requests::MemoryRequestHandler;
+use perceptual_memory::StoreHandle;
+use service::LiveConfig;
+use std::sync::Arc;
+
+/// Parts of the memory that take a new configuration. The scene follower and the daily purge take
+/// theirs themselves.
+pub(crate) struct ConfigurationChange {
+    pub(crate) store: StoreHandle,
+    pub(crate) desk: Arc<MemoryRequestHandler>,
+    pub(crate) world: Arc<WorkingMemory>,
+    pub(crate) access: AccessControl,
+}
+
+impl ConfigurationChange {
+    /// Passes each new configuration on, until the future is dropped.
+    pub(crate) async fn follow(self, mut live: LiveConfig<Config>) {
+        loop {
+            let config = live.change().await;
+            self.store.set_limits(config.limits);
+            self.desk.set_upload_limits(config.uploads);
+            self.world.set_config(&config);
+            self.access.set_groups(&config.groups);
+        }
+    }
+}

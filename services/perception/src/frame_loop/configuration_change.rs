@@ -1,0 +1,43 @@
+//! Change of the configuration of a running frame loop, between two frames.
+
+use super::FrameLoop;
+use crate::config::Config;
+use crate::memory_replica::HistoryPosition;
+use message::Text;
+
+impl FrameLoop {
+    /// Applies a new configuration, if there is one. To be called between two frames.
+    pub(super) async fn take_configuration_change(&mut self) {
+        if let Some(config) = self.settings.take_change() {
+            self.apply(&config).await;
+        }
+    }
+
+    /// Applies a configuration as a whole: the next frame has all of it, and the one before had
+    /// nothing of it.
+    pub(super) async fn apply(&mut self, config: &Config) {
+        let policy = match config.restart_policy() {
+            Ok(policy) => policy,
+            Err(error) => {
+                tracing::error!("the configuration is not applied: {error}");
+                return;
+            }
+        };
+        self.live.detector.set_config(config.detection.clone());
+        self.live.actors.set_config(config.pipeline, policy);
+        self.live.actor_deadline = config.actor_deadline;
+        self.pipeline.set_config(config.pipeline);
+        self.pool.set_stall_after(config.worker_stall);
+        self.config = config.pipeline;
+        self.rule = Text::truncated(&config.detection.rule().to_string());
+        self.recompute_all_labels().await;
+    }
+
+    /// Recomputes the labels of all tracks, since the probability of a known object may be another.
+    async fn recompute_all_labels(&mut self) {
+        for view in self.live.newest_views.values_mut() {
+            view.recognised.position = HistoryPosition::default();
+        }
+        self.relabel().await;
+    }
+}

@@ -1,0 +1,101 @@
+//! `tabula config reload`: reload by the running daemon, and the outcome in each process.
+
+use command_line::Output;
+use control_client::{call_once, unexpected_reply};
+use message::control::{Command, ReloadReport, Reply};
+use serde::Serialize;
+use service::{CommonArguments, Failure, exit_code};
+use std::process::ExitCode;
+
+/// JSON document of `tabula config reload`.
+#[derive(Serialize)]
+struct ReloadDocument {
+    processes: Vec<ReloadReport>,
+}
+
+/// Runs `tabula config reload`.
+pub(super) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let processes = match call_once(common, &Command::ReloadConfiguration)? {
+        Reply::Reloaded(reports) => reports,
+        other => return Err(unexpected_reply(&other)),
+    };
+    if processes.is_empty() {
+        let sentence = "no process of the daemon takes requests to reload; see its log";
+        return Err(Failure::general(sentence));
+    }
+    let is_refused = processes.iter().any(|report| report.refused.is_some());
+    let document = ReloadDocument { processes };
+    output.answer(&document, || text(&document.processes));
+    Ok(ExitCode::from(if is_refused {
+        exit_code::REFUSED
+    } else {
+        0
+    }))
+}
+
+fn text(reports: &[ReloadReport]) -> String {
+    let lines = reports.iter().flat_map(lines);
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Lines of one process: each change, or that there is none.
+fn lines(report: &ReloadReport) -> Vec<String> {
+    let ReloadReport {
+        process,
+        pid,
+        refused,
+        applied,
+        needs_restart,
+    } = report;
+    let line = |text: String| format!("{process} ({pid}): {text}");
+    if let Some(sentence) = refused {
+        return vec![line(format!("refused, nothing is applied: {sentence}"))];
+    }
+    let applied = applied.iter().map(|change| format!("applied {change}"));
+    let waiting = needs_restart
+        .iter()
+        .map(|change| format!("needs restart for {change}"));
+    let mut lines: Vec<String> = applied.chain(waiting).map(line).collect();
+    if lines.is_empty() {
+        lines.push(line("nothing to apply".to_owned()));
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use message::control::KeyChange;
+
+    #[test]
+    fn every_change_has_a_line_with_its_process() {
+        let change = |key: &str| KeyChange {
+            key: key.into(),
+            from: "1".into(),
+            to: "2".into(),
+        };
+        let report = ReloadReport {
+            process: "perception".into(),
+            pid: 7,
+            applied: vec![change("perception.a")],
+            needs_restart: vec![change("perception.b")],
+            refused: None,
+        };
+        let quiet = ReloadReport {
+            process: "run".into(),
+            pid: 8,
+            ..ReloadReport::default()
+        };
+        let refusing = ReloadReport {
+            refused: Some("it is wrong".into()),
+            ..quiet.clone()
+        };
+        assert_eq!(
+            text(&[report, quiet, refusing]),
+            "perception (7): applied perception.a 1 -> 2\n\
+             perception (7): needs restart for perception.b 1 -> 2\n\
+             run (8): nothing to apply\n\
+             run (8): refused, nothing is applied: it is wrong"
+        );
+    }
+}

@@ -1,0 +1,121 @@
+//! Parsing of one configuration file into settings with their lines.
+
+use super::config_error::one_line;
+use super::{ConfigError, SECTIONS, Setting};
+use serde::Deserialize;
+use std::path::PathBuf;
+use std::sync::Arc;
+use toml::de::{DeTable, DeValue, ValueDeserializer};
+use toml::{Spanned, Value};
+
+/// Settings of a file: section, key and value, in no order.
+///
+/// # Errors
+/// When the text is no TOML or has a section or value that the configuration does not have.
+pub(super) fn parse(
+    file: &Arc<PathBuf>,
+    text: &str,
+) -> Result<Vec<(&'static str, String, Setting)>, ConfigError> {
+    let lines = LineIndex::new(text);
+    let wrong = |offset: Option<usize>, cause: String| ConfigError::Wrong {
+        path: file.to_path_buf(),
+        line: offset.map(|offset| lines.line_of(offset)),
+        cause: one_line(&cause),
+    };
+    let no_toml = |error: &toml::de::Error| {
+        let offset = error.span().map(|span| span.start);
+        wrong(offset, format!("it is no TOML: {}", error.message()))
+    };
+    let document = DeTable::parse(text).map_err(|error| no_toml(&error))?;
+    let mut settings = Vec::new();
+    for (name, section) in document.into_inner() {
+        let offset = Some(name.span().start);
+        let name = name.into_inner();
+        let Some(known) = SECTIONS.into_iter().find(|known| *known == name) else {
+            let cause = format!(
+                "there is no section [{name}]; the sections are {}",
+                SECTIONS.map(|name| format!("[{name}]")).join(", ")
+            );
+            return Err(wrong(offset, cause));
+        };
+        let DeValue::Table(keys) = section.into_inner() else {
+            let cause = format!("{known} is a section, written [{known}], and no value");
+            return Err(wrong(offset, cause));
+        };
+        for (key, value) in keys {
+            let line = lines.line_of(key.span().start);
+            let setting = Setting {
+                value: value_of(value).map_err(|error| no_toml(&error))?,
+                file: Arc::clone(file),
+                line,
+            };
+            settings.push((known, key.into_inner().into_owned(), setting));
+        }
+    }
+    Ok(settings)
+}
+
+fn value_of(value: Spanned<DeValue<'_>>) -> Result<Value, toml::de::Error> {
+    Value::deserialize(ValueDeserializer::from(value))
+}
+
+/// Line numbers of offsets in a text.
+struct LineIndex {
+    /// Offsets of all line feeds.
+    ends: Vec<usize>,
+}
+
+impl LineIndex {
+    fn new(text: &str) -> Self {
+        let ends = text.match_indices('\n').map(|(offset, _)| offset);
+        Self {
+            ends: ends.collect(),
+        }
+    }
+
+    /// Line of a byte offset, from 1.
+    fn line_of(&self, offset: usize) -> usize {
+        self.ends.partition_point(|end| *end < offset) + 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> Result<Vec<(&'static str, String, Setting)>, String> {
+        let file = Arc::new(PathBuf::from("x.toml"));
+        parse(&file, text).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn settings_have_the_lines_of_their_keys() {
+        let text = "# comment\n[camera]\n\nrate_hz = 5\nloop = true # again\nmemory.x = 1\n";
+        let settings = parsed(&text.replace("memory.x = 1\n", "")).unwrap();
+        let lines: Vec<_> = settings
+            .iter()
+            .map(|(section, key, setting)| (*section, key.as_str(), setting.line))
+            .collect();
+        assert_eq!(lines, [("camera", "loop", 5), ("camera", "rate_hz", 4)]);
+        let dotted = parsed("memory.queue_requests = 3\nrun = { watchdog_s = 5 }").unwrap();
+        assert_eq!((dotted[0].0, dotted[0].2.line), ("memory", 1));
+        assert_eq!((dotted[1].0, dotted[1].2.line), ("run", 2));
+    }
+
+    #[test]
+    fn errors_name_file_line_and_cause() {
+        let check = |text: &str, words: &[&str]| {
+            let sentence = parsed(text).unwrap_err();
+            for word in ["x.toml", "wrong"].iter().chain(words) {
+                assert!(sentence.contains(word), "{word}: {sentence}");
+            }
+        };
+        check("\n[camera", &["TOML", "line 2"]);
+        check("[run]\n[kamera]\n", &["[kamera]", "[camera]", "line 2"]);
+        check("rate_hz = 5.0", &["[rate_hz]", "line 1"]);
+        check("\nmemory = 3", &["[memory]", "line 2"]);
+        check("[run]\nx = 1\nx = 2", &["TOML", "line 3"]);
+        check("[run]\nx = 99999999999999999999", &["TOML", "line 2"]);
+        check("\u{0}", &["TOML"]);
+    }
+}

@@ -1,0 +1,125 @@
+//! Reload record: a live file of each process with the outcome of its last reload.
+//!
+//! Who asks for a reload finds the processes by their records, and the outcome in them.
+
+use channel::{Domain, DomainName, Error, LiveFile, RunFolder};
+use message::ProcessKind;
+use message::control::ReloadReport;
+use serde::{Deserialize, Serialize};
+
+/// Processes that may have a record; none stands for `tabula run`.
+const PROCESSES: [Option<ProcessKind>; 5] = [
+    None,
+    Some(ProcessKind::Memory),
+    Some(ProcessKind::Perception),
+    Some(ProcessKind::Camera),
+    Some(ProcessKind::Simulator),
+];
+
+/// Name of a record in the run folder.
+fn file_of(process: Option<ProcessKind>) -> &'static str {
+    match process {
+        None => "reload-run.toml",
+        Some(ProcessKind::Memory) => "reload-memory.toml",
+        Some(ProcessKind::Perception) => "reload-perception.toml",
+        Some(ProcessKind::Camera) => "reload-camera.toml",
+        Some(ProcessKind::Simulator) => "reload-simulator.toml",
+    }
+}
+
+/// Record of one process.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct ReloadRecord {
+    /// Process id of the parent that passes requests to reload on; none without one.
+    pub(super) parent: Option<u32>,
+    /// Beginning of the last reload, monotonic clock, nanoseconds; 0 before any.
+    pub(super) began_ns: u64,
+    /// Outcome of the last reload; before any, only process and id.
+    pub(super) report: ReloadReport,
+}
+
+impl ReloadRecord {
+    /// Records of all living processes of a domain of this user.
+    pub(super) fn own(domain: &DomainName) -> Vec<Self> {
+        Self::read(domain, &[RunFolder::of_user()])
+    }
+
+    fn read(domain: &DomainName, folders: &[RunFolder]) -> Vec<Self> {
+        let read = |process| {
+            let bytes = LiveFile::read(domain, folders, file_of(process))?;
+            toml::from_str(&String::from_utf8(bytes).ok()?).ok()
+        };
+        PROCESSES.into_iter().filter_map(read).collect()
+    }
+}
+
+/// Outcomes of the last reload in each living process of a domain; without an outcome in one that
+/// has not reloaded.
+pub fn last_reloads(domain: &DomainName) -> Vec<ReloadReport> {
+    let records = ReloadRecord::read(domain, &RunFolder::candidates());
+    records.into_iter().map(|record| record.report).collect()
+}
+
+/// Publisher of the record of this process.
+#[derive(Debug)]
+pub struct ReloadRecordPublisher {
+    file: LiveFile,
+    record: ReloadRecord,
+}
+
+impl ReloadRecordPublisher {
+    /// Publishes that a process, or `tabula run` when it is none, takes requests to reload. It must
+    /// handle SIGHUP before.
+    ///
+    /// # Errors
+    /// When the run folder is not this user's.
+    pub fn new(
+        domain: &Domain,
+        process: Option<ProcessKind>,
+        parent: Option<u32>,
+    ) -> Result<Self, Error> {
+        let name = process.map_or("run", ProcessKind::name);
+        let mut publisher = Self {
+            file: LiveFile::new(domain, file_of(process))?,
+            record: ReloadRecord {
+                parent,
+                began_ns: 0,
+                report: ReloadReport {
+                    process: name.to_owned(),
+                    pid: std::process::id(),
+                    ..ReloadReport::default()
+                },
+            },
+        };
+        publisher.write();
+        Ok(publisher)
+    }
+
+    /// Report without an outcome, to be filled.
+    pub fn report(&self) -> ReloadReport {
+        ReloadReport {
+            process: self.record.report.process.clone(),
+            pid: self.record.report.pid,
+            ..ReloadReport::default()
+        }
+    }
+
+    /// Publishes the outcome of a reload that began at an instant of the monotonic clock.
+    pub fn publish(&mut self, began_ns: u64, report: ReloadReport) {
+        self.record.began_ns = began_ns;
+        self.record.report = report;
+        self.write();
+    }
+
+    fn write(&mut self) {
+        let written = match toml::to_string(&self.record) {
+            Ok(text) => self.file.write(text.as_bytes()).map_err(|e| e.to_string()),
+            Err(error) => Err(error.to_string()),
+        };
+        if let Err(error) = written {
+            tracing::warn!(
+                "the outcome of a reload of the configuration is in this log only: {error}"
+            );
+        }
+    }
+}
