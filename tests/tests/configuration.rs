@@ -9,7 +9,7 @@ use rustix::process::Signal;
 use serde_json::Value;
 use std::os::unix::net::UnixDatagram;
 use std::path::PathBuf;
-use std::process::Child;
+use std::process::{Child, Stdio};
 
 /// The synthetic table at a low rate, since several daemons share the cores.
 const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
@@ -362,6 +362,7 @@ fn configuration_reload_follows_the_protocol_of_systemd() {
         .command("tabula-memory")
         .arg(format!("--domain={}", sandbox.domain))
         .env("NOTIFY_SOCKET", &socket)
+        .stderr(Stdio::null())
         .spawn()
         .unwrap();
     let next = || {

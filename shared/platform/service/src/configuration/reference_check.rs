@@ -50,7 +50,21 @@ pub fn check_section_reference<C: Debug, E: Debug>(
     }
     check_unknown_key(&with)?;
     for one in reference.section(section) {
-        check_bounds(one, |value| with(&[(one.key, value)]).is_ok())?;
+        // Keys whose range begins at this one are at their end meanwhile.
+        let others = reference.section(section).filter_map(|other| {
+            let range = other.range.as_ref()?;
+            let is_dependent = range.least == KeyBound::Key(one.key);
+            Some((
+                other.key,
+                Value::Float(range.most.filter(|_| is_dependent)?),
+            ))
+        });
+        let others: Vec<_> = others.collect();
+        check_bounds(one, |value| {
+            let mut settings = others.clone();
+            settings.push((one.key, value));
+            with(&settings).is_ok()
+        })?;
     }
     Ok(())
 }

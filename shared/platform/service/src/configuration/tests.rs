@@ -183,14 +183,13 @@ fn text_of(settings: &[(&str, &str, String)]) -> String {
     for (section, key, value) in settings {
         sections.entry(section).or_default().insert(key, value);
     }
-    let mut text = String::new();
-    for (section, keys) in sections {
-        text.push_str(&format!("[{section}]\n"));
-        for (key, value) in keys {
-            text.push_str(&format!("{key} = {value}\n"));
-        }
-    }
-    text
+    let lines = sections.into_iter().flat_map(|(section, keys)| {
+        let keys = keys
+            .into_iter()
+            .map(|(key, value)| format!("{key} = {value}\n"));
+        std::iter::once(format!("[{section}]\n")).chain(keys)
+    });
+    lines.collect()
 }
 
 proptest! {
