@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 17] = [
+const OWNERS: [(&str, &[&str]); 19] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["durable-leveldb"]),

@@ -9,7 +9,7 @@ use channel::{Domain, Role, RunFolder, Subscriber};
 use geometry::PinholeCamera;
 use message::{FrameHeader, ProcessKind};
 use point_cloud::{Point, Rgba};
-use service::{ConfigFile, Context, HealthCounters, Home, Shutdown};
+use service::{Context, HealthCounters, Home, Shutdown};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -165,7 +165,6 @@ fn capture(is_subscribed: bool, has_images: bool) -> (usize, Vec<ReceivedFrame>)
         process: ProcessKind::Camera,
         domain,
         home: Home::at(folder.path().join("home")),
-        config: ConfigFile::default(),
         shutdown: Shutdown::new().1,
         health: Arc::new(HealthCounters::default()),
     };
