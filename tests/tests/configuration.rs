@@ -370,25 +370,25 @@ fn configuration_reload_follows_the_protocol_of_systemd() {
         let n_bytes = manager.recv(&mut bytes).expect("a notification");
         String::from_utf8(bytes[..n_bytes].to_vec()).unwrap()
     };
-    let next_state = || loop {
+    // State and watchdog are notified in between.
+    let next_with = |word: &str| loop {
         let text = next();
-        if !text.contains("WATCHDOG=1") {
+        if text.contains(word) {
             return text;
         }
     };
-    assert!(next_state().contains("READY=1"));
+    next_with("READY=1");
     for _ in 0..2 {
         send_signal(memory.id(), Signal::HUP).unwrap();
-        let begun = next_state();
-        assert!(begun.contains("RELOADING=1"), "{begun}");
+        let begun = next_with("RELOADING=1");
         let time = begun
             .lines()
             .find_map(|line| line.strip_prefix("MONOTONIC_USEC="));
         assert!(time.unwrap().parse::<u64>().unwrap() > 0, "{begun}");
-        assert!(next_state().contains("READY=1"));
+        next_with("READY=1");
     }
     send_signal(memory.id(), Signal::TERM).unwrap();
-    assert!(next_state().contains("STOPPING=1"));
+    next_with("STOPPING=1");
     assert!(wait_for_end(&mut memory, WATCHDOG).unwrap().success());
     eventually("it has left its domain", || sandbox.is_deserted());
 }

@@ -403,8 +403,8 @@ fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
 }
 
 #[test]
-fn a_running_daemon_ends_on_sigterm_sigint_and_sighup() {
-    for signal in [Signal::TERM, Signal::INT, Signal::HUP] {
+fn a_running_daemon_ends_on_sigterm_and_sigint() {
+    for signal in [Signal::TERM, Signal::INT] {
         let sandbox = Sandbox::new();
         let mut daemon = sandbox.start(&TABLE);
         wait_for_all(&daemon, 0);
