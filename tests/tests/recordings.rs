@@ -40,6 +40,16 @@ impl RecordingProcess {
         self.child.id()
     }
 
+    /// Waits until the recording has a frame, since what came before it is not missed.
+    fn wait_for_a_frame(&self) {
+        const FRAME_BYTES: u64 = 200_000;
+        eventually("a frame is recorded", || {
+            let sizes = self.files("").into_iter();
+            let mut sizes = sizes.filter_map(|path| Some(std::fs::metadata(path).ok()?.len()));
+            sizes.any(|n_bytes| n_bytes > FRAME_BYTES)
+        });
+    }
+
     /// Files with this ending, in their order.
     pub(crate) fn files(&self, ending: &str) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten();
@@ -312,6 +322,7 @@ fn recorder_that_hangs_delays_no_frame_and_tells_what_it_missed() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let recording = RecordingProcess::start(&sandbox, &["--foxglove-hz", "0"]);
+    recording.wait_for_a_frame();
     suspend(recording.pid());
     let before = n_frames(&daemon).unwrap();
     eventually("frames go on", || n_frames(&daemon) > Some(before + 40));
