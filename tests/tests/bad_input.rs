@@ -1,6 +1,6 @@
 //! Invalid input: refused with a sentence and an exit code, while the daemon continues.
 
-use crate::daemon::{Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, run_to_end, with_mounts};
+use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually, run_to_end, with_mounts};
 use crate::skeleton::{id, wait_for_all};
 use camera::synthetic::SyntheticTable;
 use dataset::pcd;
@@ -315,23 +315,13 @@ fn check_config_accepts_a_valid_configuration_and_creates_nothing() {
     assert_eq!(files.len(), 1, "only the configuration: {files:?}");
 }
 
-/// Process ids; the same before and after when nothing was restarted.
-fn pids(daemon: &Daemon<'_>) -> Vec<Option<u32>> {
-    let mut pids = Vec::new();
-    eventually("all processes report", || {
-        pids = WITH_CAMERA.map(|process| daemon.pid(process)).to_vec();
-        pids.iter().all(Option::is_some)
-    });
-    pids
-}
-
 #[test]
 fn second_daemon_in_the_domain_is_refused_and_the_first_is_undisturbed() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&TABLE);
     let objects = wait_for_all(&daemon, 0);
     daemon.ask(&["teach", &id(&objects[0]), "thing"]);
-    let before = pids(&daemon);
+    let before = daemon.pids();
     for _ in 0..3 {
         let mut second = sandbox.command("tabula");
         second.args(["run", "--json"]).args(TABLE);
@@ -344,7 +334,7 @@ fn second_daemon_in_the_domain_is_refused_and_the_first_is_undisturbed() {
         let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!(printed["exit_code"], json!(ALREADY_RUNNING), "{printed}");
     }
-    assert_eq!(pids(&daemon), before);
+    assert_eq!(daemon.pids(), before);
     let expected = daemon.ask(&["status"])["expected"].clone();
     assert_eq!(expected.as_array().map(Vec::len), Some(3), "{expected}");
     let later = wait_for_all(&daemon, 0);
@@ -510,7 +500,7 @@ fn control_socket_survives_hostile_bytes() {
     let daemon = sandbox.start(&TABLE);
     let objects = wait_for_all(&daemon, 0);
     daemon.ask(&["teach", &id(&objects[0]), "thing"]);
-    let before = pids(&daemon);
+    let before = daemon.pids();
     let socket = sandbox.run_folder().control_socket(&sandbox.domain);
     let is_refused = |bytes: &[u8], word: &str| {
         let answer = say(&socket, bytes);
@@ -557,7 +547,7 @@ fn control_socket_survives_hostile_bytes() {
     let many = framed(&request(OURS, health)).repeat(100);
     while deaf.write_all(&many).is_ok() {}
 
-    assert_eq!(pids(&daemon), before);
+    assert_eq!(daemon.pids(), before);
     assert_eq!(ids(&wait_for_all(&daemon, 0)), ids(&objects));
     assert_eq!(
         daemon.ask(&["categories"])["categories"][0]["category"],

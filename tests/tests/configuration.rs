@@ -1,8 +1,6 @@
 //! Configuration: layers and commands without a daemon, and reload by running processes.
 
-use crate::daemon::{
-    Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, send_signal, suspend, wait_for_end,
-};
+use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually, send_signal, suspend, wait_for_end};
 use crate::faults::wait_for_frames;
 use message::ProcessKind;
 use rustix::process::Signal;
@@ -54,16 +52,6 @@ fn rule(daemon: &Daemon<'_>) -> String {
 
 fn wait_for_rule(daemon: &Daemon<'_>, expected: &str) {
     eventually(expected, || rule(daemon) == expected);
-}
-
-/// Process ids; the same before and after when nothing was restarted.
-fn pids(daemon: &Daemon<'_>) -> Vec<Option<u32>> {
-    let mut pids = Vec::new();
-    eventually("all processes report", || {
-        pids = WITH_CAMERA.map(|process| daemon.pid(process)).to_vec();
-        pids.iter().all(Option::is_some)
-    });
-    pids
 }
 
 #[test]
@@ -137,7 +125,7 @@ fn configuration_of_live_keys_changes_without_a_restart() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&TABLE);
     wait_for_frames(&daemon, ProcessKind::Perception);
-    let before = pids(&daemon);
+    let before = daemon.pids();
     drop_in(
         &sandbox,
         "10-rule.toml",
@@ -165,7 +153,7 @@ fn configuration_of_live_keys_changes_without_a_restart() {
     );
     daemon.signal_parent(Signal::HUP);
     wait_for_rule(&daemon, "C_table ∨ C_track");
-    assert_eq!(pids(&daemon), before);
+    assert_eq!(daemon.pids(), before);
     let log = daemon.log();
     assert!(
         log.contains("needs restart of perception: perception.workers 2 -> 3"),
@@ -179,7 +167,7 @@ fn configuration_with_an_error_is_applied_nowhere_and_in_no_part() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&TABLE);
     wait_for_frames(&daemon, ProcessKind::Perception);
-    let (before, old_rule) = (pids(&daemon), rule(&daemon));
+    let (before, old_rule) = (daemon.pids(), rule(&daemon));
     let good = "[perception]\ncandidate_rule = 'C_table'\n";
     let check = |wrong: &str, words: [&str; 3]| {
         drop_in(&sandbox, "10.toml", &format!("{good}{wrong}"));
@@ -230,7 +218,7 @@ fn configuration_with_an_error_is_applied_nowhere_and_in_no_part() {
     let memory = report(&document, "memory").unwrap();
     assert_eq!(keys(memory, "applied"), ["memory.max_unnamed_views"]);
     wait_for_rule(&daemon, "C_table");
-    assert_eq!(pids(&daemon), before);
+    assert_eq!(daemon.pids(), before);
     daemon.stop();
 }
 

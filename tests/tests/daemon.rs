@@ -390,6 +390,16 @@ impl Daemon<'_> {
         u32::try_from(self.health(process.name())?["pid"].as_u64()?).ok()
     }
 
+    /// Process ids; the same before and after when nothing was restarted.
+    pub(crate) fn pids(&self) -> Vec<Option<u32>> {
+        let mut pids = Vec::new();
+        eventually("all processes report", || {
+            pids = WITH_CAMERA.map(|process| self.pid(process)).to_vec();
+            pids.iter().all(Option::is_some)
+        });
+        pids
+    }
+
     /// Sends a signal to one of the daemon's processes.
     pub(crate) fn signal(&self, process: ProcessKind, signal: Signal) {
         let pid = self.pid(process).expect("the process reports its id");

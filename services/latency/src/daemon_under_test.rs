@@ -1,7 +1,7 @@
 //! Selection of the daemon under test: a running one or a spawned one.
 
 use crate::arguments::SourceArguments;
-use crate::spawned_daemon::SpawnedDaemon;
+use crate::measured_daemon::MeasuredDaemon;
 use channel::{Domain, DomainName, DomainState, Role, RunFolder};
 use command_line::Output;
 use message::ProcessKind;
@@ -13,7 +13,7 @@ pub(crate) struct DaemonUnderTest {
     /// Domain membership; left before a spawned daemon is stopped.
     pub(crate) domain: Domain,
     /// Daemon spawned for the measurement, stopped on drop.
-    own: Option<SpawnedDaemon>,
+    own: Option<MeasuredDaemon>,
 }
 
 impl DaemonUnderTest {
@@ -33,8 +33,8 @@ impl DaemonUnderTest {
                 "starting a daemon: tabula run {}",
                 arguments.join(" ")
             ));
-            Some(SpawnedDaemon::start(
-                SpawnedDaemon::home()?,
+            Some(MeasuredDaemon::start(
+                MeasuredDaemon::home()?,
                 &arguments,
                 None,
             )?)
@@ -45,7 +45,7 @@ impl DaemonUnderTest {
             ));
             None
         };
-        let name = own.as_ref().map_or(&common.domain, SpawnedDaemon::domain);
+        let name = own.as_ref().map_or(&common.domain, MeasuredDaemon::domain);
         let domain = Domain::join(name, &run_folder, Role::Guest)?;
         Ok(Self { domain, own })
     }
@@ -54,7 +54,7 @@ impl DaemonUnderTest {
     ///
     /// # Errors
     /// If its domain cannot be joined.
-    pub(crate) fn join_spawned(own: SpawnedDaemon) -> Result<Self, Failure> {
+    pub(crate) fn join_spawned(own: MeasuredDaemon) -> Result<Self, Failure> {
         let domain = Domain::join(own.domain(), &RunFolder::of_user(), Role::Guest)?;
         Ok(Self {
             domain,

@@ -2,9 +2,9 @@
 
 use crate::arguments::{SoakArguments, SourceArguments};
 use crate::daemon_under_test::DaemonUnderTest;
+use crate::measured_daemon::MeasuredDaemon;
 use crate::process_usage::ProcessUsage;
 use crate::results::not_written;
-use crate::spawned_daemon::SpawnedDaemon;
 use crate::trace_reader::{ReadEnd, TraceReader, no_frames};
 use channel::SharedMemory;
 use command_line::{Output, StopSignal, format_table, progress_bar};
@@ -76,7 +76,7 @@ fn start(
         rate: Some(arguments.rate),
         ..SourceArguments::of(&format!("parade:{}", arguments.objects))
     };
-    let home = SpawnedDaemon::home()?;
+    let home = MeasuredDaemon::home()?;
     let little = home.path().join("soak.toml");
     if config.is_none() {
         output.print_status(&format!(
@@ -86,7 +86,7 @@ fn start(
         std::fs::write(&little, CONFIG).map_err(not_written)?;
     }
     let run_arguments = source.run_arguments(Some(config.unwrap_or(&little)));
-    let own = SpawnedDaemon::start(home, &run_arguments, None)?;
+    let own = MeasuredDaemon::start(home, &run_arguments, None)?;
     DaemonUnderTest::join_spawned(own)
 }
 

@@ -7,8 +7,8 @@ mod stored_views;
 use crate::arguments::{MeasureArguments, SourceArguments, SweepArguments};
 use crate::daemon_under_test::DaemonUnderTest;
 use crate::measure::measure;
+use crate::measured_daemon::MeasuredDaemon;
 use crate::results::not_written;
-use crate::spawned_daemon::SpawnedDaemon;
 use crate::sweep_axis::SweepAxis;
 use channel::Subscriber;
 use channel::topic::Scene;
@@ -74,9 +74,9 @@ fn measure_at(
     stop: &StopSignal,
     output: &Output,
 ) -> Result<SweepRow, Failure> {
-    let home = SpawnedDaemon::home()?;
+    let home = MeasuredDaemon::home()?;
     let (source, n_views) = prepare(point, &home)?;
-    let own = SpawnedDaemon::start(home, &source.run_arguments(config), point.n_cores)?;
+    let own = MeasuredDaemon::start(home, &source.run_arguments(config), point.n_cores)?;
     let daemon = DaemonUnderTest::join_spawned(own)?;
     wait_until_known(&daemon, n_views, stop)?;
     let plan = MeasureArguments::short(source, arguments.frames);

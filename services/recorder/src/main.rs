@@ -2,7 +2,6 @@
 
 mod arguments;
 mod counting_writer;
-mod daemon_of_replay;
 mod foxglove_view;
 mod message_queue;
 mod queued_message;

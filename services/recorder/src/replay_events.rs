@@ -1,19 +1,20 @@
 //! Events of a lockstep replay, written in canonical form, with their digest.
 
 use crate::arguments::ReplayArguments;
-use crate::daemon_of_replay::DaemonOfReplay;
 use capture::RECORDER_CODE;
 use channel::topic::{FinishedFrames, ProcessHealth, Scene};
-use channel::{Domain, Publisher, Received, Role, RunFolder, Subscriber};
+use channel::{Domain, DomainName, Publisher, Received, Role, RunFolder, Subscriber};
 use command_line::{Output, StopSignal};
+use control_client::SpawnedDaemon;
 use message::{FrameDone, PlainHeader, ProcessKind, ProcessState};
 use recording::{EventDigest, EventStream};
 use service::{CommonArguments, Failure};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use std::process::ExitCode;
+use std::process::{ExitCode, Stdio};
 use std::time::Duration;
+use tempfile::TempDir;
 
 /// Polling period of scenes. The camera waits for the report on each.
 const POLL_PERIOD: Duration = Duration::from_micros(500);
@@ -30,7 +31,8 @@ pub(crate) fn run(
     };
     let file = File::create(out).map_err(not_written)?;
     let stop = StopSignal::install()?;
-    let name = DaemonOfReplay::domain()?;
+    let name = format!("rep-{}", std::process::id());
+    let name = name.parse::<DomainName>().map_err(Failure::general)?;
     // A guest before the daemon starts, so that no scene is missed.
     let domain = Domain::join(&name, &RunFolder::of_user(), Role::Guest)?;
     let mut collector = EventCollector {
@@ -45,12 +47,15 @@ pub(crate) fn run(
     let config = common.config.as_deref();
     let mut run_arguments = arguments.run_arguments();
     run_arguments.push("--lockstep-recorder".into());
-    let mut daemon = DaemonOfReplay::start(&name, config, &run_arguments)?;
+    run_arguments.extend(config.map(|path| format!("--config={}", path.display())));
+    let folder = TempDir::with_prefix("tabula-replay-").map_err(Failure::general)?;
+    // Not waited for: the first scenes come before all processes have reported that they work.
+    let mut daemon = SpawnedDaemon::start(&name, folder, &run_arguments, Stdio::null())?;
     while !collector.receive().map_err(not_written_events(out))? {
         if stop.is_raised() {
             return Err(Failure::general("the replay was stopped before its end"));
         }
-        if daemon.has_ended() {
+        if !matches!(daemon.exit_status(), Ok(None)) {
             let log = daemon.log_end();
             return Err(Failure::general(format!(
                 "the daemon has ended; its log:\n{log}"

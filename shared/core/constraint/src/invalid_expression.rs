@@ -143,18 +143,8 @@ fn closest_name(name: &str) -> Option<Constraint> {
 /// Levenshtein distance (1966): number of inserted, removed or replaced letters. Compares
 /// at most 32 letters of `a`.
 fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, letter) in a.chars().take(32).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, other) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(letter != *other);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
+    let a: String = a.chars().take(32).collect();
+    strsim::levenshtein(&a, b)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Raw images of a camera frame: header and pixels.
 
+use crate::frame::{checked_camera, intrinsics_of};
 use crate::pose::WireTransform;
 use crate::{FrameHeader, SCHEMA_VERSION, frame_flag};
 use bytemuck::AnyBitPattern;
@@ -172,12 +173,8 @@ impl ImageHeader {
 
     /// Sets intrinsics and sizes of both images.
     pub fn set_cameras(&mut self, depth: &PinholeCamera, color: &PinholeCamera) {
-        let intrinsics =
-            |camera: &PinholeCamera| [camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px];
-        (self.depth_intrinsics_px, self.color_intrinsics_px) =
-            (intrinsics(depth), intrinsics(color));
-        self.depth_size_px = [depth.width, depth.height];
-        self.color_size_px = [color.width, color.height];
+        (self.depth_intrinsics_px, self.depth_size_px) = intrinsics_of(depth);
+        (self.color_intrinsics_px, self.color_size_px) = intrinsics_of(color);
     }
 
     /// Validates the header against its own fields and the number of bytes of the payload.
@@ -196,6 +193,9 @@ impl ImageHeader {
                 return Err(InvalidImages::Encoding(code));
             }
         }
+        let camera = |intrinsics_px, size_px| {
+            checked_camera(intrinsics_px, size_px).map_err(InvalidImages::Intrinsics)
+        };
         let depth_camera = camera(self.depth_intrinsics_px, self.depth_size_px)?;
         let color_camera = camera(self.color_intrinsics_px, self.color_size_px)?;
         let is_registered = self.has(image_flag::REGISTERED);
@@ -251,22 +251,6 @@ impl CheckedImages {
             .min(self.depth_camera.n_pixels() * DEPTH_PIXEL_BYTES);
         payload[begin..].as_chunks::<COLOR_PIXEL_BYTES>().0
     }
-}
-
-fn camera(
-    [fx_px, fy_px, cx_px, cy_px]: [f64; 4],
-    [width, height]: [u32; 2],
-) -> Result<PinholeCamera, InvalidImages> {
-    PinholeCamera {
-        fx_px,
-        fy_px,
-        cx_px,
-        cy_px,
-        width,
-        height,
-    }
-    .validated()
-    .map_err(InvalidImages::Intrinsics)
 }
 
 #[cfg(test)]

@@ -208,8 +208,7 @@ impl FrameHeader {
 
     /// Sets the camera intrinsics and the image size.
     pub fn set_camera(&mut self, camera: &PinholeCamera) {
-        self.intrinsics_px = [camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px];
-        self.size_px = [camera.width, camera.height];
+        (self.intrinsics_px, self.size_px) = intrinsics_of(camera);
     }
 
     /// Validates the header against its own fields, the number of points and the time at which
@@ -222,17 +221,8 @@ impl FrameHeader {
             return Err(InvalidFrame::SchemaVersion(self.schema_version));
         }
         self.check_capture_stamp(received_ns)?;
-        let ([fx_px, fy_px, cx_px, cy_px], [width, height]) = (self.intrinsics_px, self.size_px);
-        let camera = PinholeCamera {
-            fx_px,
-            fy_px,
-            cx_px,
-            cy_px,
-            width,
-            height,
-        }
-        .validated()
-        .map_err(InvalidFrame::Intrinsics)?;
+        let camera =
+            checked_camera(self.intrinsics_px, self.size_px).map_err(InvalidFrame::Intrinsics)?;
         if camera.n_pixels() != n_points {
             return Err(InvalidFrame::Size {
                 n_points,
@@ -280,6 +270,30 @@ impl FrameHeader {
             .map(Some)
             .ok_or(InvalidFrame::Up)
     }
+}
+
+/// Intrinsics fx, fy, cx, cy and size of a camera, pixels, as headers have them.
+pub(crate) fn intrinsics_of(camera: &PinholeCamera) -> ([f64; 4], [u32; 2]) {
+    (
+        [camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px],
+        [camera.width, camera.height],
+    )
+}
+
+/// Validated camera of the intrinsics and the size in a header.
+pub(crate) fn checked_camera(
+    [fx_px, fy_px, cx_px, cy_px]: [f64; 4],
+    [width, height]: [u32; 2],
+) -> Result<PinholeCamera, InvalidIntrinsics> {
+    PinholeCamera {
+        fx_px,
+        fy_px,
+        cx_px,
+        cy_px,
+        width,
+        height,
+    }
+    .validated()
 }
 
 fn checked_direction(direction: [f64; 3]) -> Option<Unit<Vector3<f64>>> {

@@ -4,6 +4,7 @@
 //! refusal into a failure with its exit code. [`change`] repeats a change until its outcome
 //! is known. [`MemoryClient`] asks the memory of a
 //! running daemon, or, without one, a child process that opens the stored memory.
+//! [`SpawnedDaemon`] is a daemon that a program runs for itself.
 //!
 //! Invariants: this crate never opens a database itself and never names one.
 //!
@@ -22,6 +23,7 @@ mod connection;
 mod history;
 mod import;
 mod memory_client;
+mod spawned_daemon;
 
 pub use authorship::{author_or_user, mutation_id};
 pub use change::change;
@@ -29,3 +31,4 @@ pub use connection::{call, call_once, connect, refusal_failure, unexpected_reply
 pub use history::read_history;
 pub use import::{ImportError, ImportRequest, import};
 pub use memory_client::{MemoryClient, connect_if_running, local_memory_folder};
+pub use spawned_daemon::SpawnedDaemon;

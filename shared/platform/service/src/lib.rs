@@ -58,11 +58,10 @@ pub use home::{Home, set_private_umask};
 pub use log::start_log;
 pub use program_arguments::parse_arguments;
 pub use reload::{
-    LiveConfig, ReloadNotice, ReloadPlan, ReloadRecordPublisher, last_reloads, log_reload,
-    reload_processes,
+    LiveConfig, ReloadPlan, ReloadRecordPublisher, last_reloads, log_reload, reload_processes,
 };
 pub use run::{Purpose, run, stop_with_parent};
-pub use service_manager::has_been_ready;
+pub use service_manager::{ReloadNotice, has_been_ready};
 pub use shutdown::{Shutdown, ShutdownTrigger};
 pub use stopwatch::Stopwatch;
 pub use task_group::TaskGroup;

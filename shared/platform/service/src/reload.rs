@@ -9,14 +9,12 @@ mod reload_plan;
 mod reload_record;
 mod reload_request;
 mod reloader;
-mod service_manager;
 
 pub use live_config::LiveConfig;
 pub use reload_plan::ReloadPlan;
 pub use reload_record::{ReloadRecordPublisher, last_reloads};
 pub use reload_request::reload_processes;
 pub(crate) use reloader::{ConfigPlace, Reloader};
-pub use service_manager::ReloadNotice;
 
 use message::control::ReloadReport;
 

@@ -1,4 +1,4 @@
-//! Notifications to systemd: readiness, state, watchdog, and longer starts.
+//! Notifications to systemd: readiness, state, watchdog, longer starts, and reloads.
 
 use message::{ProcessState, Text, escape_unprintable};
 use sd_notify::NotifyState;
@@ -60,6 +60,26 @@ impl ServiceManager {
     /// Notifies that the process is stopping.
     pub(crate) fn stopping() {
         let _ = sd_notify::notify(&[NotifyState::Stopping]);
+    }
+}
+
+/// Reload that systemd knows of: `RELOADING=1` with the time when it begins, `READY=1` on drop.
+#[derive(Debug)]
+pub struct ReloadNotice(());
+
+impl ReloadNotice {
+    /// Begins a reload. Without a service manager nothing is sent.
+    pub fn begin() -> Self {
+        if let Ok(now) = NotifyState::monotonic_usec_now() {
+            let _ = sd_notify::notify(&[NotifyState::Reloading, now]);
+        }
+        Self(())
+    }
+}
+
+impl Drop for ReloadNotice {
+    fn drop(&mut self) {
+        let _ = sd_notify::notify(&[NotifyState::Ready]);
     }
 }
 

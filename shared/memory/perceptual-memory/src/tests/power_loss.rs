@@ -644,16 +644,21 @@ fn unreadable(n: u32) -> Observer {
     })
 }
 
-#[test]
-fn read_error_that_passes_is_no_damage() {
-    let folder = folder();
-    let (mut memory, _) = open(folder.path());
+/// Store with the views of twenty tracks, which are in tables since it was opened again.
+fn reopened_with_tables(folder: &Path) -> PerceptualMemory {
+    let (mut memory, _) = open(folder);
     memory.lease_track_ids(N_TRACKS).unwrap();
     for n in 0..40 {
         memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
     }
     memory.close().unwrap();
-    let (mut memory, _) = open(folder.path());
+    open(folder).0
+}
+
+#[test]
+fn read_error_that_passes_is_no_damage() {
+    let folder = folder();
+    let mut memory = reopened_with_tables(folder.path());
     memory.engine.set_observer(unreadable(2));
     for track in 0..20 {
         assert_eq!(memory.views_of_track(track).unwrap().len(), 1);
@@ -667,13 +672,7 @@ fn read_error_that_passes_is_no_damage() {
 #[test]
 fn scan_on_a_medium_that_fails_reads_one_block_and_no_more() {
     let folder = folder();
-    let (mut memory, _) = open(folder.path());
-    memory.lease_track_ids(N_TRACKS).unwrap();
-    for n in 0..40 {
-        memory.apply(&mutation(n, CLOUD_BYTES)).unwrap();
-    }
-    memory.close().unwrap();
-    let (memory, _) = open(folder.path());
+    let memory = reopened_with_tables(folder.path());
     let n_reads = Arc::new(AtomicU32::new(0));
     let counted = Arc::clone(&n_reads);
     let mut fail = unreadable(1);

@@ -1,5 +1,7 @@
 //! Nearest names of a misspelt one, by edit distance (Levenshtein, 1966).
 
+use strsim::levenshtein;
+
 /// Most names that are suggested.
 const MAX_NAMES: usize = 3;
 /// Longest name that is compared, characters.
@@ -8,14 +10,13 @@ const MAX_CHARS: usize = 128;
 /// Names that are nearest to a name that is not among them: those that contain it or that it
 /// contains, and otherwise those with the least edit distance; three at most.
 pub fn nearest_names<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let name: Vec<char> = name.chars().take(MAX_CHARS).collect();
-    let text: String = name.iter().collect();
+    let text: String = name.chars().take(MAX_CHARS).collect();
     let score = |other: &str| {
         let is_part = !text.is_empty() && (other.contains(&text) || text.contains(other));
         if is_part {
             0
         } else {
-            edit_distance(&name, &other.chars().collect::<Vec<_>>())
+            levenshtein(&text, other)
         }
     };
     let mut scored: Vec<_> = names.map(|other| (score(other), other)).collect();
@@ -30,31 +31,12 @@ pub fn nearest_names<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Ve
         .collect()
 }
 
-/// Least number of insertions, deletions and replacements that make one word of the other.
-fn edit_distance(one: &[char], other: &[char]) -> usize {
-    let mut row: Vec<usize> = (0..=other.len()).collect();
-    for (i, a) in one.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, b) in other.iter().enumerate() {
-            let replaced = diagonal + usize::from(a != b);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[other.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn edit_distance_counts_the_changed_characters() {
-        let distance = |a: &str, b: &str| {
-            let chars = |text: &str| text.chars().collect::<Vec<_>>();
-            edit_distance(&chars(a), &chars(b))
-        };
         for (a, b, expected) in [
             ("", "", 0),
             ("", "abc", 3),
@@ -62,8 +44,8 @@ mod tests {
             ("abc", "abc", 0),
             ("tür", "tor", 1),
         ] {
-            assert_eq!(distance(a, b), expected, "{a} {b}");
-            assert_eq!(distance(b, a), expected, "{b} {a}");
+            assert_eq!(levenshtein(a, b), expected, "{a} {b}");
+            assert_eq!(levenshtein(b, a), expected, "{b} {a}");
         }
     }
 

@@ -1,6 +1,6 @@
 //! Reload record: a live file of each process with the outcome of its last reload.
 //!
-//! Who asks for a reload finds the processes by their records, and the outcome in them.
+//! The records name the processes of a domain that can reload, and hold the outcome.
 
 use channel::{Domain, DomainName, Error, LiveFile, RunFolder};
 use message::ProcessKind;

@@ -2,9 +2,9 @@
 
 use super::live_config::LiveConfig;
 use super::reload_record::ReloadRecordPublisher;
-use super::service_manager::ReloadNotice;
 use super::{ReloadPlan, log_reload};
 use crate::controlling_terminal::ControllingTerminal;
+use crate::service_manager::ReloadNotice;
 use crate::{Configuration, Failure, HealthCounters, Shutdown, ShutdownTrigger, monotonic_ns};
 use channel::Domain;
 use message::control::ReloadReport;

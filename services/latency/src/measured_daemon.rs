@@ -1,37 +1,28 @@
-//! Daemon spawned for a measurement and stopped on drop.
+//! Daemon of a measurement: spawned on some cores, and waited for until it is ready.
 
 use channel::DomainName;
-use rustix::process::{Pid, Signal, kill_process};
+use control_client::SpawnedDaemon;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use service::{Failure, exit_code};
-use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::os::unix::process::CommandExt;
-use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::{ChildStdout, Stdio};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// Maximum start-up time of the daemon.
 const START_TIMEOUT: Duration = Duration::from_secs(60);
-/// Maximum shutdown time; the daemon guarantees 5 s.
-const STOP_TIMEOUT: Duration = Duration::from_secs(7);
 /// Maximum time from a daemon's last error message to its exit.
 const EXIT_TIMEOUT: Duration = Duration::from_secs(1);
-const POLL_PERIOD: Duration = Duration::from_millis(20);
-/// Number of log lines shown in a failure.
-const N_LOG_LINES: usize = 8;
 
 /// Spawned daemon in a domain and a folder of its own; stopped on drop.
 #[derive(Debug)]
-pub(crate) struct SpawnedDaemon {
-    child: Child,
+pub(crate) struct MeasuredDaemon {
+    spawned: SpawnedDaemon,
     domain: DomainName,
-    folder: TempDir,
 }
 
-impl SpawnedDaemon {
+impl MeasuredDaemon {
     /// Creates a temporary home folder for a daemon.
     ///
     /// # Errors
@@ -56,14 +47,10 @@ impl SpawnedDaemon {
         let name = format!("lat-{}", std::process::id());
         let domain = name.parse::<DomainName>().map_err(Failure::general)?;
         let affinity = n_cores.map(AffinityGuard::first).transpose()?;
-        let mut child = spawn(&domain, folder.path(), arguments)?;
+        let mut spawned = SpawnedDaemon::start(&domain, folder, arguments, Stdio::piped())?;
         drop(affinity);
-        let ready = child.stdout.take().map(wait_until_ready);
-        let mut daemon = Self {
-            child,
-            domain,
-            folder,
-        };
+        let ready = spawned.take_stdout().map(wait_until_ready);
+        let mut daemon = Self { spawned, domain };
         match ready {
             Some(Ok(())) => Ok(daemon),
             _ => Err(daemon.not_ready()),
@@ -77,39 +64,14 @@ impl SpawnedDaemon {
 
     /// Start-up failure with the end of the log, and with the daemon's exit code if it has ended.
     fn not_ready(&mut self) -> Failure {
-        let log = std::fs::read_to_string(log_file(self.folder.path())).unwrap_or_default();
-        let lines: Vec<&str> = log.lines().collect();
-        let end = lines[lines.len().saturating_sub(N_LOG_LINES)..].join("\n");
+        let end = self.spawned.log_end();
         // The daemon may still be about to exit after its last message.
-        let deadline = Instant::now() + EXIT_TIMEOUT;
-        while matches!(self.child.try_wait(), Ok(None)) && Instant::now() < deadline {
-            std::thread::sleep(POLL_PERIOD);
-        }
-        let code = match self.child.try_wait() {
-            Ok(Some(status)) => status.code().and_then(|code| u8::try_from(code).ok()),
-            _ => None,
-        };
+        let status = self.spawned.wait_for(EXIT_TIMEOUT);
+        let code = status.and_then(|status| u8::try_from(status.code()?).ok());
         Failure::new(
             code.unwrap_or(exit_code::FAILURE),
             format!("the daemon to be measured did not become ready; the end of its log:\n{end}"),
         )
-    }
-}
-
-impl Drop for SpawnedDaemon {
-    fn drop(&mut self) {
-        if let Some(pid) = Pid::from_raw(self.child.id().cast_signed()) {
-            let _ = kill_process(pid, Signal::TERM);
-        }
-        let deadline = Instant::now() + STOP_TIMEOUT;
-        while matches!(self.child.try_wait(), Ok(None)) {
-            if Instant::now() > deadline {
-                let _ = self.child.kill();
-                let _ = self.child.wait();
-                return;
-            }
-            std::thread::sleep(POLL_PERIOD);
-        }
     }
 }
 
@@ -134,36 +96,6 @@ impl Drop for AffinityGuard {
     fn drop(&mut self) {
         let _ = sched_setaffinity(None, &self.before);
     }
-}
-
-fn log_file(folder: &Path) -> std::path::PathBuf {
-    folder.join("daemon.log")
-}
-
-fn spawn(domain: &DomainName, folder: &Path, arguments: &[String]) -> Result<Child, Failure> {
-    let program = std::env::current_exe()
-        .map(|own| own.with_file_name("tabula"))
-        .map_err(Failure::general)?;
-    let log = File::create(log_file(folder)).map_err(Failure::general)?;
-    Command::new(&program)
-        .args(["run", "--json"])
-        .arg(format!("--domain={domain}"))
-        .arg(format!("--home={}", folder.display()))
-        .arg(format!("--follow-parent={}", std::process::id()))
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(log)
-        // Ctrl-C reaches only the measuring program, which then stops the daemon.
-        .process_group(0)
-        .spawn()
-        .map_err(|error| {
-            Failure::general(format!(
-                "{} could not be started: {error}; build all programs with: \
-                 cargo build --release --workspace --bins",
-                program.display()
-            ))
-        })
 }
 
 /// `true` if a line is the document of a daemon whose processes all work.
