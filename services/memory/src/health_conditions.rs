@@ -33,28 +33,48 @@ impl Condition {
     }
 }
 
-/// Conditions of both stores. The process is degraded while one of them is.
+/// Conditions of both stores. The process is degraded while one of them is, and starting until it
+/// serves requests.
 #[derive(Debug)]
 pub(crate) struct HealthConditions {
     health: Arc<HealthCounters>,
+    present: Mutex<Present>,
+}
+
+#[derive(Debug, Default)]
+struct Present {
     /// Conditions of the perceptual and of the working memory.
-    conditions: Mutex<[Condition; 2]>,
+    conditions: [Condition; 2],
+    is_serving: bool,
 }
 
 impl HealthConditions {
     pub(crate) fn new(health: Arc<HealthCounters>) -> Self {
         Self {
             health,
-            conditions: Mutex::default(),
+            present: Mutex::default(),
         }
     }
 
     /// Replaces the condition of a store.
     pub(crate) fn set(&self, store: Store, condition: Condition) {
-        let mut conditions = self.conditions.lock();
-        conditions[store as usize] = condition;
-        let (state, note) = joined(&conditions);
-        self.health.set_state(state, &note);
+        let mut present = self.present.lock();
+        present.conditions[store as usize] = condition;
+        self.tell(&present);
+    }
+
+    /// Ends the start: requests are served from now on.
+    pub(crate) fn begin_service(&self) {
+        let mut present = self.present.lock();
+        present.is_serving = true;
+        self.tell(&present);
+    }
+
+    fn tell(&self, present: &Present) {
+        if present.is_serving {
+            let (state, note) = joined(&present.conditions);
+            self.health.set_state(state, &note);
+        }
     }
 }
 
@@ -93,6 +113,8 @@ mod tests {
             (state, note.as_str().unwrap().to_owned())
         };
         conditions.set(Store::Perceptual, condition(false, "rebuilt"));
+        assert_eq!(state().0, ProcessState::Starting);
+        conditions.begin_service();
         assert_eq!(state(), (ProcessState::Ready, "rebuilt".into()));
         conditions.set(Store::Perceptual, condition(true, "no room"));
         conditions.set(Store::Working, condition(true, "not on disk"));

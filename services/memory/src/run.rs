@@ -19,10 +19,11 @@ use service::{Context, Failure, HealthCounters, LiveConfig, TaskGroup, wall_cloc
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
+use working_memory::WorldThread;
 
 /// Period of the liveness probe of the store.
 const PROBE: Duration = Duration::from_millis(500);
-/// Time after which a store that is still being opened again counts as hung. Chosen: opening
+/// Time after which a store that is still being opened counts as hung. Chosen: opening
 /// takes a second, and a rebuild 5 us for each entry of the history.
 const LONGEST_OPENING: Duration = Duration::from_secs(600);
 
@@ -34,9 +35,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     let config = live.get();
     context.home.prepare_memories()?;
     let health = Arc::new(HealthConditions::new(context.health.clone()));
-    let (thread, store, report) = open_store(&context, &config, &health)?;
-    log_report(&health, &report);
-    let (world_thread, world) = WorkingMemory::start(&context, &config, &health)?;
+    let (threads, store, world) = open_memories(&context, &config, &health)?;
     let world = Arc::new(world);
     let (desk, positions) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
         store: store.clone(),
@@ -79,15 +78,46 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     tasks.spawn("the scene follower", follower.run());
     tasks.spawn("the probe of the store", probe);
     spawn_upkeep(&mut tasks, store, configuration_change, live);
+    health.begin_service();
     let shutdown = async {
         context.shutdown.requested().await;
         Ok(())
     };
     let outcome = tasks.run(shutdown).await;
-    let world_stopped = world_thread.stop();
-    let world_stopped = world_stopped.map_err(Failure::general);
-    let stopped = thread.stop().map_err(Failure::general).and(world_stopped);
-    outcome.and(stopped)
+    outcome.and(threads.stop())
+}
+
+/// Threads that write the memories.
+struct MemoryThreads {
+    store: StoreThread,
+    world: WorldThread,
+}
+
+impl MemoryThreads {
+    /// Stops both when they have written what they have taken.
+    fn stop(self) -> Result<(), Failure> {
+        let world = self.world.stop().map_err(Failure::general);
+        self.store.stop().map_err(Failure::general).and(world)
+    }
+}
+
+/// Opens both memories. A large store takes its time, and a rebuild minutes, which is no reason to
+/// begin again: progress is recorded meanwhile.
+fn open_memories(
+    context: &Context,
+    config: &Config,
+    health: &Arc<HealthConditions>,
+) -> Result<(MemoryThreads, StoreHandle, WorkingMemory), Failure> {
+    context.health.record_progress_during(LONGEST_OPENING, || {
+        let (store_thread, store, report) = open_store(context, config, health)?;
+        log_report(health, &report);
+        let (world_thread, world) = WorkingMemory::start(context, config, health)?;
+        let threads = MemoryThreads {
+            store: store_thread,
+            world: world_thread,
+        };
+        Ok((threads, store, world))
+    })
 }
 
 /// Spawns what keeps the memory in order, with the newest configuration.
