@@ -11,6 +11,7 @@ use serde::Deserialize;
 use service::{Configuration, Failure};
 use std::fmt::Display;
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 use tracking::{AssociationConfig, MotionConfig};
 
@@ -114,11 +115,12 @@ impl Config {
         let wrong = |key: &str, rule: &dyn Display| {
             Failure::from(found.wrong(SECTION, &[key], format!("{key} {rule}")))
         };
-        let milliseconds = |key: &str, value: u64, least: u64| {
-            if (least..=60_000).contains(&value) {
+        let milliseconds = |key: &str, value: u64, range: RangeInclusive<u64>| {
+            if range.contains(&value) {
                 return Ok(Duration::from_millis(value));
             }
-            let rule = format!("must lie between {least} and 60000, not {value}");
+            let (least, most) = range.into_inner();
+            let rule = format!("must lie between {least} and {most}, not {value}");
             Err(wrong(key, &rule))
         };
         let workers = NonZeroUsize::new(raw.workers).filter(|workers| workers.get() <= MAX_WORKERS);
@@ -126,8 +128,8 @@ impl Config {
         let (motion, association) = (MotionConfig::default(), AssociationConfig::default());
         Ok(Self {
             workers: workers.ok_or_else(|| wrong("workers", &workers_rule))?,
-            actor_deadline: milliseconds("actor_deadline_ms", raw.actor_deadline_ms, 1)?,
-            worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100)?,
+            actor_deadline: milliseconds("actor_deadline_ms", raw.actor_deadline_ms, 1..=60_000)?,
+            worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100..=2_000)?,
             actor_restarts_max: restarts_max(&raw)
                 .map_err(|rule| wrong("actor_restarts_max", &rule))?,
             actor_restart_window: restart_window(&raw)

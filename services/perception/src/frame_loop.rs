@@ -72,10 +72,10 @@ pub(crate) struct FrameLoopParts {
 impl FrameLoop {
     pub(crate) fn new(
         domain: &Domain,
-        mut settings: LiveConfig<Config>,
+        settings: LiveConfig<Config>,
         parts: FrameLoopParts,
     ) -> Result<Self, Error> {
-        let config = settings.take();
+        let config = settings.get();
         let publishers = Publishers::new(domain)?;
         let trace = FrameTrace::new(domain)?;
         parts.health.shared_memory_bytes.store(

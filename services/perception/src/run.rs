@@ -15,12 +15,14 @@ use crate::track_ids::TrackIds;
 use actor::{Events, Placement, PoolConfig, Restart, Supervisor, WorkerPool};
 use channel::control::{Client, Server};
 use message::{ProcessKind, ProcessState};
-use service::{Context, Failure, LiveConfig, TaskGroup};
+use service::{Context, Failure, HealthCounters, LiveConfig, TaskGroup};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::runtime::Handle;
 
+/// Time in which the memory usually answers, when both are started together.
+const MEMORY_PATIENCE: Duration = Duration::from_secs(5);
 /// Time limit for an actor to finish its message at shutdown.
 const ACTOR_SHUTDOWN: Duration = Duration::from_secs(2);
 /// Number of stalled workers at which the process gives up.
@@ -71,7 +73,8 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     tasks.spawn("the lease of track-ids", ids.clone().keep(memory.clone()));
     let liveness_probe = LivenessProbe::new(pool.clone(), health.clone());
     let work = async {
-        liveness_probe.while_waiting(ids.fetch_first(&memory)).await;
+        let first_ids = liveness_probe.while_waiting(ids.fetch_first(&memory));
+        wait_for_memory(first_ids, &health).await;
         health.set_state(ProcessState::Ready, "");
         frames.run().await.map_err(Failure::from)
     };
@@ -87,6 +90,18 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     let outcome = tasks.run(Box::pin(main)).await;
     frames.stop().await;
     outcome
+}
+
+/// Waits for the first track-ids. A memory that does not come is told: it is no reason to keep
+/// whoever starts this process waiting.
+async fn wait_for_memory(first_ids: impl Future<Output = ()>, health: &HealthCounters) {
+    tokio::pin!(first_ids);
+    let timely = tokio::time::timeout(MEMORY_PATIENCE, &mut first_ids).await;
+    if timely.is_err() {
+        let note = "no objects are tracked: the memory does not answer; see its log";
+        health.set_state(ProcessState::Degraded, note);
+        first_ids.await;
+    }
 }
 
 fn actors(
