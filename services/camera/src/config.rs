@@ -4,7 +4,7 @@ use crate::arguments::CameraArguments;
 use crate::source::{Playback, SourceSpec};
 use capture::FramePace;
 use serde::Deserialize;
-use service::{Configuration, Failure, has_been_ready};
+use service::{Configuration, Failure, is_service};
 
 /// Valid frame rates, hertz.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
@@ -37,9 +37,9 @@ pub struct Config {
     pub(crate) playback: Playback,
     /// Pace of the frames: on schedule or in lockstep.
     pub(crate) pace: FramePace,
-    /// True if the source was checked before the start, as `tabula run` does, or has been usable
-    /// before a restart by systemd: a failure to open it now may pass.
-    pub(crate) is_source_checked: bool,
+    /// True if the source was checked before the start, as `tabula run` does, or the camera is a
+    /// service, whose source may be mounted later: a failure to open it now may pass.
+    pub(crate) is_source_awaited: bool,
 }
 
 impl Config {
@@ -72,7 +72,7 @@ impl Config {
                 (false, true) => FramePace::Lockstep,
                 (false, false) => FramePace::Schedule,
             },
-            is_source_checked: arguments.process.follow_parent.is_some() || has_been_ready(),
+            is_source_awaited: arguments.process.follow_parent.is_some() || is_service(),
         };
         config.check().map_err(|(keys, sentence)| {
             let is_written = |key: &&str| !given.has(key) && found.setting(SECTION, key).is_some();
@@ -201,9 +201,9 @@ mod tests {
 
     #[test]
     fn source_counts_as_checked_when_tabula_run_has_started_the_camera() {
-        assert!(!config("--source kinect").unwrap().is_source_checked);
+        assert!(!config("--source kinect").unwrap().is_source_awaited);
         let followed = config("--source kinect --follow-parent 1").unwrap();
-        assert!(followed.is_source_checked);
+        assert!(followed.is_source_awaited);
     }
 
     #[test]

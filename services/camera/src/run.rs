@@ -141,7 +141,7 @@ fn open_source(context: &Context, config: &Config) -> Result<Option<Box<dyn Sour
                 outage.end(source.name());
                 return Ok(Some(source));
             }
-            Err(error) if config.is_source_checked => outage.wait(&error.to_string()),
+            Err(error) if config.is_source_awaited => outage.wait(&error.to_string()),
             Err(error) => return Err(Failure::usage(error)),
         }
     }

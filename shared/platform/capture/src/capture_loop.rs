@@ -13,7 +13,9 @@ use message::{
     CloudPoint, FrameHeader, ProcessState, Stage, Text, WireTransform, frame_flag, points,
     points_mut,
 };
-use service::{Context, Failure, Stopwatch, TracePublisher, monotonic_ns, wall_clock_offset_ns};
+use service::{
+    Context, Failure, Stopwatch, TracePublisher, is_service, monotonic_ns, wall_clock_offset_ns,
+};
 use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -117,7 +119,8 @@ impl CaptureLoop {
     /// Runs until the end of the source, shutdown, or a failure.
     ///
     /// # Errors
-    /// When the source cannot be used for the first frame. Later failures are an outage.
+    /// When the source cannot be used for the first frame. Later failures are an outage, and all of
+    /// those of a service.
     pub fn run(mut self) -> Result<CaptureEnd, Failure> {
         if self.lockstep.is_some() {
             self.wait_for_subscriber();
@@ -129,7 +132,7 @@ impl CaptureLoop {
                 Ok(false) | Err(SourceError::EndOfRecording) => {
                     return Ok(CaptureEnd::EndOfRecording);
                 }
-                Err(SourceError::Unusable(sentence)) if !self.is_ready => {
+                Err(SourceError::Unusable(sentence)) if !self.is_ready && !is_service() => {
                     return Err(Failure::usage(sentence));
                 }
                 Err(error @ SourceError::Frame { .. }) => self.leave_out(&error),

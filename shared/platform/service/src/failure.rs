@@ -1,5 +1,6 @@
 //! Process failures and exit codes.
 
+use crate::service_manager::is_service;
 use std::fmt;
 
 /// Exit codes of all programs; documented in docs/guides/command-line.md.
@@ -71,8 +72,12 @@ impl From<channel::Error> for Failure {
 }
 
 impl From<crate::ConfigError> for Failure {
+    /// What a service cannot read may be on a disk that is mounted later.
     fn from(error: crate::ConfigError) -> Self {
-        Self::usage(error)
+        match error {
+            crate::ConfigError::Unreadable { .. } if is_service() => Self::general(error),
+            _ => Self::usage(error),
+        }
     }
 }
 

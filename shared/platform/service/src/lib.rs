@@ -61,7 +61,7 @@ pub use reload::{
     LiveConfig, ReloadPlan, ReloadRecordPublisher, last_reloads, log_reload, reload_processes,
 };
 pub use run::{Purpose, run, stop_with_parent};
-pub use service_manager::{ReloadNotice, has_been_ready};
+pub use service_manager::{ReloadNotice, is_service};
 pub use shutdown::{Shutdown, ShutdownTrigger};
 pub use stopwatch::Stopwatch;
 pub use task_group::TaskGroup;

@@ -3,11 +3,11 @@
 use crate::health_reporter::HealthReporter;
 use crate::home::set_private_umask;
 use crate::reload::{ConfigPlace, Reloader};
-use crate::service_manager::clear_readiness_marker;
+use crate::service_manager::{clear_readiness_marker, has_been_ready};
 use crate::shutdown::on_signals;
 use crate::{
     Configuration, Context, Failure, HealthCounters, Home, LiveConfig, ProcessArguments, Shutdown,
-    has_been_ready, start_log,
+    start_log,
 };
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Time limit of stopping; then the process ends without waiting.
+/// Time limit of the tasks that are left when the process has stopped; then it ends without them.
 const STOP_TIME: Duration = Duration::from_secs(4);
 
 /// Purpose for which a process checks its configuration.

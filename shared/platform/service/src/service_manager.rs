@@ -5,6 +5,8 @@ use sd_notify::NotifyState;
 use std::path::PathBuf;
 use std::time::Duration;
 
+/// Environment variable in which systemd names the socket for notifications.
+const NOTIFY_SOCKET: &str = "NOTIFY_SOCKET";
 /// Environment variable in which systemd names the folder of `RuntimeDirectory=`.
 const RUNTIME_DIRECTORY: &str = "RUNTIME_DIRECTORY";
 /// Name of the readiness marker in that folder.
@@ -83,6 +85,12 @@ impl Drop for ReloadNotice {
     }
 }
 
+/// `true` in a process that systemd has started as a service: nobody looks at its start, and what is
+/// missing, such as a disk, may come later.
+pub fn is_service() -> bool {
+    std::env::var_os(NOTIFY_SOCKET).is_some()
+}
+
 /// State and note as `systemctl status` shows them.
 fn status((state, note): &(ProcessState, Text)) -> String {
     match note.as_str() {
@@ -93,7 +101,7 @@ fn status((state, note): &(ProcessState, Text)) -> String {
 
 /// `true` when systemd has restarted this service after a failure, and it had been ready before:
 /// systemd keeps the folder of the marker over restarts (`RuntimeDirectoryPreserve=restart`).
-pub fn has_been_ready() -> bool {
+pub(crate) fn has_been_ready() -> bool {
     readiness_marker().is_some_and(|path| path.exists())
 }
 

@@ -13,7 +13,11 @@ const MAX_CAUSE_BYTES: usize = 400;
 #[non_exhaustive]
 pub enum ConfigError {
     /// Configuration file, or folder of drop-ins, that cannot be read.
-    #[error("could not read the configuration {}: {source}", .path.display())]
+    #[error(
+        "could not read the configuration {}: {source}; create it, or let the user of the daemon \
+         read it",
+        .path.display()
+    )]
     Unreadable {
         /// Path of the file or folder.
         path: PathBuf,

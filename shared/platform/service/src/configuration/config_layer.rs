@@ -10,7 +10,7 @@ use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 /// Main file of an installed daemon.
-const SYSTEM_FILE: &str = "/etc/tabula/tabula.toml";
+pub(super) const SYSTEM_FILE: &str = "/etc/tabula/tabula.toml";
 /// Largest size of a file and its drop-ins together, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 /// Largest number of drop-ins.
@@ -30,12 +30,12 @@ pub(super) struct ConfigLayer {
 pub(super) fn find(given: Option<&Path>, home: &Path) -> Result<Vec<ConfigLayer>, ConfigError> {
     if let Some(given) = given {
         let drop_ins = drop_ins(given)?;
-        let is_missing = !given.exists() && !drop_ins.is_empty();
+        let is_missing = !is_there(given) && !drop_ins.is_empty();
         return read_all((!is_missing).then(|| given.to_owned()), drop_ins);
     }
     for file in [home.join("tabula.toml"), PathBuf::from(SYSTEM_FILE)] {
         let drop_ins = drop_ins(&file)?;
-        let file = file.exists().then_some(file);
+        let file = is_there(&file).then_some(file);
         if file.is_some() || !drop_ins.is_empty() {
             return read_all(file, drop_ins);
         }
@@ -68,6 +68,13 @@ fn drop_ins(file: &Path) -> Result<Vec<PathBuf>, ConfigError> {
     }
     names.sort_unstable();
     Ok(names.into_iter().map(|name| folder.join(name)).collect())
+}
+
+/// `false` only for what does not exist: a link that leads nowhere is there, and cannot be read.
+fn is_there(file: &Path) -> bool {
+    !file
+        .symlink_metadata()
+        .is_err_and(|error| is_absent(&error))
 }
 
 fn is_absent(error: &io::Error) -> bool {
