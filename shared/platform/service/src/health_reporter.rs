@@ -62,7 +62,6 @@ impl HealthReporter {
             self.report();
         }
         self.board.set_state(ProcessState::Stopping, "");
-        ServiceManager::stopping();
         self.report();
     }
 

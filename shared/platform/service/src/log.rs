@@ -1,6 +1,7 @@
 //! Log set-up: to the journal under systemd, to standard error otherwise.
 
 use std::io::IsTerminal;
+use std::os::fd::{AsFd, BorrowedFd};
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
@@ -9,7 +10,7 @@ use tracing_subscriber::util::SubscriberInitExt;
 pub fn start_log() {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info"));
     let registry = tracing_subscriber::registry().with(filter);
-    if std::env::var_os("JOURNAL_STREAM").is_some()
+    if is_journal(std::io::stderr().as_fd())
         && let Ok(journal) = tracing_journald::layer()
     {
         // `journalctl TABULA_VERSION=0.1.0`; fields of messages become TABULA_..., too.
@@ -24,4 +25,14 @@ pub fn start_log() {
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false);
     let _ = registry.with(terminal).try_init();
+}
+
+/// `true` for a stream to the journal: systemd names device and inode of the one that it made, and
+/// children whose output goes elsewhere inherit the name (`systemd.exec(5)`, `$JOURNAL_STREAM`).
+fn is_journal(stream: BorrowedFd<'_>) -> bool {
+    let Ok(stat) = rustix::fs::fstat(stream) else {
+        return false;
+    };
+    let own = format!("{}:{}", stat.st_dev, stat.st_ino);
+    std::env::var("JOURNAL_STREAM").is_ok_and(|named| named == own)
 }

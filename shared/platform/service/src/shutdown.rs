@@ -1,5 +1,6 @@
 //! Shutdown request of a process, raised by SIGTERM or SIGINT.
 
+use crate::service_manager::ServiceManager;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
@@ -52,6 +53,7 @@ pub(crate) fn on_signals(trigger: ShutdownTrigger) -> std::io::Result<()> {
             _ = interrupt.recv() => "SIGINT",
         };
         tracing::info!("stopping: received {name}");
+        ServiceManager::stopping();
         trigger.request();
     });
     Ok(())
