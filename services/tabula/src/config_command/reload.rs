@@ -24,13 +24,14 @@ pub(super) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode,
         return Err(Failure::general(sentence));
     }
     let is_refused = processes.iter().any(|report| report.refused.is_some());
+    let is_unanswered = processes.iter().any(|report| report.is_unanswered);
     let document = ReloadDocument { processes };
     output.answer(&document, || text(&document.processes));
-    Ok(ExitCode::from(if is_refused {
-        exit_code::REFUSED
-    } else {
-        0
-    }))
+    Ok(match (is_refused, is_unanswered) {
+        (true, _) => ExitCode::from(exit_code::REFUSED),
+        (false, true) => ExitCode::from(exit_code::TIMED_OUT),
+        (false, false) => ExitCode::SUCCESS,
+    })
 }
 
 fn text(reports: &[ReloadReport]) -> String {
@@ -44,12 +45,17 @@ fn lines(report: &ReloadReport) -> Vec<String> {
         process,
         pid,
         refused,
+        is_unanswered,
         applied,
         needs_restart,
     } = report;
     let line = |text: String| format!("{process} ({pid}): {text}");
     if let Some(sentence) = refused {
         return vec![line(format!("refused, nothing is applied: {sentence}"))];
+    }
+    if *is_unanswered {
+        let text = "has not answered, and may still apply it; `tabula doctor` tells the outcome";
+        return vec![line(text.to_owned())];
     }
     let applied = applied.iter().map(|change| format!("applied {change}"));
     let waiting = needs_restart
@@ -80,6 +86,7 @@ mod tests {
             applied: vec![change("perception.a")],
             needs_restart: vec![change("perception.b")],
             refused: None,
+            is_unanswered: false,
         };
         let quiet = ReloadReport {
             process: "run".into(),
@@ -90,12 +97,17 @@ mod tests {
             refused: Some("it is wrong".into()),
             ..quiet.clone()
         };
+        let late = ReloadReport {
+            is_unanswered: true,
+            ..quiet.clone()
+        };
         assert_eq!(
-            text(&[report, quiet, refusing]),
+            text(&[report, quiet, refusing, late]),
             "perception (7): applied perception.a 1 -> 2\n\
              perception (7): needs restart for perception.b 1 -> 2\n\
              run (8): nothing to apply\n\
-             run (8): refused, nothing is applied: it is wrong"
+             run (8): refused, nothing is applied: it is wrong\n\
+             run (8): has not answered, and may still apply it; `tabula doctor` tells the outcome"
         );
     }
 }

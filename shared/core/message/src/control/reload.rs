@@ -30,6 +30,9 @@ pub struct ReloadReport {
     pub pid: u32,
     /// Reason why the process refuses the configuration; none when it is valid.
     pub refused: Option<String>,
+    /// `true` when the process has not answered in time: it may still apply the configuration.
+    #[serde(default)]
+    pub is_unanswered: bool,
     /// Changes that the process has applied.
     pub applied: Vec<KeyChange>,
     /// Changes that need a restart of the process.

@@ -14,7 +14,7 @@ const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// outcomes. A parent is asked first: it checks the configuration for all its children, and passes
 /// the request on when it is valid.
 ///
-/// A process that does not answer in time is reported as refusing.
+/// The outcome of a process that does not answer in time is unknown.
 pub async fn reload_processes(domain: &Domain, deadline: Duration) -> Vec<ReloadReport> {
     let (asked_ns, begun) = (monotonic_ns(), Instant::now());
     let asked = ReloadRecord::own(domain.name());
@@ -78,12 +78,14 @@ fn decided(asked: &[ReloadRecord], outcomes: &[Option<ReloadReport>]) -> Option<
 }
 
 fn unanswered(record: &ReloadRecord, deadline: Duration) -> ReloadReport {
-    let sentence = format!(
-        "it has not answered within {} s; see its log and `tabula status`",
+    tracing::warn!(
+        "{} has not answered a request to reload within {} s",
+        record.report.process,
         deadline.as_secs_f64()
     );
     ReloadReport {
-        refused: Some(sentence),
+        refused: None,
+        is_unanswered: true,
         applied: Vec::new(),
         needs_restart: Vec::new(),
         ..record.report.clone()

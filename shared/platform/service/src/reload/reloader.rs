@@ -5,7 +5,9 @@ use super::reload_record::ReloadRecordPublisher;
 use super::{ReloadPlan, log_reload};
 use crate::controlling_terminal::ControllingTerminal;
 use crate::service_manager::ReloadNotice;
-use crate::{Configuration, Failure, HealthCounters, Shutdown, ShutdownTrigger, monotonic_ns};
+use crate::{
+    ConfigError, Configuration, Failure, HealthCounters, Shutdown, ShutdownTrigger, monotonic_ns,
+};
 use channel::Domain;
 use message::control::ReloadReport;
 use message::{ProcessKind, ProcessState};
@@ -76,6 +78,10 @@ impl<C, F: FnMut(&Configuration) -> Result<C, Failure>> Reloader<C, F> {
     /// was closed.
     pub(crate) async fn run(mut self, trigger: ShutdownTrigger, shutdown: Shutdown) {
         let mut looks = tokio::time::interval(LOOK_PERIOD);
+        // Who changed the files since they were read could not ask this process to reload.
+        if self.read().is_ok_and(|found| found != self.running) {
+            tokio::task::block_in_place(|| self.reload());
+        }
         loop {
             let is_hang_up = tokio::select! {
                 () = shutdown.requested() => return,
@@ -96,6 +102,10 @@ impl<C, F: FnMut(&Configuration) -> Result<C, Failure>> Reloader<C, F> {
         }
     }
 
+    fn read(&self) -> Result<Configuration, ConfigError> {
+        Configuration::find(self.place.given.as_deref(), &self.place.home)
+    }
+
     fn reload(&mut self) {
         let began_ns = monotonic_ns();
         // systemd must not take the end of a reload for readiness.
@@ -112,7 +122,7 @@ impl<C, F: FnMut(&Configuration) -> Result<C, Failure>> Reloader<C, F> {
 
     /// Checks all of the configuration before it applies any of it.
     fn try_reload(&mut self, report: &mut ReloadReport) -> Result<(), Failure> {
-        let found = Configuration::find(self.place.given.as_deref(), &self.place.home)?;
+        let found = self.read()?;
         (self.check)(&found)?;
         let plan = ReloadPlan::new(&self.running, &found, self.process.name());
         let config = (self.check)(&plan.effective)?;
