@@ -6,8 +6,10 @@ mod show;
 
 use crate::arguments::{ConfigVerb, RunArguments};
 use crate::daemon::checked_processes;
-use crate::supervision::SupervisionConfig;
+use crate::sensor::Sensor;
+use crate::supervision::{self, SupervisionConfig};
 use command_line::Output;
+use message::ProcessKind;
 use serde::Serialize;
 use service::{CommonArguments, Configuration, Failure};
 use std::process::ExitCode;
@@ -38,6 +40,9 @@ fn check(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
     let found = find(common)?;
     SupervisionConfig::new(&found)?;
     checked_processes(common, &RunArguments::default())?;
+    if found.is_of_services() && Sensor::is_camera_of_services(&found)? {
+        supervision::check(ProcessKind::Camera, &supervision::common_arguments(common))?;
+    }
     let document = CheckDocument {
         files: files(&found),
     };

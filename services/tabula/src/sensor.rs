@@ -42,6 +42,17 @@ impl Sensor {
             .map_err(|failure| found.wrong("camera", &["source"], failure).into())
     }
 
+    /// `true` when the unit of the camera can use the configured source: without one it takes a
+    /// Kinect, where `tabula run` simulates.
+    ///
+    /// # Errors
+    /// When the section cannot be read.
+    pub(crate) fn is_camera_of_services(found: &Configuration) -> Result<bool, Failure> {
+        let camera: RawCamera = found.section("camera")?;
+        let source = camera.source.as_deref();
+        Ok(source.is_none_or(|source| Self::named(source) == Ok(Self::Camera)))
+    }
+
     fn named(source: &str) -> Result<Self, Failure> {
         match source.split_once(':') {
             Some((SIMULATION, "")) => Err(Failure::usage(

@@ -77,6 +77,13 @@ impl Configuration {
         Ok(merged)
     }
 
+    /// `true` for the configuration of the systemd services, in `/etc`.
+    pub fn is_of_services(&self) -> bool {
+        let folder = Path::new(config_layer::SYSTEM_FILE).parent();
+        self.files()
+            .any(|file| folder.is_some_and(|folder| file.starts_with(folder)))
+    }
+
     /// Files that were read, in the order of reading; none for the defaults.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.files.iter().map(|file| file.as_path())
