@@ -46,7 +46,7 @@ pub(crate) struct ProcessRecord {
     pub(crate) pid: Option<u32>,
     /// State of the process.
     pub(crate) state: RecordedState,
-    /// Beginning of the state, nanoseconds since 1970, UTC.
+    /// Beginning of the state, nanoseconds since 1970, UTC; 0 when it has never begun.
     pub(crate) since_ns: u64,
     /// Number of ends in a row, without a run in between that went well for a while.
     pub(crate) n_ends: u32,
@@ -90,6 +90,10 @@ impl ProcessRecord {
                     "tabula-{process} has not been working since {since} ({cause}{ends}); {next}"
                 ))
             }
+            RecordedState::Stopped if self.since_ns == 0 => Some(format!(
+                "tabula-{process} has not been started since this machine was; start it: systemctl \
+                 start tabula.target"
+            )),
             RecordedState::Stopped => Some(format!(
                 "tabula-{process} does not run since {since} ({cause}); see journalctl -u \
                  tabula-{process}, then start it: systemctl start tabula.target"
@@ -107,13 +111,13 @@ impl ProcessRecord {
     }
 }
 
-/// Reads the records of a domain: those of its `tabula run`, or else those of the systemd units;
-/// `None` where neither runs it.
+/// Reads the records of a domain: those of this user's `tabula run`, else those of the systemd
+/// units, else those of another user, who may say what he likes; `None` where nobody runs it.
 pub(crate) fn read(domain: &DomainName) -> Option<Vec<ProcessRecord>> {
-    match LiveFile::read(domain, &RunFolder::candidates(), FILE) {
-        Some(bytes) => parse(&bytes),
-        None => systemd_units::read(domain),
-    }
+    let of_run = |folders: &[RunFolder]| parse(&LiveFile::read(domain, folders, FILE)?);
+    of_run(&RunFolder::trusted())
+        .or_else(|| systemd_units::read(domain))
+        .or_else(|| of_run(&RunFolder::candidates()))
 }
 
 fn parse(bytes: &[u8]) -> Option<Vec<ProcessRecord>> {

@@ -61,12 +61,13 @@ fn record(block: &str) -> Option<ProcessRecord> {
     };
     let is_working = matches!(state, RecordedState::Running | RecordedState::Starting);
     let seconds = property("StateChangeTimestamp").trim_start_matches('@');
-    let seconds: u64 = seconds.parse().unwrap_or(0);
+    // Without a time the unit has not been started since the machine was booted.
+    let seconds: Option<u64> = seconds.parse().ok();
     Some(ProcessRecord {
         process: process.name().to_owned(),
         pid: property("MainPID").parse().ok().filter(|pid| *pid != 0),
         state,
-        since_ns: seconds * 1_000_000_000,
+        since_ns: seconds.map_or(0, |seconds| seconds * 1_000_000_000),
         // systemd counts all restarts, not those in a row.
         n_ends: u32::from(!is_working),
         cause: if is_working {

@@ -45,10 +45,7 @@ impl RunFolder {
     /// the service's, then those of other users in `/dev/shm`. A folder there counts
     /// only when it belongs to the user it is named after.
     pub fn candidates() -> Vec<Self> {
-        let mut folders = vec![Self::of_user()];
-        // Another user may have taken the name of our own folder; in /run only root can.
-        folders.retain(|folder| belongs_where_it_is(&folder.0));
-        folders.push(Self(PathBuf::from(SERVICE_FOLDER)));
+        let mut folders = Self::trusted();
         let Ok(entries) = std::fs::read_dir(SHARED_MEMORY_FOLDER) else {
             return folders;
         };
@@ -59,6 +56,16 @@ impl RunFolder {
             .collect();
         others.sort();
         folders.extend(others.into_iter().map(Self));
+        folders.dedup();
+        folders
+    }
+
+    /// Run folders that no other user can have made: this user's, and the service's.
+    pub fn trusted() -> Vec<Self> {
+        let mut folders = vec![Self::of_user()];
+        // Another user may have taken the name of our own folder; in /run only root can.
+        folders.retain(|folder| belongs_where_it_is(&folder.0));
+        folders.push(Self(PathBuf::from(SERVICE_FOLDER)));
         folders.dedup();
         folders
     }
