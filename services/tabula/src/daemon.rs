@@ -121,11 +121,11 @@ fn keep_running(
     let mut next_readiness_check = Instant::now();
     while !stop.is_raised() {
         supervision.poll()?;
-        reload.poll(supervision);
         if reload.is_terminal_closed() {
             tracing::info!("stopping: the terminal was closed");
             return Ok(());
         }
+        reload.poll(supervision);
         if !is_announced && next_readiness_check <= Instant::now() {
             is_announced = is_ready(supervision.children(), &domain);
             next_readiness_check = Instant::now() + READINESS_PERIOD;

@@ -75,8 +75,12 @@ impl DaemonReload {
         &self.domain
     }
 
-    /// True when a SIGHUP came with the end of the terminal.
+    /// Takes note of a SIGHUP; true when it came with the end of the terminal, and is no request.
     pub(crate) fn is_terminal_closed(&mut self) -> bool {
+        if self.hang_ups.take() {
+            self.is_requested = true;
+            self.terminal.hang_up();
+        }
         if !self.is_requested && Instant::now() < self.next_look {
             return false;
         }
@@ -86,10 +90,6 @@ impl DaemonReload {
 
     /// Begins a requested reload, and ends one whose check is done.
     pub(crate) fn poll(&mut self, supervision: &mut Supervision) {
-        if self.hang_ups.take() {
-            self.is_requested = true;
-            self.terminal.hang_up();
-        }
         if let Some(outcome) = self.check.as_ref().and_then(RunningCheck::take_outcome) {
             self.finish(outcome, supervision);
         }
