@@ -55,6 +55,8 @@ mod registered_images;
 mod replay;
 /// Accounts and roles of users.
 mod roles;
+/// Notifications to systemd.
+mod service_notifications;
 /// Simulated table: ground truth, arm, person, recordings.
 mod simulation;
 /// Walking skeleton: start, teach, restart, recognise, stop.
