@@ -2,6 +2,7 @@
 
 mod arguments;
 mod counting_writer;
+mod events_file;
 mod foxglove_view;
 mod message_queue;
 mod queued_message;

@@ -1,20 +1,22 @@
 //! Events of a lockstep replay, written in canonical form, with their digest.
 
 use crate::arguments::ReplayArguments;
+use crate::events_file::EventsFile;
 use capture::RECORDER_CODE;
 use channel::topic::{FinishedFrames, ProcessHealth, Scene};
 use channel::{Domain, DomainName, Publisher, Received, Role, RunFolder, Subscriber};
 use command_line::{Output, StopSignal};
 use control_client::SpawnedDaemon;
-use message::{FrameDone, PlainHeader, ProcessKind, ProcessState};
+use message::{FrameDone, PlainHeader, ProcessKind, ProcessState, SceneSummary};
 use recording::{EventDigest, EventStream};
 use service::{CommonArguments, Failure};
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::process::{ExitCode, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
+
+/// Next step after a replay that failed.
+const AGAIN: &str = "no events were written; replay the recording again";
 
 /// Polling period of scenes. The camera waits for the report on each.
 const POLL_PERIOD: Duration = Duration::from_micros(500);
@@ -26,10 +28,7 @@ pub(crate) fn run(
     out: &Path,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let not_written = |error: std::io::Error| {
-        Failure::general(format!("{} could not be written: {error}", out.display()))
-    };
-    let file = File::create(out).map_err(not_written)?;
+    let file = EventsFile::create(out, &arguments.file)?;
     let stop = StopSignal::install()?;
     let name = format!("rep-{}", std::process::id());
     let name = name.parse::<DomainName>().map_err(Failure::general)?;
@@ -41,48 +40,46 @@ pub(crate) fn run(
         finished: Subscriber::polled(&domain)?,
         reports: Publisher::new(&domain)?,
         stream: EventStream::new(),
-        file: BufWriter::new(file),
-        session: None,
+        file,
+        order: SceneOrder::default(),
     };
     let config = common.config.as_deref();
     let mut run_arguments = arguments.run_arguments();
     run_arguments.push("--lockstep-recorder".into());
     run_arguments.extend(config.map(|path| format!("--config={}", path.display())));
-    let folder = TempDir::with_prefix("tabula-replay-").map_err(Failure::general)?;
+    let folder = TempDir::with_prefix("tabula-replay-").map_err(|error| {
+        let place = std::env::temp_dir();
+        Failure::general(format!(
+            "could not create a folder for the replay in {}: {error}; name another place with \
+             TMPDIR",
+            place.display()
+        ))
+    })?;
     // Not waited for: the first scenes come before all processes have reported that they work.
     let mut daemon = SpawnedDaemon::start(&name, folder, &run_arguments, Stdio::null())?;
-    while !collector.receive().map_err(not_written_events(out))? {
+    while !collector.receive()? {
         if stop.is_raised() {
-            return Err(Failure::general("the replay was stopped before its end"));
+            return Err(Failure::general(format!(
+                "the replay of {} was stopped before its end; {AGAIN}",
+                arguments.file.display()
+            )));
         }
         if !matches!(daemon.exit_status(), Ok(None)) {
             let log = daemon.log_end();
             return Err(Failure::general(format!(
-                "the daemon has ended; its log:\n{log}"
+                "the daemon that replays {} has ended; {AGAIN} when the reason in its log is \
+                 removed:\n{log}",
+                arguments.file.display()
             )));
         }
         stop.sleep(POLL_PERIOD);
     }
-    let digest = collector.finish().map_err(not_written)?;
+    let digest = collector.finish()?;
     // The guest leaves first: the last member of a domain removes its files.
     drop(domain);
     drop(daemon);
     output.answer(&digest, || text(&digest, out));
     Ok(ExitCode::SUCCESS)
-}
-
-fn scene_lost() -> Failure {
-    Failure::general("a scene was overwritten before it was read; this computer is too busy")
-}
-
-fn not_written_events(out: &Path) -> impl Fn(Failure) -> Failure + '_ {
-    move |failure| {
-        let sentence = format!(
-            "the events in {} are not complete: {failure}",
-            out.display()
-        );
-        Failure::new(failure.code, sentence)
-    }
 }
 
 fn text(digest: &EventDigest, out: &Path) -> String {
@@ -97,6 +94,35 @@ fn text(digest: &EventDigest, out: &Path) -> String {
     )
 }
 
+/// Check that the scenes of a replay are all there, and all of one run of camera and perception.
+#[derive(Debug, Default)]
+struct SceneOrder {
+    session: Option<u64>,
+    /// Number of the newest scene among those of its publisher.
+    sent: u64,
+}
+
+impl SceneOrder {
+    /// Takes the next scene.
+    ///
+    /// # Errors
+    /// When a process was restarted before it, or a scene is missing.
+    fn check(&mut self, scene: &SceneSummary) -> Result<(), Failure> {
+        let sent = std::mem::replace(&mut self.sent, scene.sent);
+        let session = *self.session.get_or_insert(scene.session);
+        let problem = if session != scene.session {
+            "the camera was restarted during the replay"
+        } else if scene.sent <= sent {
+            "perception was restarted during the replay"
+        } else if scene.sent > sent + 1 {
+            "a scene was overwritten before it was read, because this computer is too busy"
+        } else {
+            return Ok(());
+        };
+        Err(Failure::general(format!("{problem}; {AGAIN}")))
+    }
+}
+
 /// Collector of scenes until the camera is idle.
 struct EventCollector {
     scenes: Subscriber<Scene>,
@@ -105,9 +131,8 @@ struct EventCollector {
     /// Reports of the frames whose scene was taken, for which the camera waits.
     reports: Publisher<FinishedFrames>,
     stream: EventStream,
-    file: BufWriter<File>,
-    /// Session of the scenes.
-    session: Option<u64>,
+    file: EventsFile,
+    order: SceneOrder,
 }
 
 impl EventCollector {
@@ -139,23 +164,14 @@ impl EventCollector {
 
     fn receive_scenes(&mut self) -> Result<(), Failure> {
         while let Received::Message(scene) = self.scenes.receive()? {
-            let session = scene.header().session;
-            if self.session.is_none() && scene.header().sent > 1 {
-                return Err(scene_lost());
-            }
-            if *self.session.get_or_insert(session) != session {
-                return Err(Failure::general(
-                    "the camera was restarted during the replay",
-                ));
-            }
+            self.order.check(scene.header())?;
             let events = self.stream.add(scene.header(), scene.items());
-            let events = events.map_err(Failure::general)?;
-            self.file
-                .write_all(events.as_bytes())
-                .map_err(Failure::general)?;
-        }
-        if self.scenes.n_lost() > 0 {
-            return Err(scene_lost());
+            let events = events.map_err(|error| {
+                Failure::general(format!(
+                    "a scene could not be written as JSON: {error}; {AGAIN}"
+                ))
+            })?;
+            self.file.append(&events)?;
         }
         Ok(())
     }
@@ -171,8 +187,40 @@ impl EventCollector {
         Ok(is_idle)
     }
 
-    fn finish(mut self) -> std::io::Result<EventDigest> {
-        self.file.flush()?;
+    fn finish(self) -> Result<EventDigest, Failure> {
+        self.file.finish()?;
         Ok(self.stream.digest())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn replay_with_a_restart_or_a_lost_scene_fails() {
+        let outcome = |scenes: &[(u64, u64)]| {
+            let mut order = SceneOrder::default();
+            let check = |&(session, sent): &(u64, u64)| {
+                order.check(&SceneSummary {
+                    session,
+                    sent,
+                    ..SceneSummary::default()
+                })
+            };
+            let outcome: Result<(), Failure> = scenes.iter().try_for_each(check);
+            outcome.err().map(|failure| failure.sentence)
+        };
+        assert_eq!(outcome(&[(7, 1), (7, 2), (7, 3)]), None);
+        for (scenes, problem) in [
+            (&[(7, 2)][..], "overwritten"),
+            (&[(7, 1), (7, 3)], "overwritten"),
+            (&[(7, 1), (7, 2), (7, 1)], "perception was restarted"),
+            (&[(7, 1), (7, 1)], "perception was restarted"),
+            (&[(7, 1), (8, 2)], "camera was restarted"),
+        ] {
+            let sentence = outcome(scenes).unwrap();
+            assert!(sentence.contains(problem), "{sentence}");
+        }
     }
 }
