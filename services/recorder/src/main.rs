@@ -3,6 +3,7 @@
 mod arguments;
 mod counting_writer;
 mod events_file;
+mod file_closer;
 mod foxglove_view;
 mod message_queue;
 mod queued_message;

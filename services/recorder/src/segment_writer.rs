@@ -1,9 +1,10 @@
 //! Writer of the files of a recording: rotation by size and time, names, flushing.
 
 use crate::counting_writer::CountingWriter;
+use crate::file_closer::{Closed, FileCloser};
 use crate::foxglove_view::FoxgloveView;
 use crate::queued_message::{self, Content, QueuedMessage};
-use crate::segment_folder::{MEGABYTE, SegmentFolder, closed_path};
+use crate::segment_folder::{MEGABYTE, NewFile, SegmentFolder};
 use message::FrameHeader;
 use recording::{MessageTime, RecordingWriter, encode_frame};
 use service::Failure;
@@ -45,7 +46,11 @@ pub(crate) struct SegmentWriter {
     file: Option<OpenFile>,
     /// Number of the newest file.
     number: u32,
+    closer: FileCloser,
+    /// Files that are no longer written.
     closed: Vec<PathBuf>,
+    /// Reason why the bound of all recordings is not kept.
+    excess: Option<String>,
     counts: RecordingCounts,
     encoded: Vec<u8>,
 }
@@ -53,6 +58,8 @@ pub(crate) struct SegmentWriter {
 /// File that is written.
 struct OpenFile {
     path: PathBuf,
+    /// The file once more, which holds its lock.
+    file: File,
     writer: RecordingWriter<CountingWriter>,
     n_bytes: Arc<AtomicU64>,
     opened: Instant,
@@ -61,7 +68,8 @@ struct OpenFile {
 
 fn not_written(path: &Path, error: impl std::fmt::Display) -> Failure {
     let sentence = format!(
-        "{} could not be written: {error}; what was written before can be read",
+        "{} could not be written: {error}; free disk space or record into another folder with \
+         --out; what was written before can be read",
         path.display()
     );
     Failure::general(sentence)
@@ -81,7 +89,9 @@ impl SegmentWriter {
             domain: domain.to_owned(),
             file: None,
             number: 0,
+            closer: FileCloser::default(),
             closed: Vec::new(),
+            excess: None,
             counts: RecordingCounts::default(),
             encoded: Vec::new(),
         }
@@ -97,10 +107,10 @@ impl SegmentWriter {
             Some(file) => file,
             None => self.open()?,
         };
-        let written = self.write_to(&mut file, message);
-        let written = written.map_err(|error| not_written(&file.path, error));
+        if let Err(error) = self.write_to(&mut file, message) {
+            return Err(self.give_up(file, error));
+        }
         self.file = Some(file);
-        written?;
         self.flush()
     }
 
@@ -135,35 +145,64 @@ impl SegmentWriter {
     /// # Errors
     /// As [`write`](Self::write).
     pub(crate) fn flush(&mut self) -> Result<(), Failure> {
-        let Some(file) = &mut self.file else {
-            return Ok(());
-        };
-        if file.flushed.elapsed() < FLUSH_PERIOD {
-            return Ok(());
-        }
-        file.flushed = Instant::now();
-        let flushed = file.writer.flush();
-        flushed.map_err(|error| not_written(&file.path, error))
-    }
-
-    /// Closes the file that is written, if any.
-    ///
-    /// # Errors
-    /// When its end cannot be written.
-    pub(crate) fn close(&mut self) -> Result<(), Failure> {
         let Some(mut file) = self.file.take() else {
             return Ok(());
         };
-        let finished = file.writer.finish();
-        finished.map_err(|error| not_written(&file.path, error))?;
-        drop(file.writer);
-        let closed = closed_path(&file.path);
-        let synced = File::open(&file.path).and_then(|file| file.sync_all());
-        let renamed = synced.and_then(|()| std::fs::rename(&file.path, &closed));
-        renamed.map_err(|error| not_written(&file.path, error))?;
-        self.counts.bytes += file.n_bytes.load(Ordering::Relaxed);
-        self.closed.push(closed);
+        if file.flushed.elapsed() >= FLUSH_PERIOD {
+            file.flushed = Instant::now();
+            if let Err(error) = file.writer.flush() {
+                return Err(self.give_up(file, error));
+            }
+        }
+        self.file = Some(file);
         Ok(())
+    }
+
+    /// Leaves a file that cannot be written as it is.
+    fn give_up(&mut self, file: OpenFile, error: recording::Error) -> Failure {
+        let failure = not_written(&file.path, error);
+        self.counts.bytes += file.n_bytes.load(Ordering::Relaxed);
+        self.closed.push(file.path);
+        failure
+    }
+
+    /// Closes the file that is written, if any, and waits until all are on disk.
+    ///
+    /// # Errors
+    /// When the end of a file cannot be written.
+    pub(crate) fn close(&mut self) -> Result<(), Failure> {
+        let ended = self.end_file();
+        let closed = self.closer.wait();
+        self.note_closed(closed).and(ended)
+    }
+
+    /// Ends the file that is written, if any; the disk gets it meanwhile.
+    fn end_file(&mut self) -> Result<(), Failure> {
+        let Some(mut file) = self.file.take() else {
+            return Ok(());
+        };
+        if let Err(error) = file.writer.finish() {
+            return Err(self.give_up(file, error));
+        }
+        drop(file.writer);
+        self.counts.bytes += file.n_bytes.load(Ordering::Relaxed);
+        let [before, failed] = self.closer.close(file.path, file.file);
+        self.note_closed(before).and(self.note_closed(failed))
+    }
+
+    fn note_closed(&mut self, closed: Option<Closed>) -> Result<(), Failure> {
+        match closed {
+            None => Ok(()),
+            Some((_, Ok(path))) => {
+                self.closed.push(path);
+                Ok(())
+            }
+            Some((path, Err(error))) => {
+                let failure = not_written(&path, error);
+                self.closed.push(path);
+                Err(failure)
+            }
+        }
     }
 
     /// Closes a file that has reached a limit, and deletes the oldest ones.
@@ -174,25 +213,43 @@ impl SegmentWriter {
         let n_bytes = file.n_bytes.load(Ordering::Relaxed);
         let is_large = n_bytes >= self.limits.rotate_mb.saturating_mul(MEGABYTE);
         if is_large || file.opened.elapsed().as_secs() >= self.limits.rotate_s {
-            self.close()?;
+            self.end_file()?;
         }
         Ok(())
     }
 
-    fn open(&mut self) -> Result<OpenFile, Failure> {
-        if let Some(keep_mb) = self.limits.keep_mb {
-            // Room for a whole file, so that all together stay below the bound.
-            let next_bytes = self.limits.rotate_mb.min(keep_mb).saturating_mul(MEGABYTE);
-            self.counts.files_deleted += self.folder.delete_oldest(keep_mb, next_bytes);
+    /// Deletes the oldest recordings, so that all together stay below their bound.
+    fn make_room(&mut self) {
+        let Some(keep_mb) = self.limits.keep_mb else {
+            return;
+        };
+        // Room for a whole file.
+        let next_bytes = self.limits.rotate_mb.min(keep_mb).saturating_mul(MEGABYTE);
+        let deletion = self.folder.delete_oldest(keep_mb, next_bytes);
+        self.counts.files_deleted += deletion.n_files;
+        self.closed.retain(|path| path.exists());
+        if let (Some((path, error)), None) = (deletion.refusal, &self.excess) {
+            self.excess = Some(format!(
+                "{} could not be deleted: {error}; the recordings have more than --keep-mb \
+                 {keep_mb} as long as it is there",
+                path.display()
+            ));
         }
-        self.number += 1;
-        let path = self.folder.active_path(self.number);
-        let file = File::options().write(true).create_new(true).open(&path);
-        let file = file.map_err(|error| not_written(&path, error))?;
+    }
+
+    fn open(&mut self) -> Result<OpenFile, Failure> {
+        self.make_room();
+        let created = self.folder.create_file(self.number);
+        let created = created.map_err(|error| not_written(self.folder.path(), error))?;
+        let NewFile { number, path, file } = created;
+        self.number = number;
+        let second = file.try_clone();
+        let second = second.map_err(|error| not_written(&path, error))?;
         let (out, n_bytes) = CountingWriter::new(file);
         let writer = self.begun(out).map_err(|error| not_written(&path, error))?;
         Ok(OpenFile {
             path,
+            file: second,
             writer,
             n_bytes,
             opened: Instant::now(),
@@ -227,9 +284,20 @@ impl SegmentWriter {
         }
     }
 
-    /// Closed files in their order.
-    pub(crate) fn closed(&self) -> &[PathBuf] {
-        &self.closed
+    /// Files that are no longer written, in their order, as far as they were not deleted.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        let files = self.closed.iter().filter(|path| path.exists());
+        files.cloned().collect()
+    }
+
+    /// Free space of the disk, megabytes; `None` when it is not known.
+    pub(crate) fn free_mb(&self) -> Option<u64> {
+        self.folder.free_mb()
+    }
+
+    /// Takes the reason, once, why the bound of all recordings is not kept.
+    pub(crate) fn take_excess(&mut self) -> Option<String> {
+        self.excess.take()
     }
 }
 
@@ -240,5 +308,38 @@ fn frame_time(header: &FrameHeader, received: MessageTime) -> MessageTime {
     MessageTime {
         publish_ns: published_ns.unwrap_or(received.log_ns),
         ..received
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use message::MemoryChange;
+
+    #[test]
+    fn files_that_were_deleted_are_not_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let segments = SegmentFolder::create(folder.path(), "left", 7).unwrap();
+        // A file for each message, and no room for another.
+        let limits = SegmentLimits {
+            rotate_mb: 1,
+            rotate_s: 0,
+            keep_mb: Some(1),
+        };
+        let mut writer = SegmentWriter::new(segments, limits, None, "left");
+        for received_ns in 0..4 {
+            let content = Content::Memory(MemoryChange::default());
+            let message = QueuedMessage {
+                received_ns,
+                content,
+            };
+            writer.write(&message).unwrap();
+        }
+        writer.close().unwrap();
+        let files = writer.files();
+        assert!(files.iter().all(|path| path.exists()), "{files:?}");
+        let n_deleted = writer.counts().files_deleted;
+        assert!(n_deleted >= 2, "{n_deleted}");
+        assert_eq!(files.len() as u64, 4 - n_deleted);
     }
 }
