@@ -51,10 +51,10 @@ pub(crate) struct RecordArguments {
     #[arg(long, value_name = "MB", default_value_t = 1000)]
     pub(crate) min_free_mb: u64,
     /// Stop after this time, seconds
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) duration_s: Option<u64>,
     /// Stop after this number of frames
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) frames: Option<u64>,
     /// Points and images a second for Foxglove and Lichtblick; 0 leaves all messages for them out
     #[arg(long, value_name = "HZ", default_value_t = 2.0)]
@@ -161,7 +161,13 @@ mod tests {
 
     #[test]
     fn impossible_limits_are_refused() {
-        for wrong in ["--rotate-mb 0", "--rotate-s 0", "--keep-mb 0"] {
+        for wrong in [
+            "--rotate-mb 0",
+            "--rotate-s 0",
+            "--keep-mb 0",
+            "--duration-s 0",
+            "--frames 0",
+        ] {
             assert!(parse(&format!("record {wrong}")).is_err(), "{wrong}");
         }
         let Ok(RecorderVerb::Record(record)) = parse("record --foxglove-hz NaN") else {

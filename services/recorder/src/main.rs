@@ -14,6 +14,7 @@ mod replay;
 mod replay_events;
 mod segment_folder;
 mod segment_writer;
+mod status_lines;
 mod topic_receiver;
 
 use arguments::{RecorderArguments, RecorderVerb};

@@ -3,14 +3,15 @@
 use crate::arguments::RecordArguments;
 use crate::foxglove_view::FoxgloveView;
 use crate::message_queue::MessageQueue;
-use crate::recording_thread::{RecordingThread, Written};
+use crate::recording_thread::{EndLimits, RecordingThread, WriterEnd, Written};
 use crate::segment_folder::{MEGABYTE, SegmentFolder};
-use crate::segment_writer::{RecordingCounts, SegmentLimits, SegmentWriter};
+use crate::segment_writer::{SegmentLimits, SegmentWriter};
+use crate::status_lines::StatusLines;
 use crate::topic_receiver::TopicReceiver;
 use channel::{Domain, DomainName, DomainState, Role, RunFolder};
 use command_line::{Output, StopSignal};
 use serde::Serialize;
-use service::{CommonArguments, Failure, wall_clock_ns};
+use service::{CommonArguments, Failure, exit_code, wall_clock_ns};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ use std::time::{Duration, Instant};
 
 /// Polling period of the topics: shorter than two frames of any source.
 const POLL_PERIOD: Duration = Duration::from_millis(2);
-/// Period of the checks of daemon and disk.
+/// Period of the checks of the daemon.
 const CHECK_PERIOD: Duration = Duration::from_secs(1);
 /// Period of the lines that show the progress.
 const PROGRESS_PERIOD: Duration = Duration::from_secs(5);
@@ -38,26 +39,54 @@ struct RecordedDocument {
     frames_invalid: u64,
     files_deleted: u64,
     end: &'static str,
+    /// Sentence about a failure that has ended the recording.
+    error: Option<String>,
 }
 
 /// Reason for the end of a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug)]
 enum RecordingEnd {
     Stopped,
     DaemonEnded,
     Limit,
-    DiskFull,
-    WriterFailed,
+    DiskFull(Failure),
+    WriterFailed(Failure),
+    ReceiverFailed(Failure),
+    /// The writer has ended by itself and knows the reason.
+    WriterEnded,
 }
 
 impl RecordingEnd {
-    fn word(self) -> &'static str {
+    /// Reason with the writer's, which goes first.
+    fn with(self, writer: WriterEnd, min_free_mb: u64) -> Self {
+        match (writer, self) {
+            (WriterEnd::Failed(failure), _) => Self::WriterFailed(failure),
+            (WriterEnd::DiskFull(free_mb), _) => Self::DiskFull(Failure::general(format!(
+                "the recording has stopped: {free_mb} MB are free on the disk, and --min-free-mb \
+                 {min_free_mb} are to stay free; free disk space, or record into another folder"
+            ))),
+            (WriterEnd::AllFrames, _) | (WriterEnd::Drained, Self::WriterEnded) => Self::Limit,
+            (WriterEnd::Drained, end) => end,
+        }
+    }
+
+    fn word(&self) -> &'static str {
         match self {
             Self::Stopped => "stopped",
             Self::DaemonEnded => "the daemon has ended",
-            Self::Limit => "the limit is reached",
-            Self::DiskFull => "the disk has too little free space",
-            Self::WriterFailed => "the writer has failed",
+            Self::Limit | Self::WriterEnded => "the limit is reached",
+            Self::DiskFull(_) => "the disk has too little free space",
+            Self::WriterFailed(_) => "a file could not be written",
+            Self::ReceiverFailed(_) => "the topics could not be received",
+        }
+    }
+
+    fn failure(&self) -> Option<&Failure> {
+        match self {
+            Self::Stopped | Self::DaemonEnded | Self::Limit | Self::WriterEnded => None,
+            Self::DiskFull(failure)
+            | Self::WriterFailed(failure)
+            | Self::ReceiverFailed(failure) => Some(failure),
         }
     }
 }
@@ -70,56 +99,58 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     arguments.check()?;
     let stop = StopSignal::install()?;
-    let mut recorder = RunningRecording::start(&common.domain, arguments, output)?;
-    let end = recorder.record(arguments, &stop)?;
-    let free_mb = recorder.folder.free_mb();
-    let document = recorder.finish(end)?;
+    let mut recorder = RunningRecording::start(&common.domain, arguments, *output)?;
+    let end = recorder.record(arguments, &stop);
+    let (document, end) = recorder.finish(end, arguments.min_free_mb);
     output.answer(&document, || text(&document));
-    if end == RecordingEnd::DiskFull {
-        return Err(Failure::general(format!(
-            "the recording has stopped: {} MB are free on the disk, and --min-free-mb {} are to \
-             stay free",
-            free_mb.unwrap_or(0),
-            arguments.min_free_mb
-        )));
+    match end.failure() {
+        None => Ok(ExitCode::SUCCESS),
+        // The failure is in the one document.
+        Some(failure) if output.is_json() => {
+            output.print_status(&failure.sentence);
+            Ok(ExitCode::from(failure.code))
+        }
+        Some(failure) => Err(failure.clone()),
     }
-    Ok(ExitCode::SUCCESS)
 }
 
 /// Running recording.
-struct RunningRecording<'a> {
+struct RunningRecording {
     receiver: TopicReceiver,
     queue: Arc<MessageQueue>,
     thread: RecordingThread,
-    folder: SegmentFolder,
     domain: DomainName,
     started: Instant,
-    output: &'a Output,
+    status: StatusLines,
 }
 
-impl<'a> RunningRecording<'a> {
+impl RunningRecording {
     fn start(
         name: &DomainName,
         arguments: &RecordArguments,
-        output: &'a Output,
+        output: Output,
     ) -> Result<Self, Failure> {
         if !is_running(name) {
-            return Err(Failure::general(format!(
-                "no daemon runs in the domain {name}; start one with `tabula run`"
-            )));
+            return Err(Failure::new(
+                exit_code::NO_DAEMON,
+                format!("no daemon runs in the domain {name}; start one with `tabula run`"),
+            ));
         }
         let domain = Domain::join(name, &RunFolder::of_user(), Role::Guest)?;
-        let here = Path::new(".");
-        let path = arguments.out.as_deref().unwrap_or(here);
+        let path = arguments.out.as_deref().unwrap_or(Path::new("."));
         let start_s = wall_clock_ns().unsigned_abs() / 1_000_000_000;
         let folder = SegmentFolder::create(path, &name.to_string(), start_s)?;
         let queue = Arc::new(MessageQueue::default());
         let foxglove = FoxgloveView::new(arguments.foxglove_hz, arguments.foxglove_points);
-        let limits = limits(arguments);
-        let writer = SegmentWriter::new(folder.clone(), limits, foxglove, &name.to_string());
+        let writer = SegmentWriter::new(folder, limits(arguments), foxglove, &name.to_string());
         let receiver = TopicReceiver::new(&domain)?;
-        let thread = RecordingThread::start(writer, queue.clone())?;
-        output.print_status(&format!(
+        let status = StatusLines::start(output)?;
+        let ends = EndLimits {
+            frames: arguments.frames,
+            min_free_mb: arguments.min_free_mb,
+        };
+        let thread = RecordingThread::start(writer, queue.clone(), ends, status.clone())?;
+        status.print(format!(
             "recording the daemon of the domain {name} into {}; Ctrl-C ends it",
             path.display()
         ));
@@ -127,57 +158,50 @@ impl<'a> RunningRecording<'a> {
             receiver,
             queue,
             thread,
-            folder,
             domain: name.clone(),
             started: Instant::now(),
-            output,
+            status,
         })
     }
 
-    /// Moves messages from the topics to the writer until an end.
-    fn record(
-        &mut self,
-        arguments: &RecordArguments,
-        stop: &StopSignal,
-    ) -> Result<RecordingEnd, Failure> {
+    /// Moves messages from the topics to the writer until an end. Nothing here waits for a disk
+    /// or a terminal.
+    fn record(&mut self, arguments: &RecordArguments, stop: &StopSignal) -> RecordingEnd {
         let mut next_check = self.started + CHECK_PERIOD;
         let mut next_line = self.started + PROGRESS_PERIOD;
+        let is_over =
+            |elapsed: Duration| arguments.duration_s.is_some_and(|s| elapsed.as_secs() >= s);
         loop {
-            self.receiver.receive(&self.queue)?;
+            if let Err(error) = self.receiver.receive(&self.queue) {
+                return RecordingEnd::ReceiverFailed(error.into());
+            }
             if stop.is_raised() {
-                return Ok(RecordingEnd::Stopped);
+                return RecordingEnd::Stopped;
             }
             if self.thread.has_ended() {
-                return Ok(RecordingEnd::WriterFailed);
+                return RecordingEnd::WriterEnded;
             }
-            let counts = self.thread.counts();
-            if is_at_limit(arguments, &counts, self.started.elapsed()) {
-                return Ok(RecordingEnd::Limit);
+            if is_over(self.started.elapsed()) {
+                return RecordingEnd::Limit;
             }
             if Instant::now() >= next_check {
                 next_check = Instant::now() + CHECK_PERIOD;
                 if !is_running(&self.domain) {
-                    return Ok(RecordingEnd::DaemonEnded);
-                }
-                if self
-                    .folder
-                    .free_mb()
-                    .is_some_and(|mb| mb < arguments.min_free_mb)
-                {
-                    return Ok(RecordingEnd::DiskFull);
+                    return RecordingEnd::DaemonEnded;
                 }
             }
             if Instant::now() >= next_line {
                 next_line = Instant::now() + PROGRESS_PERIOD;
-                self.print_progress(&counts);
+                self.print_progress();
             }
             stop.sleep(POLL_PERIOD);
         }
     }
 
-    fn print_progress(&self, counts: &RecordingCounts) {
+    fn print_progress(&self) {
+        let counts = self.thread.counts();
         let (frames, _) = self.n_dropped();
-        self.output.print_status(&format!(
+        self.status.print(format!(
             "{:.0} s: {} frames, {:.1} MB, {frames} frames dropped",
             self.started.elapsed().as_secs_f64(),
             counts.frames,
@@ -194,11 +218,17 @@ impl<'a> RunningRecording<'a> {
         )
     }
 
-    fn finish(self, end: RecordingEnd) -> Result<RecordedDocument, Failure> {
+    /// Writes what is queued and closes the files, whatever has ended the recording.
+    fn finish(self, end: RecordingEnd, min_free_mb: u64) -> (RecordedDocument, RecordingEnd) {
         let seconds = self.started.elapsed().as_secs_f64();
         let (frames_dropped, messages_dropped) = self.n_dropped();
-        let Written { counts, files } = self.thread.finish()?;
-        Ok(RecordedDocument {
+        let Written {
+            counts,
+            files,
+            end: writer_end,
+        } = self.thread.finish();
+        let end = end.with(writer_end, min_free_mb);
+        let document = RecordedDocument {
             files: files
                 .iter()
                 .map(|path| path.display().to_string())
@@ -212,7 +242,9 @@ impl<'a> RunningRecording<'a> {
             frames_invalid: counts.invalid_frames,
             files_deleted: counts.files_deleted,
             end: end.word(),
-        })
+            error: end.failure().map(|failure| failure.sentence.clone()),
+        };
+        (document, end)
     }
 }
 
@@ -227,12 +259,6 @@ fn limits(arguments: &RecordArguments) -> SegmentLimits {
         rotate_s: arguments.rotate_s,
         keep_mb: arguments.keep_mb,
     }
-}
-
-fn is_at_limit(arguments: &RecordArguments, counts: &RecordingCounts, elapsed: Duration) -> bool {
-    let has_frames = |n| counts.frames >= n;
-    let is_over = |s| elapsed.as_secs() >= s;
-    arguments.frames.is_some_and(has_frames) || arguments.duration_s.is_some_and(is_over)
 }
 
 /// True if a process of a daemon runs in the domain.
@@ -253,6 +279,7 @@ fn text(document: &RecordedDocument) -> String {
         frames_invalid,
         files_deleted,
         end,
+        error: _,
     } = document;
     let mut lines = vec![format!(
         "{end}: {frames} frames and {} other messages of {seconds:.1} s in {} file(s), {:.1} MB",
@@ -272,4 +299,26 @@ fn text(document: &RecordedDocument) -> String {
     }
     lines.extend(files.iter().cloned());
     lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn end_of_a_recording_is_the_first_failure() {
+        let failed = || Failure::general("it failed");
+        let end = |end: RecordingEnd, writer| end.with(writer, 10);
+        let ended = end(RecordingEnd::ReceiverFailed(failed()), WriterEnd::Drained);
+        assert_eq!(ended.failure(), Some(&failed()));
+        let ended = end(RecordingEnd::WriterEnded, WriterEnd::Failed(failed()));
+        assert_eq!(ended.word(), "a file could not be written");
+        let ended = end(RecordingEnd::Stopped, WriterEnd::DiskFull(3));
+        assert!(ended.failure().unwrap().sentence.contains("3 MB are free"));
+        let ended = end(RecordingEnd::WriterEnded, WriterEnd::AllFrames);
+        assert_eq!(ended.word(), "the limit is reached");
+        assert_eq!(ended.failure(), None);
+        let ended = end(RecordingEnd::Stopped, WriterEnd::Drained);
+        assert_eq!(ended.word(), "stopped");
+    }
 }

@@ -108,6 +108,7 @@ impl TopicReceiver {
             + self.scenes.n_lost()
             + self.views.n_lost()
             + self.actors.n_lost()
+            + self.memory.n_lost()
             + self.health.n_lost()
     }
 }
