@@ -14,6 +14,7 @@ use foxglove::messages::{
 use message::{CheckedFrame, WirePose};
 use recording::{ChannelSpec, Error, MessageTime, RecordingWriter};
 use std::io::Write;
+use std::time::{Duration, Instant};
 
 const POINTS: &str = "foxglove/points";
 const IMAGE: &str = "foxglove/image";
@@ -27,11 +28,11 @@ const CAMERA: &str = "camera";
 
 /// Writer of the messages for viewers.
 pub(crate) struct FoxgloveView {
-    /// Interval between two clouds and images, nanoseconds.
-    period_ns: u64,
+    /// Interval between two clouds and images.
+    period: Duration,
     max_points: usize,
-    /// Reception of the frame after which the next cloud is due, nanoseconds.
-    next_ns: u64,
+    /// Instant of the newest cloud, on the monotonic clock.
+    newest: Option<Instant>,
     encoded: Vec<u8>,
 }
 
@@ -39,9 +40,9 @@ impl FoxgloveView {
     /// View with `rate_hz` clouds and images a second; `None` at a rate of zero.
     pub(crate) fn new(rate_hz: f64, max_points: usize) -> Option<Self> {
         (rate_hz > 0.0).then(|| Self {
-            period_ns: (1e9 / rate_hz) as u64,
+            period: Duration::try_from_secs_f64(1.0 / rate_hz).unwrap_or(Duration::MAX),
             max_points: max_points.max(1),
-            next_ns: 0,
+            newest: None,
             encoded: Vec::new(),
         })
     }
@@ -70,10 +71,9 @@ impl FoxgloveView {
                     return Ok(());
                 };
                 self.write_message(writer, TRANSFORMS, time, &transforms(&checked, time))?;
-                if message.received_ns < self.next_ns {
+                if !self.is_due(Instant::now()) {
                     return Ok(());
                 }
-                self.next_ns = message.received_ns.saturating_add(self.period_ns);
                 let cloud = points::cloud(points, self.max_points, timestamp(time));
                 self.write_message(writer, POINTS, time, &cloud)?;
                 match image::compressed(points, &checked.camera, timestamp(time)) {
@@ -87,6 +87,16 @@ impl FoxgloveView {
             }
             _ => Ok(()),
         }
+    }
+
+    /// True if a cloud is due, whose instant is then noted.
+    fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = |newest: Instant| now.saturating_duration_since(newest) >= self.period;
+        let is_due = self.newest.is_none_or(is_due);
+        if is_due {
+            self.newest = Some(now);
+        }
+        is_due
     }
 
     fn write_message<W: Write, M: Encode>(
@@ -160,6 +170,18 @@ mod tests {
             "FrameTransforms",
         ];
         assert_eq!(names, expected.map(|name| format!("foxglove.{name}")));
+    }
+
+    #[test]
+    fn clouds_come_at_the_rate_of_the_monotonic_clock() {
+        let mut view = FoxgloveView::new(2.0, 100).unwrap();
+        let start = Instant::now();
+        let due: Vec<bool> = [0, 499, 500, 600, 1000]
+            .map(|ms| view.is_due(start + Duration::from_millis(ms)))
+            .into();
+        assert_eq!(due, [true, false, true, false, true]);
+        // A rate close to zero has a period longer than any duration.
+        assert!(FoxgloveView::new(1e-300, 100).unwrap().is_due(start));
     }
 
     #[test]
