@@ -21,10 +21,10 @@ pub(crate) trait FieldType {
 }
 
 macro_rules! field_types {
-    ($($field:ty: $name:literal),*) => {$(
+    ($($field:ty: $type:tt),*) => {$(
         impl FieldType for $field {
             fn field_schema() -> Value {
-                json!({ "type": $name })
+                json!({ "type": $type })
             }
         }
     )*};
@@ -33,9 +33,9 @@ macro_rules! field_types {
 field_types!(
     u32: "integer",
     u64: "integer",
-    f32: "number",
-    f64: "number",
-    Number: "number",
+    f32: ["number", "null"],
+    f64: ["number", "null"],
+    Number: ["number", "string"],
     bool: "boolean",
     String: "string"
 );
