@@ -1,11 +1,11 @@
 //! `tabula record --recover`: writes all that is intact in a recording into a new file.
 
 use command_line::Output;
-use recording::{RecoveryReport, recover};
+use recording::{Error, RecoveryReport, recover};
 use serde::Serialize;
 use service::Failure;
 use std::fs::File;
-use std::io::{BufReader, BufWriter};
+use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -21,8 +21,12 @@ struct RecoveredDocument {
     messages: u64,
     seconds: f64,
     damaged_chunks: u64,
+    unsupported_chunks: u64,
+    damaged_records: u64,
     messages_without_channel: u64,
     lost_bytes: u64,
+    /// Error of the medium behind what was kept; empty without one.
+    read_error: String,
 }
 
 /// Recovers a recording.
@@ -32,26 +36,85 @@ pub(crate) fn run(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let out = out.map_or_else(|| recovered_path(damaged), Path::to_owned);
-    let failed = |path: &Path| {
-        let path = path.display().to_string();
-        move |error: std::io::Error| Failure::general(format!("{path}: {error}"))
-    };
-    let input = File::open(damaged).map_err(failed(damaged))?;
-    let file_bytes = input.metadata().map_err(failed(damaged))?.len();
-    let created = File::options().write(true).create_new(true).open(&out);
-    let file = created.map_err(failed(&out))?;
-    let report = recover(BufReader::new(input), file_bytes, BufWriter::new(file));
-    let report = report.map_err(|error| {
-        // Nothing was recovered: an empty file would look as if there was.
-        let _ = std::fs::remove_file(&out);
+    let document = recover_file(damaged, &out)?;
+    output.answer(&document, || text(&document));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn recover_file(damaged: &Path, out: &Path) -> Result<RecoveredDocument, Failure> {
+    let (input, file_bytes) = opened(damaged)?;
+    let created = File::options().write(true).create_new(true).open(out);
+    let mut file = created.map_err(|error| {
         Failure::general(format!(
-            "{} cannot be recovered: {error}",
+            "could not create {}: {error}; name another file with --out",
+            out.display()
+        ))
+    })?;
+    let recovered = recover_into(input, file_bytes, &mut file);
+    let report = recovered.map_err(|error| {
+        Failure::general(format!(
+            "{} could not be recovered into {}: {error}",
+            damaged.display(),
+            out.display()
+        ))
+    });
+    let report = report.and_then(|report| check_kept(damaged, report));
+    // Without a message, or cut by a full disk, the file is no recovered recording; the damaged
+    // one is as it was.
+    let report = report.inspect_err(|_| drop(std::fs::remove_file(out)))?;
+    Ok(document(out, report))
+}
+
+fn opened(damaged: &Path) -> Result<(File, u64), Failure> {
+    let input = File::open(damaged);
+    let opened = input.and_then(|input| Ok((input.metadata()?.len(), input)));
+    let (n_bytes, input) = opened.map_err(|error| {
+        Failure::general(format!(
+            "could not read {}: {error}; name the recording to recover",
             damaged.display()
         ))
     })?;
-    let document = document(&out, &report);
-    output.answer(&document, || text(&document));
-    Ok(ExitCode::SUCCESS)
+    Ok((input, n_bytes))
+}
+
+/// Writes all that is intact, and waits until it is on disk.
+fn recover_into(
+    input: impl Read,
+    file_bytes: u64,
+    file: &mut File,
+) -> Result<RecoveryReport, Error> {
+    let mut writer = BufWriter::new(&mut *file);
+    let report = recover(BufReader::new(input), file_bytes, &mut writer)?;
+    writer.flush().map_err(Error::Write)?;
+    drop(writer);
+    file.sync_all().map_err(Error::Write)?;
+    Ok(report)
+}
+
+fn check_kept(damaged: &Path, report: RecoveryReport) -> Result<RecoveryReport, Failure> {
+    if report.read.n_messages > 0 {
+        return Ok(report);
+    }
+    let reason = match (unread_sentence(&report), report.read_error.as_str()) {
+        (Some(sentence), _) => sentence,
+        (None, "") => "keep the file if it is the only copy".to_owned(),
+        (None, error) => format!("{error}; copy the file to another disk and try again"),
+    };
+    Err(Failure::general(format!(
+        "no message of {} could be recovered: {reason}",
+        damaged.display()
+    )))
+}
+
+/// Sentence about chunks in a compression that is not read; `None` without any.
+fn unread_sentence(report: &RecoveryReport) -> Option<String> {
+    let n = report.read.n_unsupported_chunks;
+    (n > 0).then(|| {
+        format!(
+            "{n} chunk(s) are compressed with lz4, or otherwise as this program does not read; \
+             convert the recording first with `mcap compress FILE -o NEW --compression zstd`"
+        )
+    })
 }
 
 /// Path beside the damaged recording: `a.recovered.mcap` for `a.mcap.active` and `a.mcap`.
@@ -62,16 +125,25 @@ fn recovered_path(damaged: &Path) -> PathBuf {
     damaged.with_file_name(format!("{stem}.{RECOVERED}"))
 }
 
-fn document(out: &Path, report: &RecoveryReport) -> RecoveredDocument {
+fn document(out: &Path, report: RecoveryReport) -> RecoveredDocument {
+    let RecoveryReport {
+        read,
+        n_frames,
+        duration_ns,
+        read_error,
+    } = report;
     RecoveredDocument {
         file: out.display().to_string(),
-        was_complete: report.read.is_complete,
-        frames: report.n_frames,
-        messages: report.read.n_messages,
-        seconds: report.duration_ns as f64 * 1e-9,
-        damaged_chunks: report.read.n_damaged_chunks,
-        messages_without_channel: report.read.n_without_channel,
-        lost_bytes: report.read.lost_bytes,
+        was_complete: read.is_complete,
+        frames: n_frames,
+        messages: read.n_messages,
+        seconds: duration_ns as f64 * 1e-9,
+        damaged_chunks: read.n_damaged_chunks,
+        unsupported_chunks: read.n_unsupported_chunks,
+        damaged_records: read.n_damaged_records,
+        messages_without_channel: read.n_without_channel,
+        lost_bytes: read.lost_bytes,
+        read_error,
     }
 }
 
@@ -83,19 +155,37 @@ fn text(document: &RecoveredDocument) -> String {
         messages,
         seconds,
         damaged_chunks,
+        unsupported_chunks,
+        damaged_records,
         messages_without_channel,
         lost_bytes,
+        read_error,
     } = document;
     let state = if *was_complete {
         "the recording was closed"
     } else {
         "the recording was cut"
     };
-    format!(
+    let mut text = format!(
         "{state}; kept {messages} messages, {frames} of them frames, of {seconds:.1} s; lost \
          {damaged_chunks} damaged chunk(s), {messages_without_channel} message(s) of channels \
-         that are not defined, and {lost_bytes} bytes at the end\n{file}"
-    )
+         that are not defined, and {lost_bytes} bytes at the end\n"
+    );
+    for (n, loss) in [
+        (
+            unsupported_chunks,
+            "chunk(s) in another compression than zstd were left out",
+        ),
+        (damaged_records, "record(s) were damaged"),
+    ] {
+        if *n > 0 {
+            text.push_str(&format!("{n} {loss}\n"));
+        }
+    }
+    if !read_error.is_empty() {
+        text.push_str(&format!("the rest could not be read: {read_error}\n"));
+    }
+    text + file
 }
 
 #[cfg(test)]
@@ -112,5 +202,45 @@ mod tests {
             let path = recovered_path(Path::new(name));
             assert_eq!(path, Path::new("a/left-7-0001.recovered.mcap"));
         }
+    }
+    /// Recovers bytes into a file; returns its path and the number of messages.
+    fn recovered(folder: &Path, bytes: &[u8]) -> (PathBuf, Result<u64, Failure>) {
+        let (damaged, out) = (folder.join("a.mcap"), folder.join("b.mcap"));
+        std::fs::write(&damaged, bytes).unwrap();
+        let outcome = recover_file(&damaged, &out);
+        (out, outcome.map(|document| document.messages))
+    }
+
+    fn recording() -> Vec<u8> {
+        let mut file = Vec::new();
+        let mut writer = recording::RecordingWriter::new(&mut file, "test").unwrap();
+        let health = recording::documents::HealthDocument::from(&message::Health::default());
+        let time = recording::MessageTime::at(1);
+        writer.write_document("health", time, &health).unwrap();
+        writer.finish().unwrap();
+        drop(writer);
+        file
+    }
+
+    #[test]
+    fn recovery_without_a_message_fails_and_leaves_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let (out, outcome) = recovered(folder.path(), &recording());
+        assert!(outcome == Ok(1) && out.exists());
+        std::fs::remove_file(&out).unwrap();
+        let (out, outcome) = recovered(folder.path(), &recording()[..8]);
+        let sentence = outcome.unwrap_err().sentence;
+        assert!(sentence.contains("no message"), "{sentence}");
+        assert!(!out.exists());
+        let mut other = recording();
+        let names: Vec<usize> = (0..other.len() - 4)
+            .filter(|&at| &other[at..at + 4] == b"zstd")
+            .collect();
+        for at in names {
+            other[at..at + 4].copy_from_slice(b"lzma");
+        }
+        let (_, outcome) = recovered(folder.path(), &other);
+        let sentence = outcome.unwrap_err().sentence;
+        assert!(sentence.contains("convert the recording"), "{sentence}");
     }
 }

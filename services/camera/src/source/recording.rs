@@ -28,6 +28,8 @@ pub(super) struct RecordingSource {
     clock: PlaybackClock,
     bodies: Option<RecordedBodies>,
     max_points: usize,
+    /// True if this round was read to the end of the file.
+    is_at_end: bool,
     is_end_logged: bool,
 }
 
@@ -51,6 +53,7 @@ impl RecordingSource {
             clock: PlaybackClock::default(),
             bodies: domain.map(RecordedBodies::new).transpose()?,
             max_points: channel::topic::MAX_FRAME_POINTS,
+            is_at_end: false,
             is_end_logged: false,
         };
         let unusable = |cause: SourceError| SourceError::Unusable(cause.to_string());
@@ -63,14 +66,29 @@ impl RecordingSource {
 
     fn without_frames(&self) -> SourceError {
         let from = self.playback.from.unwrap_or(0);
-        let sentence = match self.next {
-            0 => format!("the recording {} holds no frame", self.name),
-            n => format!(
+        let sentence = match (self.next, self.first_unusable()) {
+            (0, Some(reason)) => {
+                format!(
+                    "the recording {} holds no frame to play: {reason}",
+                    self.name
+                )
+            }
+            (0, None) => format!("the recording {} holds no frame", self.name),
+            (n, _) => format!(
                 "there is no frame from {from} on: the recording {} has {n} frames",
                 self.name
             ),
         };
         SourceError::Unusable(sentence)
+    }
+
+    /// First of the messages that cannot be used, with the reason.
+    fn first_unusable(&self) -> Option<String> {
+        let unusable = self.player.as_ref()?.first_unusable()?;
+        Some(format!(
+            "a message of {} cannot be used: {}",
+            unusable.topic, unusable.reason
+        ))
     }
 
     /// Next frame of the playback in this round of the file; `None` at its end.
@@ -81,6 +99,7 @@ impl RecordingSource {
                 return Ok(None);
             }
             let Some(frame) = self.read_frame()? else {
+                self.is_at_end = true;
                 return Ok(None);
             };
             self.next += 1;
@@ -93,13 +112,13 @@ impl RecordingSource {
     fn read_frame(&mut self) -> Result<Option<PlayedFrame>, SourceError> {
         if self.player.is_none() {
             self.player = Some(self.opened()?);
-            self.next = 0;
+            (self.next, self.is_at_end) = (0, false);
         }
         let Some(player) = &mut self.player else {
             return Ok(None);
         };
         player.next_frame().map_err(|error| match error {
-            Error::Io(error) => {
+            Error::Read(error) => {
                 (self.player, self.resume_at) = (None, self.next);
                 SourceError::Unavailable(self.read_failure(&error))
             }
@@ -121,28 +140,38 @@ impl RecordingSource {
         )
     }
 
-    /// Tells once what the recording lacks.
+    /// Tells once what the recording lacks, when it was read to its end.
     fn log_end(&mut self) {
-        let Some(player) = &self.player else { return };
+        let Some(lack) = self.lack() else { return };
+        if !std::mem::replace(&mut self.is_end_logged, true) {
+            tracing::warn!("{lack}");
+        }
+    }
+
+    /// Sentence about what was left out of the recording; `None` when nothing was, or when it was
+    /// not read to its end.
+    fn lack(&self) -> Option<String> {
+        let player = self.player.as_ref().filter(|_| self.is_at_end)?;
         let (summary, n_unusable) = (player.summary(), player.n_unusable());
-        if std::mem::replace(&mut self.is_end_logged, true) {
-            return;
-        }
+        let mut lacks = Vec::new();
         if !summary.is_complete {
-            tracing::warn!(
-                "the recording {} was not closed; its last {} bytes are lost; \
-                 `tabula record --recover` makes a whole file of it",
-                self.name,
+            lacks.push(format!(
+                "it was not closed and its last {} bytes are lost; `tabula record --recover` \
+                 makes a whole file of it",
                 summary.lost_bytes
-            );
+            ));
         }
-        if summary.n_damaged_chunks > 0 || n_unusable > 0 {
-            tracing::warn!(
-                "{} chunks and {n_unusable} messages of {} are damaged and were left out",
-                summary.n_damaged_chunks,
-                self.name
-            );
+        let n_chunks = summary.n_damaged_chunks + summary.n_unsupported_chunks;
+        if n_chunks > 0 {
+            lacks.push(format!(
+                "{n_chunks} chunks cannot be read and were left out"
+            ));
         }
+        if let Some(reason) = self.first_unusable() {
+            lacks.push(format!("{n_unusable} messages were left out; {reason}"));
+        }
+        let sentence = format!("the recording {}: {}", self.name, lacks.join("; "));
+        (!lacks.is_empty()).then_some(sentence)
     }
 }
 
@@ -183,11 +212,20 @@ impl Source for RecordingSource {
         };
         self.has_played = true;
         self.clock.advance_to(frame.capture_ns());
+        if frame.n_points() > self.max_points {
+            return Err(self.refused(format!(
+                "it has {} points, and the memory of the frames is for {}; play it alone with \
+                 --from {}",
+                frame.n_points(),
+                self.max_points,
+                self.next.saturating_sub(1)
+            )));
+        }
         let size = frame.record().map(|record| FrameSize {
             width: record.camera.width as usize,
             height: record.camera.height as usize,
         });
-        let size = size.map_err(|error| self.refused(&error))?;
+        let size = size.map_err(|error| self.refused(error))?;
         self.prepared = Some(frame);
         Ok(Some(size))
     }
@@ -202,7 +240,7 @@ impl Source for RecordingSource {
             record.fill(bytemuck::cast_slice_mut(points))?;
             frame_info(&record)
         });
-        filled.map_err(|error| self.refused(&error))
+        filled.map_err(|error| self.refused(error))
     }
 
     fn complete_header(&self, header: &mut FrameHeader) {
@@ -222,10 +260,10 @@ impl Source for RecordingSource {
 }
 
 impl RecordingSource {
-    fn refused(&self, error: &InvalidRecord) -> SourceError {
+    fn refused(&self, cause: impl ToString) -> SourceError {
         SourceError::Frame {
             frame: self.next.saturating_sub(1).to_string(),
-            cause: error.to_string(),
+            cause: cause.to_string(),
         }
     }
 }

@@ -41,6 +41,8 @@
 
 mod byte_planes;
 mod channel_list;
+mod chunk_records;
+mod definitions;
 mod document;
 pub mod documents;
 mod error;
@@ -50,19 +52,22 @@ mod frame_codec;
 mod frame_player;
 mod number;
 mod record_source;
+mod recording_metadata;
 mod recording_reader;
 mod recording_writer;
 mod recovery;
 mod word_table;
 
 pub use channel_list::{ChannelSpec, MessageEncoding, frame_channel};
+pub use definitions::{RecordedChannel, RecordedSchema};
 pub use document::Document;
 pub use error::{Error, InvalidRecord};
 pub use event_stream::{EventDigest, EventStream};
 pub use frame_codec::{FrameRecord, encode_frame};
-pub use frame_player::{ArmSample, FramePlayer, PersonSample, PlayedFrame};
+pub use frame_player::{ArmSample, FramePlayer, PersonSample, PlayedFrame, UnusableMessage};
 pub use number::Number;
-pub use recording_reader::{ReadSummary, RecordedChannel, RecordedMessage, RecordingReader};
+pub use recording_metadata::RecordingMetadata;
+pub use recording_reader::{ReadSummary, RecordedMessage, RecordingReader};
 pub use recording_writer::{MessageTime, RecordingWriter};
 pub use recovery::{RecoveryReport, recover};
 

@@ -1,15 +1,15 @@
 //! Records of an MCAP file, front to back, out of bytes that may be cut or damaged.
 
 use crate::Error;
-use mcap::McapError;
-use mcap::records::{Record, op};
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::records::op;
 use std::io::Read;
 
 /// Bytes of a record's code and length.
-const RECORD_HEAD_BYTES: usize = 9;
-/// Bytes that are read at once.
-const READ_BYTES: usize = 1 << 16;
+pub(crate) const RECORD_HEAD_BYTES: usize = 9;
+/// Bytes of the record that ends the data.
+const DATA_END_BYTES: usize = 4;
+/// Bytes of the last record.
+const FOOTER_BYTES: usize = 20;
 /// Record that any file may have, bytes.
 const ANY_RECORD_BYTES: u64 = 32 << 20;
 /// Largest record for each byte of the file: an empty frame is compressed to a thousandth.
@@ -33,51 +33,38 @@ pub(crate) fn content_limit(file_bytes: u64) -> u64 {
     by_file.saturating_add(ANY_RECORD_BYTES)
 }
 
-/// Size of a chunk's content by its header, bytes; `None` for a damaged header.
-pub(crate) fn chunk_content_bytes(content: &[u8]) -> Option<u64> {
-    match mcap::parse_record(op::CHUNK, content) {
-        Ok(Record::Chunk { header, .. }) => Some(header.uncompressed_size),
-        _ => None,
-    }
-}
-
 /// Result of reading the next record.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NextRecord {
     /// Code of the record, whose content is in the buffer.
     Record(u8),
-    /// End of the records, as written by a writer that closed the file.
+    /// End of the file, as a writer that closed it leaves it.
     End,
-    /// End of the bytes within a record, or after the last whole one.
+    /// End of what can be read: the bytes behind it are no whole record.
     Cut,
-    /// Bytes that are no records: nothing behind them can be found.
-    Damaged,
 }
 
 /// Reader of the records between the chunks, and of whole chunks.
 pub(crate) struct RecordSource<R> {
     input: R,
-    reader: LinearReader,
-    n_read: u64,
+    record_limit: usize,
+    has_begun: bool,
+    /// True behind the record that ends the data.
+    has_data_end: bool,
+    ended: Option<NextRecord>,
     /// Length of the file up to the end of the last whole record, bytes.
     n_intact: u64,
-    is_at_end: bool,
-}
-
-fn options(record_limit: usize) -> LinearReaderOptions {
-    LinearReaderOptions::default()
-        .with_skip_end_magic(true)
-        .with_record_length_limit(record_limit)
 }
 
 impl<R: Read> RecordSource<R> {
     pub(crate) fn new(input: R, record_limit: usize) -> Self {
         Self {
             input,
-            reader: LinearReader::new_with_options(options(record_limit).with_emit_chunks(true)),
-            n_read: 0,
-            n_intact: mcap::MAGIC.len() as u64,
-            is_at_end: false,
+            record_limit,
+            has_begun: false,
+            has_data_end: false,
+            ended: None,
+            n_intact: 0,
         }
     }
 
@@ -86,34 +73,70 @@ impl<R: Read> RecordSource<R> {
     /// # Errors
     /// When the input cannot be read, or does not begin as an MCAP file.
     pub(crate) fn next(&mut self, content: &mut Vec<u8>) -> Result<NextRecord, Error> {
-        loop {
-            match self.reader.next_event() {
-                None if self.n_read < mcap::MAGIC.len() as u64 => return Err(Error::NotMcap),
-                None => return Ok(NextRecord::Cut),
-                Some(Ok(LinearReadEvent::ReadRequest(n))) => {
-                    let buffer = self.reader.insert(n.clamp(1, READ_BYTES));
-                    let n = read_some(&mut self.input, buffer)?;
-                    self.n_read += n as u64;
-                    self.is_at_end |= n == 0;
-                    self.reader.notify_read(n);
-                }
-                Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                    self.n_intact += (RECORD_HEAD_BYTES + data.len()) as u64;
-                    if opcode == op::DATA_END || opcode == op::FOOTER {
-                        return Ok(NextRecord::End);
-                    }
-                    content.clear();
-                    content.extend_from_slice(data);
-                    return Ok(NextRecord::Record(opcode));
-                }
-                Some(Err(McapError::BadMagic)) => return Err(Error::NotMcap),
-                Some(Err(_)) if self.n_read < mcap::MAGIC.len() as u64 => {
-                    return Err(Error::NotMcap);
-                }
-                Some(Err(_)) if self.is_at_end => return Ok(NextRecord::Cut),
-                Some(Err(_)) => return Ok(NextRecord::Damaged),
-            }
+        if let Some(ended) = self.ended {
+            return Ok(ended);
         }
+        if !self.has_begun {
+            self.begin(content)?;
+        }
+        let next = match self.read_record(content)? {
+            Some(op::FOOTER) if self.has_data_end && content.len() == FOOTER_BYTES => {
+                self.read_end(content)?
+            }
+            Some(opcode) => {
+                self.has_data_end |= opcode == op::DATA_END && content.len() == DATA_END_BYTES;
+                return Ok(NextRecord::Record(opcode));
+            }
+            None => NextRecord::Cut,
+        };
+        self.ended = Some(next);
+        Ok(next)
+    }
+
+    fn begin(&mut self, content: &mut Vec<u8>) -> Result<(), Error> {
+        self.read(mcap::MAGIC.len() as u64, content)?;
+        if content != mcap::MAGIC {
+            return Err(Error::NotMcap);
+        }
+        self.n_intact += content.len() as u64;
+        self.has_begun = true;
+        Ok(())
+    }
+
+    /// Reads a whole record and returns its code; `None` when the bytes are none.
+    fn read_record(&mut self, content: &mut Vec<u8>) -> Result<Option<u8>, Error> {
+        self.read(RECORD_HEAD_BYTES as u64, content)?;
+        let Some((opcode, length)) = record_head(content) else {
+            return Ok(None);
+        };
+        // A file system may fill with zeros what it had not written before a loss of power.
+        if length > self.record_limit as u64 || (opcode, length) == (0, 0) {
+            return Ok(None);
+        }
+        self.read(length, content)?;
+        if (content.len() as u64) < length {
+            return Ok(None);
+        }
+        self.n_intact += RECORD_HEAD_BYTES as u64 + length;
+        Ok(Some(opcode))
+    }
+
+    /// Reads the last bytes of the file.
+    fn read_end(&mut self, content: &mut Vec<u8>) -> Result<NextRecord, Error> {
+        self.read(mcap::MAGIC.len() as u64 + 1, content)?;
+        if content != mcap::MAGIC {
+            return Ok(NextRecord::Cut);
+        }
+        self.n_intact += content.len() as u64;
+        Ok(NextRecord::End)
+    }
+
+    /// Reads `n` bytes, or what is left of them, into the buffer, which grows with what there is.
+    fn read(&mut self, n: u64, content: &mut Vec<u8>) -> Result<(), Error> {
+        content.clear();
+        let read = self.input.by_ref().take(n).read_to_end(content);
+        read.map_err(Error::Read)?;
+        Ok(())
     }
 
     /// Length of the file up to the end of the last whole record, bytes.
@@ -122,63 +145,31 @@ impl<R: Read> RecordSource<R> {
     }
 }
 
-/// Reads at least one byte, unless the input has ended.
-fn read_some(input: &mut impl Read, buffer: &mut [u8]) -> Result<usize, Error> {
-    loop {
-        match input.read(buffer) {
-            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-            read => return Ok(read?),
-        }
-    }
+/// Code and length of the record at the beginning of these bytes; `None` when they are too few.
+pub(crate) fn record_head(bytes: &[u8]) -> Option<(u8, u64)> {
+    let (&opcode, rest) = bytes.split_first()?;
+    let length = rest.first_chunk()?;
+    Some((opcode, u64::from_le_bytes(*length)))
 }
 
-/// Reader of the records in one chunk, whose checksum is compared first.
-pub(crate) struct ChunkRecords {
-    reader: LinearReader,
-    /// Content of the chunk's record, with its code and length before it.
-    record: Vec<u8>,
-    n_given: usize,
-}
-
-impl ChunkRecords {
-    /// Reader of a chunk, from the content of its record.
-    pub(crate) fn new(content: &[u8], record_limit: usize) -> Self {
-        let mut record = Vec::with_capacity(RECORD_HEAD_BYTES + content.len());
-        record.push(op::CHUNK);
-        record.extend((content.len() as u64).to_le_bytes());
-        record.extend_from_slice(content);
-        let options = options(record_limit)
-            .with_skip_start_magic(true)
-            .with_prevalidate_chunk_crcs(true);
-        Self {
-            reader: LinearReader::new_with_options(options),
-            record,
-            n_given: 0,
-        }
-    }
-
-    /// Reads the next record of the chunk into the buffer and returns its code; `None` at the end.
-    ///
-    /// # Errors
-    /// When the chunk is damaged.
-    pub(crate) fn next(&mut self, content: &mut Vec<u8>) -> Result<Option<u8>, McapError> {
-        loop {
-            match self.reader.next_event() {
-                None => return Ok(None),
-                Some(Ok(LinearReadEvent::ReadRequest(n))) => {
-                    let left = &self.record[self.n_given..];
-                    let n = n.min(left.len());
-                    self.reader.insert(n).copy_from_slice(&left[..n]);
-                    self.reader.notify_read(n);
-                    self.n_given += n;
-                }
-                Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                    content.clear();
-                    content.extend_from_slice(data);
-                    return Ok(Some(opcode));
-                }
-                Some(Err(error)) => return Err(error),
-            }
-        }
+/// True if a record of which nothing else is used can be what its code says.
+pub(crate) fn is_plausible(opcode: u8, content: &[u8], is_in_chunk: bool) -> bool {
+    /// Code of the first record that is left to programs.
+    const PRIVATE: u8 = 0x80;
+    match opcode {
+        PRIVATE.. => true,
+        _ if is_in_chunk => false,
+        op::DATA_END => content.len() == DATA_END_BYTES,
+        op::FOOTER => content.len() == FOOTER_BYTES,
+        op::HEADER
+        | op::MESSAGE_INDEX
+        | op::CHUNK_INDEX
+        | op::ATTACHMENT
+        | op::ATTACHMENT_INDEX
+        | op::STATISTICS
+        | op::METADATA
+        | op::METADATA_INDEX
+        | op::SUMMARY_OFFSET => true,
+        _ => false,
     }
 }

@@ -1,34 +1,19 @@
 //! Reader of a recording, front to back. Damaged chunks are left out and counted.
 
-use crate::Error;
-use crate::record_source::{
-    ChunkRecords, NextRecord, RecordSource, chunk_content_bytes, content_limit, record_limit,
-};
+use crate::chunk_records::{ChunkRecords, UnreadableChunk, is_compressed_chunk};
+use crate::definitions::{Definitions, REPEATED_DEFINITIONS};
+use crate::record_source::{NextRecord, RecordSource, content_limit, is_plausible, record_limit};
+use crate::{Error, RecordedChannel, RecordingMetadata};
 use mcap::records::{Record, op};
-use std::collections::BTreeMap;
 use std::io::Read;
-use std::sync::Arc;
-
-/// Channel of a recording as the file defines it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RecordedChannel {
-    /// Topic of the channel.
-    pub topic: String,
-    /// Encoding of its messages.
-    pub message_encoding: String,
-    /// Name of the schema; empty without one.
-    pub schema_name: String,
-    /// Encoding of the schema.
-    pub schema_encoding: String,
-    /// Schema in its encoding.
-    pub schema: Vec<u8>,
-}
 
 /// Message of a recording.
 #[derive(Debug)]
 pub struct RecordedMessage<'a> {
+    /// Id of the channel in the file.
+    pub channel_id: u16,
     /// Channel of the message.
-    pub channel: &'a Arc<RecordedChannel>,
+    pub channel: &'a RecordedChannel,
     /// Time at which it was recorded, nanoseconds of the wall clock.
     pub log_ns: u64,
     /// Time at which it was published, nanoseconds of the wall clock.
@@ -46,20 +31,16 @@ pub struct ReadSummary {
     pub n_chunks: u64,
     /// Number of chunks left out because they are damaged.
     pub n_damaged_chunks: u64,
+    /// Number of chunks left out because of a compression that is not read, such as lz4.
+    pub n_unsupported_chunks: u64,
+    /// Number of records that are not what their code says. A chunk among them is read.
+    pub n_damaged_records: u64,
     /// Number of messages left out because their channel is not defined.
     pub n_without_channel: u64,
     /// True when the writer has closed the file; known at its end.
     pub is_complete: bool,
-    /// Length of the file behind the last record that could be found, bytes; known at its end.
+    /// Length of the file behind the last whole record, bytes: at the end, what is lost of it.
     pub lost_bytes: u64,
-}
-
-/// Schema of a recording: name, encoding, content.
-#[derive(Debug, Clone)]
-struct RecordedSchema {
-    name: String,
-    encoding: String,
-    data: Vec<u8>,
 }
 
 /// Reader of a recording. Its memory is bounded by the largest record, and that by the length of
@@ -67,8 +48,8 @@ struct RecordedSchema {
 pub struct RecordingReader<R> {
     records: RecordSource<R>,
     chunk: Option<ChunkRecords>,
-    schemas: BTreeMap<u16, RecordedSchema>,
-    channels: BTreeMap<u16, Arc<RecordedChannel>>,
+    definitions: Definitions,
+    metadata: Option<RecordingMetadata>,
     /// Content of the newest record.
     content: Vec<u8>,
     record_limit: usize,
@@ -76,9 +57,11 @@ pub struct RecordingReader<R> {
     content_left: u64,
     file_bytes: u64,
     summary: ReadSummary,
+    found: Option<FoundMessage>,
 }
 
 /// Message whose data is a part of the newest record.
+#[derive(Debug)]
 struct FoundMessage {
     channel_id: u16,
     log_ns: u64,
@@ -93,8 +76,9 @@ impl<R: Read> RecordingReader<R> {
         Self {
             records: RecordSource::new(input, record_limit),
             chunk: None,
-            schemas: BTreeMap::new(),
-            channels: BTreeMap::new(),
+            definitions: Definitions::default(),
+            metadata: None,
+            found: None,
             content: Vec::new(),
             record_limit,
             content_left: content_limit(file_bytes),
@@ -108,35 +92,45 @@ impl<R: Read> RecordingReader<R> {
     /// # Errors
     /// When the file cannot be read, or is no MCAP file.
     pub fn next_message(&mut self) -> Result<Option<RecordedMessage<'_>>, Error> {
-        let Some(found) = self.find_message()? else {
-            return Ok(None);
-        };
-        let Some(channel) = self.channels.get(&found.channel_id) else {
-            // `find_message` finds only messages with a channel.
-            return Ok(None);
-        };
-        Ok(Some(RecordedMessage {
-            channel,
+        self.advance()?;
+        Ok(self.message())
+    }
+
+    /// Reads up to the next message; false at the end.
+    ///
+    /// # Errors
+    /// As [`next_message`](Self::next_message).
+    pub(crate) fn advance(&mut self) -> Result<bool, Error> {
+        self.found = None;
+        while self.found.is_none() {
+            let Some(opcode) = self.next_record()? else {
+                return Ok(false);
+            };
+            self.take_record(opcode);
+        }
+        Ok(true)
+    }
+
+    /// Message up to which the reader has read.
+    pub(crate) fn message(&self) -> Option<RecordedMessage<'_>> {
+        let found = self.found.as_ref()?;
+        Some(RecordedMessage {
+            channel_id: found.channel_id,
+            channel: self.definitions.channel(found.channel_id)?,
             log_ns: found.log_ns,
             publish_ns: found.publish_ns,
-            data: &self.content[found.data_begin..],
-        }))
+            data: self.content.get(found.data_begin..)?,
+        })
+    }
+
+    /// Metadata of the recording, once found; they precede its messages.
+    pub fn metadata(&self) -> Option<&RecordingMetadata> {
+        self.metadata.as_ref()
     }
 
     /// Summary of what was found so far.
     pub fn summary(&self) -> ReadSummary {
         self.summary
-    }
-
-    fn find_message(&mut self) -> Result<Option<FoundMessage>, Error> {
-        loop {
-            let Some(opcode) = self.next_record()? else {
-                return Ok(None);
-            };
-            if let Some(found) = self.take_record(opcode) {
-                return Ok(Some(found));
-            }
-        }
     }
 
     /// Reads the next record of the current chunk or of the file, and returns its code.
@@ -149,87 +143,72 @@ impl<R: Read> RecordingReader<R> {
             }
             self.chunk = None;
         }
-        let next = self.records.next(&mut self.content)?;
-        match next {
+        let next = self.records.next(&mut self.content);
+        let n_intact = self.records.n_intact();
+        self.summary.lost_bytes = self.file_bytes.saturating_sub(n_intact);
+        match next? {
             NextRecord::Record(opcode) => return Ok(Some(opcode)),
             NextRecord::End => self.summary.is_complete = true,
-            NextRecord::Cut | NextRecord::Damaged => {
-                let n_intact = self.records.n_intact();
-                self.summary.lost_bytes = self.file_bytes.saturating_sub(n_intact);
-            }
+            NextRecord::Cut => {}
         }
         Ok(None)
     }
 
     /// Takes a definition, begins a chunk, or finds a message.
-    fn take_record(&mut self, opcode: u8) -> Option<FoundMessage> {
-        if opcode == op::CHUNK {
-            self.begin_chunk();
-            return None;
-        }
-        // Other records are not parsed: nothing depends on them.
-        if ![op::SCHEMA, op::CHANNEL, op::MESSAGE].contains(&opcode) {
-            return None;
-        }
-        match mcap::parse_record(opcode, &self.content) {
-            Ok(Record::Schema { header, data }) => {
-                let schema = RecordedSchema {
-                    name: header.name,
-                    encoding: header.encoding,
-                    data: data.into_owned(),
-                };
-                self.schemas.insert(header.id, schema);
-                None
+    fn take_record(&mut self, opcode: u8) {
+        let is_in_chunk = self.chunk.is_some();
+        let is_sound = match opcode {
+            op::CHUNK if !is_in_chunk => {
+                self.begin_chunk();
+                true
             }
-            Ok(Record::Channel(channel)) => {
-                self.define(&channel);
-                None
+            _ if !is_in_chunk && is_compressed_chunk(&self.content) => {
+                self.begin_chunk();
+                false
             }
-            Ok(Record::Message { header, data }) => {
-                if !self.channels.contains_key(&header.channel_id) {
-                    self.summary.n_without_channel += 1;
-                    return None;
-                }
-                self.summary.n_messages += 1;
-                Some(FoundMessage {
-                    channel_id: header.channel_id,
-                    log_ns: header.log_time,
-                    publish_ns: header.publish_time,
-                    data_begin: self.content.len() - data.len(),
-                })
+            op::MESSAGE => self.take_message(),
+            op::SCHEMA | op::CHANNEL => self.definitions.add(opcode, &self.content),
+            op::METADATA if !is_in_chunk => {
+                let metadata = RecordingMetadata::parse(&self.content);
+                self.metadata = self.metadata.take().or(metadata);
+                true
             }
-            _ => None,
+            REPEATED_DEFINITIONS => self.definitions.add_repeated(&self.content),
+            _ => is_plausible(opcode, &self.content, is_in_chunk),
+        };
+        self.summary.n_damaged_records += u64::from(!is_sound);
+    }
+
+    /// Takes a message; false when it is damaged.
+    fn take_message(&mut self) -> bool {
+        let Ok(Record::Message { header, data }) = mcap::parse_record(op::MESSAGE, &self.content)
+        else {
+            return false;
+        };
+        if self.definitions.channel(header.channel_id).is_none() {
+            self.summary.n_without_channel += 1;
+            return true;
         }
+        self.summary.n_messages += 1;
+        self.found = Some(FoundMessage {
+            channel_id: header.channel_id,
+            log_ns: header.log_time,
+            publish_ns: header.publish_time,
+            data_begin: self.content.len() - data.len(),
+        });
+        true
     }
 
     /// Begins to read a chunk, unless it holds more than the length of the file accounts for.
     fn begin_chunk(&mut self) {
-        let content_bytes = chunk_content_bytes(&self.content);
-        let is_sound =
-            |bytes: &u64| *bytes <= self.record_limit as u64 && *bytes <= self.content_left;
-        match content_bytes.filter(is_sound) {
-            Some(content_bytes) => {
-                self.content_left -= content_bytes;
-                self.chunk = Some(ChunkRecords::new(&self.content, self.record_limit));
+        let limit = self.content_left.min(self.record_limit as u64);
+        match ChunkRecords::new(&self.content, limit) {
+            Ok((records, n_bytes)) => {
+                self.content_left -= n_bytes;
+                self.chunk = Some(records);
             }
-            None => self.summary.n_damaged_chunks += 1,
+            Err(UnreadableChunk::Damaged) => self.summary.n_damaged_chunks += 1,
+            Err(UnreadableChunk::Compression) => self.summary.n_unsupported_chunks += 1,
         }
-    }
-
-    fn define(&mut self, channel: &mcap::records::Channel) {
-        let schema = self.schemas.get(&channel.schema_id).cloned();
-        let schema = schema.unwrap_or_else(|| RecordedSchema {
-            name: String::new(),
-            encoding: String::new(),
-            data: Vec::new(),
-        });
-        let recorded = RecordedChannel {
-            topic: channel.topic.clone(),
-            message_encoding: channel.message_encoding.clone(),
-            schema_name: schema.name,
-            schema_encoding: schema.encoding,
-            schema: schema.data,
-        };
-        self.channels.insert(channel.id, Arc::new(recorded));
     }
 }

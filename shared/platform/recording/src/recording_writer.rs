@@ -1,11 +1,17 @@
 //! Writer of a recording: compressed chunks, each readable as soon as it is on disk.
 
-use crate::{ChannelSpec, Document, Error, FORMAT_VERSION, frame_channel};
-use mcap::records::{MessageHeader, Metadata};
+use crate::definitions::{REPEATED_DEFINITIONS, Repetition};
+use crate::{
+    ChannelSpec, Document, Error, FORMAT_VERSION, RecordedChannel, RecordedSchema,
+    RecordingMetadata, frame_channel,
+};
+use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Compression, WriteOptions, Writer};
+use message::service_name::CAMERA_CLOUD;
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::sync::Arc;
 
 /// Size of a chunk before compression, bytes: about one frame of a Kinect. Chosen.
 const CHUNK_BYTES: u64 = 2 << 20;
@@ -33,7 +39,7 @@ impl MessageTime {
 
 /// Channel of an open file with the number of its next message.
 #[derive(Debug, Clone, Copy)]
-struct OpenChannel {
+pub(crate) struct OpenChannel {
     id: u16,
     next: u32,
 }
@@ -43,8 +49,11 @@ struct OpenChannel {
 pub struct RecordingWriter<W: Write> {
     mcap: Writer<NoSeek<W>>,
     channels: BTreeMap<String, OpenChannel>,
+    /// New definitions, which are repeated before the next message.
+    repetition: Repetition,
     /// JSON of the document that is written, reused.
     json: Vec<u8>,
+    is_finished: bool,
 }
 
 impl<W: Write> RecordingWriter<W> {
@@ -53,6 +62,16 @@ impl<W: Write> RecordingWriter<W> {
     /// # Errors
     /// When the file cannot be written.
     pub fn new(out: W, origin: &str) -> Result<Self, Error> {
+        let mut writer = Self::without_metadata(out)?;
+        writer.write_metadata(&RecordingMetadata {
+            format_version: FORMAT_VERSION,
+            origin: origin.to_owned(),
+        })?;
+        Ok(writer)
+    }
+
+    /// Begins a recording whose metadata are written later.
+    pub(crate) fn without_metadata(out: W) -> Result<Self, Error> {
         let options = WriteOptions::new()
             .library(concat!("tabula ", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
@@ -63,20 +82,25 @@ impl<W: Write> RecordingWriter<W> {
             // Each chunk has its own checksum.
             .calculate_data_section_crc(false)
             .disable_seeking(true);
-        let mut mcap = options.create(NoSeek::new(out))?;
-        let metadata = [
-            ("format_version", FORMAT_VERSION.to_string()),
-            ("origin", origin.to_owned()),
-        ];
-        mcap.write_metadata(&Metadata {
-            name: "tabula.recording".into(),
-            metadata: metadata.map(|(key, value)| (key.to_owned(), value)).into(),
-        })?;
         Ok(Self {
-            mcap,
+            mcap: options.create(NoSeek::new(out))?,
             channels: BTreeMap::new(),
+            repetition: Repetition::default(),
             json: Vec::new(),
+            is_finished: false,
         })
+    }
+
+    /// File that takes records; the library panics at one behind the end.
+    fn open(&mut self) -> Result<&mut Writer<NoSeek<W>>, Error> {
+        if self.is_finished {
+            return Err(Error::Finished);
+        }
+        Ok(&mut self.mcap)
+    }
+
+    pub(crate) fn write_metadata(&mut self, metadata: &RecordingMetadata) -> Result<(), Error> {
+        Ok(self.open()?.write_metadata(&metadata.to_record())?)
     }
 
     /// Adds a channel; a known topic keeps its channel.
@@ -87,45 +111,54 @@ impl<W: Write> RecordingWriter<W> {
         if self.channels.contains_key(&spec.topic) {
             return Ok(());
         }
-        let schema_encoding = spec.encoding.schema_name();
-        let schema = self
-            .mcap
-            .add_schema(&spec.schema_name, schema_encoding, &spec.schema)?;
-        let encoding = spec.encoding.message_name();
-        let none = BTreeMap::new();
-        let id = self
-            .mcap
-            .add_channel(schema, &spec.topic, encoding, &none)?;
-        self.insert(spec.topic.clone(), id);
+        let schema = RecordedSchema {
+            name: spec.schema_name.clone(),
+            encoding: spec.encoding.schema_name().to_owned(),
+            data: spec.schema.clone(),
+        };
+        let channel = self.define(&RecordedChannel {
+            topic: spec.topic.clone(),
+            message_encoding: spec.encoding.message_name().to_owned(),
+            schema: Arc::new(schema),
+        })?;
+        self.channels.insert(spec.topic.clone(), channel);
         Ok(())
     }
 
-    /// Adds a channel as another file defines it.
-    pub(crate) fn add_raw_channel(
-        &mut self,
-        channel: &crate::RecordedChannel,
-    ) -> Result<(), Error> {
-        if self.channels.contains_key(&channel.topic) {
-            return Ok(());
+    /// Writes the definition of a channel.
+    pub(crate) fn define(&mut self, channel: &RecordedChannel) -> Result<OpenChannel, Error> {
+        let mut schema_id = 0;
+        if *channel.schema != RecordedSchema::default() {
+            let RecordedSchema {
+                name,
+                encoding,
+                data,
+            } = &*channel.schema;
+            schema_id = self.open()?.add_schema(name, encoding, data)?;
+            self.repetition.add_schema(schema_id, &channel.schema);
         }
-        let schema = if channel.schema_name.is_empty() {
-            0
-        } else {
-            self.mcap.add_schema(
-                &channel.schema_name,
-                &channel.schema_encoding,
-                &channel.schema,
-            )?
-        };
         let (topic, encoding) = (&channel.topic, &channel.message_encoding);
         let none = BTreeMap::new();
-        let id = self.mcap.add_channel(schema, topic, encoding, &none)?;
-        self.insert(channel.topic.clone(), id);
-        Ok(())
+        let id = self
+            .open()?
+            .add_channel(schema_id, topic, encoding, &none)?;
+        self.repetition.add_channel(id, schema_id, channel);
+        Ok(OpenChannel { id, next: 0 })
     }
 
-    fn insert(&mut self, topic: String, id: u16) {
-        self.channels.insert(topic, OpenChannel { id, next: 0 });
+    /// Ends the chunk with new definitions and repeats them behind it.
+    #[expect(
+        clippy::default_trait_access,
+        reason = "mcap does not export the type of its set of options"
+    )]
+    fn repeat_definitions(&mut self) -> Result<(), Error> {
+        if let Some(definitions) = self.repetition.take() {
+            // No option: outside of the chunks.
+            let options = Default::default();
+            self.open()?
+                .write_private_record(REPEATED_DEFINITIONS, &definitions, options)?;
+        }
+        Ok(())
     }
 
     /// Writes an encoded message of a channel. A message of an unknown topic is an error of the
@@ -134,9 +167,24 @@ impl<W: Write> RecordingWriter<W> {
     /// # Errors
     /// When the file cannot be written; it then takes no more messages.
     pub fn write(&mut self, topic: &str, time: MessageTime, data: &[u8]) -> Result<(), Error> {
-        let Some(channel) = self.channels.get_mut(topic) else {
+        let Some(&(mut channel)) = self.channels.get(topic) else {
             return Ok(());
         };
+        let written = self.write_to(&mut channel, time, data);
+        if let Some(known) = self.channels.get_mut(topic) {
+            *known = channel;
+        }
+        written
+    }
+
+    /// Writes a message of a channel.
+    pub(crate) fn write_to(
+        &mut self,
+        channel: &mut OpenChannel,
+        time: MessageTime,
+        data: &[u8],
+    ) -> Result<(), Error> {
+        self.repeat_definitions()?;
         let header = MessageHeader {
             channel_id: channel.id,
             sequence: channel.next,
@@ -144,7 +192,7 @@ impl<W: Write> RecordingWriter<W> {
             publish_time: time.publish_ns,
         };
         channel.next = channel.next.wrapping_add(1);
-        Ok(self.mcap.write_to_known_channel(&header, data)?)
+        Ok(self.open()?.write_to_known_channel(&header, data)?)
     }
 
     /// Writes an encoded frame, see [`encode_frame`](crate::encode_frame).
@@ -152,8 +200,10 @@ impl<W: Write> RecordingWriter<W> {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn write_frame(&mut self, time: MessageTime, data: &[u8]) -> Result<(), Error> {
-        self.add_channel(&frame_channel())?;
-        self.write(message::service_name::CAMERA_CLOUD, time, data)
+        if !self.channels.contains_key(CAMERA_CLOUD) {
+            self.add_channel(&frame_channel())?;
+        }
+        self.write(CAMERA_CLOUD, time, data)
     }
 
     /// Writes a document.
@@ -183,7 +233,8 @@ impl<W: Write> RecordingWriter<W> {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn flush(&mut self) -> Result<(), Error> {
-        Ok(self.mcap.flush()?)
+        self.repeat_definitions()?;
+        Ok(self.open()?.flush()?)
     }
 
     /// Writes the index and the end of the file. No message may follow.
@@ -191,7 +242,8 @@ impl<W: Write> RecordingWriter<W> {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn finish(&mut self) -> Result<(), Error> {
-        self.mcap.flush()?;
+        self.flush()?;
+        self.is_finished = true;
         self.mcap.finish()?;
         Ok(())
     }

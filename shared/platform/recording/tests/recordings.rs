@@ -2,15 +2,18 @@
 #![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
 use geometry::PinholeCamera;
+use mcap::records::op;
 use message::{
-    ArmState, CloudPoint, FrameHeader, Health, PersonBody, SceneSummary, WireCapsule, service_name,
+    ArmState, CloudPoint, FrameHeader, Health, PersonBody, SceneSummary, WireCapsule, frame_flag,
+    service_name,
 };
 use mutation_fuzzing::{assert_sentence, fuzz};
 use recording::documents::{ArmDocument, HealthDocument, PersonDocument, SceneDocument};
 use recording::{
-    Error, FramePlayer, MessageTime, PlayedFrame, RecordingReader, RecordingWriter, encode_frame,
-    recover,
+    ChannelSpec, Error, FramePlayer, MessageTime, PlayedFrame, ReadSummary, RecordingInfo,
+    RecordingReader, RecordingWriter, encode_frame, recover,
 };
+use std::io::Read;
 
 const N_FRAMES: u64 = 6;
 const FRAME_NS: u64 = 33_000_000;
@@ -167,19 +170,321 @@ fn recovery_of_a_file_cut_anywhere_keeps_all_whole_chunks() {
     assert_eq!(n_frames_before, N_FRAMES);
 }
 
-#[test]
-fn recovery_leaves_a_damaged_chunk_out_and_counts_it() {
-    let mut file = recorded(false);
-    let third = file.len() / 3;
-    for byte in &mut file[third..third + 8] {
-        *byte ^= 0x5a;
+/// Places of the records of a file with this code: begin of the code, and end.
+fn records(file: &[u8], opcode: u8) -> Vec<std::ops::Range<usize>> {
+    let mut records = Vec::new();
+    let mut at = mcap::MAGIC.len();
+    while let Some(head) = file.get(at..at + 9) {
+        let length = u64::from_le_bytes(head[1..].try_into().unwrap()) as usize;
+        let end = at.saturating_add(9).saturating_add(length);
+        if end > file.len() {
+            break;
+        }
+        if head[0] == opcode {
+            records.push(at..end);
+        }
+        at = end;
     }
+    records
+}
+
+/// Reads all messages; returns the summary.
+fn summary(file: &[u8]) -> ReadSummary {
+    let mut reader = RecordingReader::new(file, file.len() as u64);
+    while reader.next_message().unwrap().is_some() {}
+    reader.summary()
+}
+
+#[test]
+fn recovery_leaves_out_only_the_chunk_that_is_damaged() {
+    for whole in [recorded(false), recorded(true)] {
+        let chunks = records(&whole, op::CHUNK);
+        assert!(chunks.len() as u64 > N_FRAMES);
+        let mut n_lost = 0;
+        for chunk in chunks {
+            let mut file = whole.clone();
+            // Behind the header, in what is compressed.
+            file[(chunk.start + chunk.end) / 2] ^= 0x5a;
+            let mut recovered = Vec::new();
+            let report = recover(&file[..], file.len() as u64, &mut recovered).unwrap();
+            let read = report.read;
+            assert_eq!((read.n_damaged_chunks, read.n_without_channel), (1, 0));
+            assert!(report.n_frames >= N_FRAMES - 1, "{report:?}");
+            n_lost += N_FRAMES - report.n_frames;
+            assert_eq!(frames(&recovered).0.len() as u64, report.n_frames);
+        }
+        assert_eq!(n_lost, N_FRAMES);
+    }
+}
+
+#[test]
+fn chunk_with_a_damaged_code_is_read_and_counted() {
+    let whole = recorded(false);
+    for chunk in records(&whole, op::CHUNK) {
+        for bit in 0..8 {
+            let mut file = whole.clone();
+            file[chunk.start] ^= 1 << bit;
+            let (frames, player) = frames(&file);
+            assert_eq!(frames.len() as u64, N_FRAMES, "bit {bit}");
+            assert_eq!(player.summary().n_damaged_records, 1, "bit {bit}");
+        }
+    }
+}
+
+#[test]
+fn recording_is_complete_only_with_its_whole_end() {
+    let whole = recorded(false);
+    let read = summary(&whole);
+    assert!(read.is_complete && read.n_damaged_records == 0, "{read:?}");
+    let data_end = records(&whole, op::DATA_END).remove(0);
+    for length in [
+        data_end.start,
+        data_end.end,
+        whole.len() - 9,
+        whole.len() - 1,
+    ] {
+        assert!(!summary(&whole[..length]).is_complete, "{length}");
+    }
+    let mut longer = whole.clone();
+    longer.push(0);
+    assert!(!summary(&longer).is_complete);
+    // As a file system leaves what it had not written.
+    let mut cut = whole[..data_end.start].to_vec();
+    cut.resize(cut.len() + 4000, 0);
+    assert_eq!(summary(&cut).lost_bytes, 4000);
+}
+
+/// File of one chunk without compression and checksum.
+fn plain_chunk(content: &[u8], n_padding: usize) -> Vec<u8> {
+    let mut chunk = vec![0; 16];
+    chunk.extend((content.len() as u64).to_le_bytes());
+    chunk.extend([0; 8]);
+    chunk.extend((content.len() as u64).to_le_bytes());
+    chunk.extend(content);
+    chunk.resize(chunk.len() + n_padding, 0);
+    [mcap::MAGIC, &record(op::CHUNK, &chunk)].concat()
+}
+
+fn record(opcode: u8, content: &[u8]) -> Vec<u8> {
+    let length = (content.len() as u64).to_le_bytes();
+    [&[opcode][..], &length, content].concat()
+}
+
+/// Chunk whose record reaches into the padding behind it.
+fn chunk_with_a_long_record() -> Vec<u8> {
+    let head = record(op::MESSAGE, &[0; 50]);
+    plain_chunk(&head[..10], 90)
+}
+
+#[test]
+fn record_that_is_longer_than_its_chunk_is_damage() {
+    let read = summary(&chunk_with_a_long_record());
+    assert_eq!((read.n_damaged_chunks, read.lost_bytes), (1, 0));
+}
+
+#[test]
+fn chunk_within_a_chunk_is_damage() {
+    let inner = recorded(false);
+    let inner = &inner[records(&inner, op::CHUNK).remove(0)];
+    let content = [inner, &record(op::MESSAGE, &[0; 30])].concat();
+    let read = summary(&plain_chunk(&content, 0));
+    assert_eq!((read.n_chunks, read.n_damaged_records), (1, 1));
+    // The outer chunk goes on behind it.
+    assert_eq!(read.n_without_channel, 1);
+}
+
+#[test]
+fn chunk_with_another_compression_is_counted_apart() {
+    let mut file = recorded(false);
+    for chunk in records(&file, op::CHUNK) {
+        let name = chunk.start + 9 + 32;
+        assert_eq!(&file[name..name + 4], b"zstd");
+        file[name..name + 4].copy_from_slice(b"lzma");
+    }
+    let read = summary(&file);
+    assert_eq!((read.n_damaged_chunks, read.n_messages), (0, 0));
+    assert!(read.n_unsupported_chunks > N_FRAMES);
+}
+
+#[test]
+fn recovery_of_a_file_with_too_many_channels_keeps_the_first() {
+    let mut content = Vec::new();
+    for id in 0..u16::MAX {
+        let id = id.to_le_bytes();
+        let text = |text: &str| [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
+        let name = text(&u16::from_le_bytes(id).to_string());
+        let schema = [&id[..], &name, &text(""), &text("")].concat();
+        content.extend(record(op::SCHEMA, &schema));
+        let channel = [&id[..], &id, &name, &text(""), &text("")].concat();
+        content.extend(record(op::CHANNEL, &channel));
+        content.extend(record(op::MESSAGE, &[&id[..], &[0; 20]].concat()));
+    }
+    let file = plain_chunk(&content, 0);
     let mut recovered = Vec::new();
     let report = recover(&file[..], file.len() as u64, &mut recovered).unwrap();
-    assert_eq!(report.read.n_damaged_chunks, 1);
+    assert!(report.read.n_messages > 1000, "{report:?}");
+    assert!(report.read.n_without_channel > 1000, "{report:?}");
+    assert_eq!(summary(&recovered).n_messages, report.read.n_messages);
+}
+
+/// Medium that fails behind some bytes.
+struct FailingDisk<'a>(&'a [u8]);
+
+impl Read for FailingDisk<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        match self.0.read(buffer)? {
+            0 => Err(std::io::Error::other("bad sector")),
+            n => Ok(n),
+        }
+    }
+}
+
+#[test]
+fn recovery_keeps_what_is_before_an_error_of_the_medium() {
+    let whole = recorded(false);
+    let chunk = records(&whole, op::CHUNK).pop().unwrap();
+    let (good, n_bytes) = (&whole[..chunk.start + 20], whole.len() as u64);
+    let mut recovered = Vec::new();
+    let report = recover(FailingDisk(good), n_bytes, &mut recovered).unwrap();
+    assert_eq!(report.read_error, "bad sector");
+    assert_eq!(report.read.lost_bytes, n_bytes - chunk.start as u64);
+    assert!(!report.read.is_complete);
     assert_eq!(report.n_frames, N_FRAMES - 1);
-    assert_eq!(report.read.lost_bytes, 0);
     assert_eq!(frames(&recovered).0.len() as u64, N_FRAMES - 1);
+}
+
+#[test]
+fn recovery_keeps_the_origin_and_all_schemas_of_a_topic() {
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer = mcap::WriteOptions::new().create(&mut file).unwrap();
+    let metadata = [("format_version", "1"), ("origin", "kitchen")];
+    let metadata = metadata.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    let metadata = mcap::records::Metadata {
+        name: "tabula.recording".into(),
+        metadata: metadata.into(),
+    };
+    writer.write_metadata(&metadata).unwrap();
+    let none = std::collections::BTreeMap::new();
+    for (log_time, name) in [(1, "First"), (2, "Second")] {
+        let schema = writer.add_schema(name, "jsonschema", b"{}").unwrap();
+        let channel_id = writer.add_channel(schema, "scene", "json", &none).unwrap();
+        let header = mcap::records::MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time,
+            publish_time: log_time,
+        };
+        writer.write_to_known_channel(&header, b"{}").unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    let file = file.into_inner();
+    let mut recovered = Vec::new();
+    recover(&file[..], file.len() as u64, &mut recovered).unwrap();
+    let mut reader = RecordingReader::new(&recovered[..], recovered.len() as u64);
+    let mut schemas = Vec::new();
+    while let Some(message) = reader.next_message().unwrap() {
+        schemas.push(message.channel.schema.name.clone());
+    }
+    assert_eq!(schemas, ["First", "Second"]);
+    assert_eq!(reader.metadata().unwrap().origin, "kitchen");
+}
+
+/// Recording of one message on a topic of JSON documents, and a frame.
+fn with_state(topic: &str, state: &[u8]) -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut writer = RecordingWriter::new(&mut file, "test").unwrap();
+    let channel = ChannelSpec::json::<ArmDocument>(topic);
+    writer.add_channel(&channel).unwrap();
+    writer.write(topic, MessageTime::at(1), state).unwrap();
+    let mut bytes = Vec::new();
+    for _ in 0..2 {
+        let mut header = header(1);
+        header.flags |= frame_flag::LOCKSTEP;
+        encode_frame(&header, &points(1), &mut bytes).unwrap();
+        writer.write_frame(MessageTime::at(2), &bytes).unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    file
+}
+
+#[test]
+fn player_leaves_out_states_beyond_the_bounds_of_a_message() {
+    let capsules = |n| vec![WireCapsule::default(); n];
+    let arm = |n| ArmDocument::new(&ArmState::default(), &capsules(n));
+    let person = |n| PersonDocument::new(&PersonBody::default(), &capsules(n));
+    let most = message::MAX_CAPSULES;
+    let long = format!("{{\"note\":\"{}\"}}", " ".repeat(70_000));
+    for (topic, state, reason) in [
+        (
+            service_name::ARM_STATE,
+            serde_json::to_string(&arm(most)),
+            None,
+        ),
+        (
+            service_name::ARM_STATE,
+            serde_json::to_string(&arm(most + 1)),
+            Some("33 capsules"),
+        ),
+        (
+            service_name::PERSON_BODY,
+            serde_json::to_string(&person(most)),
+            None,
+        ),
+        (
+            service_name::PERSON_BODY,
+            serde_json::to_string(&person(most + 1)),
+            Some("33 capsules"),
+        ),
+        (
+            service_name::ARM_STATE,
+            Ok(long),
+            Some("more than any state"),
+        ),
+        (
+            service_name::PERSON_BODY,
+            Ok("{}".to_owned()),
+            Some("no state"),
+        ),
+    ] {
+        let file = with_state(topic, state.unwrap().as_bytes());
+        let (frames, player) = frames(&file);
+        let n_states = frames[0].arm.len() + frames[0].people.len();
+        assert_eq!(n_states, usize::from(reason.is_none()));
+        let unusable = player.first_unusable();
+        assert_eq!(
+            unusable.map(|unusable| unusable.topic),
+            reason.map(|_| topic)
+        );
+        let sentence = unusable.map(|unusable| unusable.reason.to_string());
+        let is_named = sentence
+            .unwrap_or_default()
+            .contains(reason.unwrap_or_default());
+        assert!(is_named, "{unusable:?}");
+    }
+}
+
+#[test]
+fn player_gives_a_frame_that_was_sent_again_in_lockstep_once() {
+    let file = with_state(service_name::HEALTH, b"{}");
+    let (frames, _) = frames(&file);
+    assert_eq!(sequences(&frames), [1]);
+}
+
+#[test]
+fn player_refuses_a_newer_format() {
+    let mut file = recorded(false);
+    let key = b"format_version";
+    let at = file.windows(key.len()).position(|bytes| bytes == key);
+    file[at.unwrap() + key.len() + 4] = b'9';
+    let mut player = FramePlayer::new(&file[..], file.len() as u64);
+    let error = player.next_frame().unwrap_err();
+    assert!(error.to_string().contains("format 9"), "{error}");
+    // Recovery reads no content.
+    let mut recovered = Vec::new();
+    let report = recover(&file[..], file.len() as u64, &mut recovered).unwrap();
+    assert_eq!(report.n_frames, N_FRAMES);
 }
 
 #[test]
@@ -233,22 +538,25 @@ fn chunk_that_promises_more_than_its_file_accounts_for_is_left_out() {
 fn fuzz_recordings() {
     let whole = recorded(false);
     // Without compression, corruptions reach the records and the frames.
-    fuzz(&[whole, small_uncompressed()], |bytes| {
-        let mut player = FramePlayer::new(bytes, bytes.len() as u64);
-        loop {
-            match player.next_frame() {
-                Ok(Some(frame)) => {
-                    let mut read = vec![CloudPoint::default(); frame.n_points()];
-                    frame.fill(&mut read).unwrap();
-                }
-                Ok(None) => break,
-                Err(error) => {
-                    assert_sentence(&error);
-                    break;
+    fuzz(
+        &[whole, small_uncompressed(), chunk_with_a_long_record()],
+        |bytes| {
+            let mut player = FramePlayer::new(bytes, bytes.len() as u64);
+            loop {
+                match player.next_frame() {
+                    Ok(Some(frame)) => {
+                        let mut read = vec![CloudPoint::default(); frame.n_points()];
+                        frame.fill(&mut read).unwrap();
+                    }
+                    Ok(None) => break,
+                    Err(error) => {
+                        assert_sentence(&error);
+                        break;
+                    }
                 }
             }
-        }
-    });
+        },
+    );
 }
 
 /// Recording of one small frame as plain records, without chunks and checksums.

@@ -103,6 +103,68 @@ fn recording_gives_its_pose_back_to_the_bit() {
 }
 
 #[test]
+fn recording_tells_what_it_lacks_only_when_it_was_read_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    record(&path, &[1, 2, 3]);
+    let lack = |to: Option<usize>| {
+        let playback = Playback {
+            to,
+            ..Playback::default()
+        };
+        let mut source = RecordingSource::open(&path, &playback, None).unwrap();
+        while source.next_frame().unwrap().is_some() {}
+        source.lack()
+    };
+    assert_eq!([lack(Some(2)), lack(None)], [None, None]);
+    let whole = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &whole[..whole.len() - 3]).unwrap();
+    assert_eq!(lack(Some(2)), None);
+    assert!(lack(None).unwrap().contains("not closed"));
+}
+
+#[test]
+fn frame_larger_than_the_memory_of_the_frames_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let mut writer = RecordingWriter::new(File::create(&path).unwrap(), "test").unwrap();
+    let mut bytes = Vec::new();
+    for (width, height) in [(4, 3), (641, 480), (4, 3)] {
+        let camera = PinholeCamera {
+            width,
+            height,
+            ..camera()
+        };
+        let mut header = FrameHeader::default();
+        header.set_camera(&camera);
+        let points = vec![CloudPoint::default(); camera.n_pixels()];
+        encode_frame(&header, &points, &mut bytes).unwrap();
+        writer.write_frame(MessageTime::at(1), &bytes).unwrap();
+    }
+    writer.finish().unwrap();
+    let mut source = RecordingSource::open(&path, &Playback::default(), None).unwrap();
+    assert!(source.prepare().unwrap().is_some());
+    let refused = source.prepare().unwrap_err();
+    assert!(matches!(refused, SourceError::Frame { .. }), "{refused}");
+    assert!(refused.to_string().contains("points"), "{refused}");
+    assert!(source.prepare().unwrap().is_some());
+}
+
+#[test]
+fn recording_without_usable_frames_names_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let mut writer = RecordingWriter::new(File::create(&path).unwrap(), "test").unwrap();
+    let frame_of_version_9 = 9_u32.to_le_bytes();
+    let time = MessageTime::at(1);
+    writer.write_frame(time, &frame_of_version_9).unwrap();
+    writer.finish().unwrap();
+    let refused = RecordingSource::open(&path, &Playback::default(), None);
+    let sentence = refused.err().unwrap().to_string();
+    assert!(sentence.contains("version 9"), "{sentence}");
+}
+
+#[test]
 fn recording_without_the_wanted_frames_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
