@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Largest rate of what is written for Foxglove, hertz.
 const FOXGLOVE_HZ_MAX: f64 = 100.0;
 
-/// Records a running daemon to MCAP files, recovers recordings, and replays them.
+/// Records a running daemon to MCAP files; describes, recovers and replays recordings.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-recorder", version, propagate_version = true)]
 pub(crate) struct RecorderArguments {
@@ -25,7 +25,7 @@ pub(crate) struct RecorderArguments {
 /// Subcommands of `tabula-recorder`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum RecorderVerb {
-    /// Record the daemon of the domain until Ctrl-C, or recover a recording
+    /// Record the daemon of the domain until Ctrl-C; describe or recover a recording
     Record(RecordArguments),
     /// Replay a recording in a daemon
     Replay(ReplayArguments),
@@ -65,6 +65,9 @@ pub(crate) struct RecordArguments {
     /// Recover a recording that was cut or damaged: write all that is intact into a new file
     #[arg(long, value_name = "FILE")]
     pub(crate) recover: Option<PathBuf>,
+    /// Describe a recording: time range, topics, gaps between frames, damage
+    #[arg(long, value_name = "FILE", conflicts_with = "recover")]
+    pub(crate) info: Option<PathBuf>,
 }
 
 /// Options of a replay.

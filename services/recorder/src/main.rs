@@ -1,10 +1,11 @@
-//! `tabula-recorder`: records a running daemon, recovers recordings, and replays them.
+//! `tabula-recorder`: records a running daemon, describes, recovers and replays recordings.
 
 mod arguments;
 mod counting_writer;
 mod events_file;
 mod file_closer;
 mod foxglove_view;
+mod info;
 mod message_queue;
 mod queued_message;
 mod record;
@@ -32,9 +33,10 @@ fn main() -> ExitCode {
 
 fn execute(arguments: &RecorderArguments, output: &Output) -> Result<ExitCode, Failure> {
     match &arguments.verb {
-        RecorderVerb::Record(record) => match &record.recover {
-            Some(damaged) => recover::run(damaged, record.out.as_deref(), output),
-            None => record::run(&arguments.common, record, output),
+        RecorderVerb::Record(record) => match (&record.recover, &record.info) {
+            (Some(damaged), _) => recover::run(damaged, record.out.as_deref(), output),
+            (None, Some(file)) => info::run(file, output),
+            (None, None) => record::run(&arguments.common, record, output),
         },
         RecorderVerb::Replay(replay) => replay::run(&arguments.common, replay, output),
     }

@@ -488,6 +488,34 @@ fn player_refuses_a_newer_format() {
 }
 
 #[test]
+fn info_counts_messages_by_topic_and_gaps_between_frames() {
+    let mut file = Vec::new();
+    let mut writer = RecordingWriter::new(&mut file, "kitchen").unwrap();
+    let mut bytes = Vec::new();
+    for sequence in [3, 4, 7, 9] {
+        encode_frame(&header(sequence), &points(sequence), &mut bytes).unwrap();
+        let time = MessageTime::at(sequence * 1_000_000_000);
+        writer.write_frame(time, &bytes).unwrap();
+    }
+    let health = HealthDocument::from(&Health::default());
+    let late = MessageTime::at(11_000_000_000);
+    writer
+        .write_document(service_name::HEALTH, late, &health)
+        .unwrap();
+    writer.finish().unwrap();
+    drop(writer);
+    let info = RecordingInfo::read(&file[..], file.len() as u64).unwrap();
+    assert_eq!(info.metadata.unwrap().origin, "kitchen");
+    assert!(info.read.is_complete);
+    assert_eq!((info.n_gaps, info.n_missing_frames), (2, 3));
+    assert_eq!(info.all.span_ns, Some((3_000_000_000, 11_000_000_000)));
+    let frames = info.topics[service_name::CAMERA_CLOUD];
+    assert_eq!((frames.n_messages, frames.rate_hz()), (4, Some(0.5)));
+    assert_eq!(frames.n_bytes, 4 * bytes.len() as u64);
+    assert_eq!(info.topics[service_name::HEALTH].rate_hz(), None);
+}
+
+#[test]
 fn recording_without_frames_has_none() {
     let mut file = Vec::new();
     let mut writer = RecordingWriter::new(&mut file, "test").unwrap();
