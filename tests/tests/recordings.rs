@@ -172,7 +172,8 @@ fn recording_holds_the_published_frames_to_the_bit() {
         .map(|frame| (frame.header.sequence, frame))
         .collect();
     let read = frames(&file);
-    assert!(read.len() >= 15, "{}", read.len());
+    assert_eq!(read.len(), 15);
+    assert_eq!(document["frames"], 15, "{document:#}");
     for frame in &read {
         let sent = by_sequence[&frame.header.sequence];
         assert_eq!(frame.header, recorded_part(&sent.header));
@@ -207,8 +208,15 @@ fn recording_rotates_and_keeps_the_newest_files_within_the_bound() {
     let recording = RecordingProcess::start(&sandbox, &options);
     let mut seen = BTreeSet::new();
     eventually("old files are deleted", || {
-        let files = recording.files("");
+        let files = recording.files(".mcap");
         seen.extend(files.iter().cloned());
+        let sizes = recording
+            .files("")
+            .into_iter()
+            .filter_map(|path| path.metadata().ok());
+        let total: u64 = sizes.map(|metadata| metadata.len()).sum();
+        // A file ends with the chunk that reaches its limit.
+        assert!(total < (KEEP_MB + 3) * 1_000_000, "{total} bytes");
         seen.len() > files.len() + 2
     });
     let document = recording.stop(Signal::INT);
@@ -222,12 +230,8 @@ fn recording_rotates_and_keeps_the_newest_files_within_the_bound() {
         .unwrap()
         .iter()
         .map(|path| PathBuf::from(path.as_str().unwrap()))
-        .filter(|path| path.exists())
         .collect();
-    let sizes = left.iter().map(|path| path.metadata().unwrap().len());
-    let total: u64 = sizes.sum();
-    // A file ends with the chunk that reaches its limit.
-    assert!(total < (KEEP_MB + 3) * 1_000_000, "{total} bytes");
+    assert!(left.iter().all(|path| path.exists()), "{left:?}");
     // Each file can be played alone, and they follow each other.
     let mut next = None;
     for path in &left {
@@ -340,10 +344,46 @@ fn recorder_that_hangs_delays_no_frame_and_tells_what_it_missed() {
 }
 
 #[test]
+fn recording_on_a_full_disk_ends_with_one_document() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
+    let folder = sandbox.home().join("recordings");
+    let folder = folder.to_str().unwrap();
+    let limit = u64::MAX.to_string();
+    let record = ["--json", "record", "--out", folder, "--min-free-mb", &limit];
+    let output = sandbox.tabula(&record);
+    daemon.stop();
+    assert_eq!(output.status.code(), Some(1));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let sentence = document["error"].as_str().unwrap();
+    assert!(sentence.contains("--min-free-mb"), "{document:#}");
+}
+
+#[test]
+fn recordings_of_the_same_second_all_stay() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
+    let files: BTreeSet<PathBuf> = (0..3)
+        .map(|_| RecordingProcess::start(&sandbox, &["--frames", "1"]).finished())
+        .map(|document| only_file(&document))
+        .collect();
+    daemon.stop();
+    assert_eq!(files.len(), 3, "{files:?}");
+    for file in &files {
+        assert_eq!(frames(file).len(), 1);
+    }
+    let file = files.iter().next().unwrap();
+    let output = sandbox.tabula(&["--json", "record", "--info", file.to_str().unwrap()]);
+    let info: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(info["was_complete"], true, "{info:#}");
+    assert_eq!(info["origin"], sandbox.domain.to_string());
+}
+
+#[test]
 fn recording_needs_a_daemon() {
     let sandbox = Sandbox::new();
     let output = sandbox.tabula(&["record"]);
-    assert!(!output.status.success());
+    assert_eq!(output.status.code(), Some(3));
     let sentence = String::from_utf8(output.stderr).unwrap();
     assert!(sentence.contains("no daemon runs"), "{sentence}");
 }
