@@ -24,8 +24,7 @@ pub(crate) fn run(
 /// Refuses a name that `tabula run` would take for another kind of source.
 fn check_name(file: &Path) -> Result<(), Failure> {
     let name = file.to_string_lossy();
-    let is_recording = name.ends_with(".mcap") || name.ends_with(".mcap.active");
-    if is_recording && file.is_file() {
+    if recording::is_recording_name(&name) && file.is_file() {
         return Ok(());
     }
     Err(Failure::usage(format!(

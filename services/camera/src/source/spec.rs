@@ -1,7 +1,7 @@
 //! Parser of the `--source` option.
 
 use crate::synthetic::CROWD_MAX;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 
 /// Source as named on the command line.
@@ -53,18 +53,10 @@ impl FromStr for SourceSpec {
                 Err("fakenect needs the folder of a recording: fakenect:FOLDER".into())
             }
             (_, Some(("fakenect", folder))) => Ok(Self::Fakenect(folder.into())),
-            _ if is_recording(text) => Ok(Self::Recording(text.into())),
+            _ if recording::is_recording_name(text) => Ok(Self::Recording(text.into())),
             _ => Ok(Self::Folder(text.into())),
         }
     }
-}
-
-/// True for the file name of a recording, also of one that was not closed.
-fn is_recording(name: &str) -> bool {
-    let name = name.strip_suffix(".active").unwrap_or(name);
-    Path::new(name)
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
 }
 
 fn n_blocks(kind: &str, number: &str) -> Result<u32, String> {

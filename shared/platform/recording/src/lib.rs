@@ -4,8 +4,9 @@
 //! A recording is an MCAP file. A [`RecordingWriter`] appends messages in compressed chunks;
 //! each chunk that is on disk can be read, even when the file was never closed. A
 //! [`RecordingReader`] reads complete, cut and damaged files front to back and counts what it
-//! leaves out; [`recover`] writes what is intact into a new file. Frames have a lossless binary
-//! encoding ([`encode_frame`]), other messages are JSON [`documents`] with a schema in the file.
+//! leaves out; [`recover`] writes what is intact into a new file, and a [`RecordingInfo`] has the
+//! statistics of a file. Frames have a lossless binary encoding ([`encode_frame`]), other messages
+//! are JSON [`documents`] with a schema in the file.
 //! A [`FramePlayer`] yields the frames with the states of arm and people before each.
 //! An [`EventStream`] turns scenes into canonical lines and a digest, to compare two replays.
 //!
@@ -72,6 +73,14 @@ pub use recording_metadata::RecordingMetadata;
 pub use recording_reader::{ReadSummary, RecordedMessage, RecordingReader};
 pub use recording_writer::{MessageTime, RecordingWriter};
 pub use recovery::{RecoveryReport, recover};
+
+/// True for the file name of a recording, also of one that was not closed.
+pub fn is_recording_name(name: &str) -> bool {
+    let name = name.strip_suffix(".active").unwrap_or(name);
+    std::path::Path::new(name)
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
+}
 
 /// Version of the format of recordings, written into the metadata of each file.
 pub const FORMAT_VERSION: u32 = 1;
