@@ -2,7 +2,7 @@
 
 use service::Failure;
 use std::fs::Metadata;
-use std::io::{BufWriter, Write};
+use std::io::{BufWriter, IntoInnerError, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -43,7 +43,7 @@ impl EventsFile {
     /// When the disk cannot be written; the output is then as it was.
     pub(crate) fn finish(self) -> Result<(), Failure> {
         let Self { file, out } = self;
-        let flushed = file.into_inner().map_err(|error| error.into_error());
+        let flushed = file.into_inner().map_err(IntoInnerError::into_error);
         let synced = flushed.and_then(|file| file.as_file().sync_all().map(|()| file));
         let persisted = synced.and_then(|file| Ok(file.persist(&out)?));
         persisted.map_err(|error| not_written(&out, &error))?;

@@ -166,11 +166,11 @@ fn text(document: &RecoveredDocument) -> String {
     } else {
         "the recording was cut"
     };
-    let mut text = format!(
+    let mut lines = vec![format!(
         "{state}; kept {messages} messages, {frames} of them frames, of {seconds:.1} s; lost \
          {damaged_chunks} damaged chunk(s), {messages_without_channel} message(s) of channels \
-         that are not defined, and {lost_bytes} bytes at the end\n"
-    );
+         that are not defined, and {lost_bytes} bytes at the end"
+    )];
     for (n, loss) in [
         (
             unsupported_chunks,
@@ -179,13 +179,14 @@ fn text(document: &RecoveredDocument) -> String {
         (damaged_records, "record(s) were damaged"),
     ] {
         if *n > 0 {
-            text.push_str(&format!("{n} {loss}\n"));
+            lines.push(format!("{n} {loss}"));
         }
     }
     if !read_error.is_empty() {
-        text.push_str(&format!("the rest could not be read: {read_error}\n"));
+        lines.push(format!("the rest could not be read: {read_error}"));
     }
-    text + file
+    lines.push(file.clone());
+    lines.join("\n")
 }
 
 #[cfg(test)]

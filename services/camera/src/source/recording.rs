@@ -213,7 +213,7 @@ impl Source for RecordingSource {
         self.has_played = true;
         self.clock.advance_to(frame.capture_ns());
         if frame.n_points() > self.max_points {
-            return Err(self.refused(format!(
+            return Err(self.refused(&format!(
                 "it has {} points, and the memory of the frames is for {}; play it alone with \
                  --from {}",
                 frame.n_points(),
@@ -225,7 +225,7 @@ impl Source for RecordingSource {
             width: record.camera.width as usize,
             height: record.camera.height as usize,
         });
-        let size = size.map_err(|error| self.refused(error))?;
+        let size = size.map_err(|error| self.refused(&error))?;
         self.prepared = Some(frame);
         Ok(Some(size))
     }
@@ -240,7 +240,7 @@ impl Source for RecordingSource {
             record.fill(bytemuck::cast_slice_mut(points))?;
             frame_info(&record)
         });
-        filled.map_err(|error| self.refused(error))
+        filled.map_err(|error| self.refused(&error))
     }
 
     fn complete_header(&self, header: &mut FrameHeader) {
@@ -260,7 +260,7 @@ impl Source for RecordingSource {
 }
 
 impl RecordingSource {
-    fn refused(&self, cause: impl ToString) -> SourceError {
+    fn refused(&self, cause: &impl ToString) -> SourceError {
         SourceError::Frame {
             frame: self.next.saturating_sub(1).to_string(),
             cause: cause.to_string(),

@@ -131,6 +131,8 @@ fn frame_larger_than_the_memory_of_the_frames_is_left_out() {
     let mut bytes = Vec::new();
     for (width, height) in [(4, 3), (641, 480), (4, 3)] {
         let camera = PinholeCamera {
+            fx_px: 80.0,
+            fy_px: 80.0,
             width,
             height,
             ..camera()
