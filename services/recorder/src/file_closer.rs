@@ -1,6 +1,6 @@
 //! Closing of files on a thread of their own: what waits for the disk does not hold up the writer.
 
-use crate::segment_folder::give_name;
+use crate::recording_folder::give_name;
 use std::fs::File;
 use std::io;
 use std::path::PathBuf;

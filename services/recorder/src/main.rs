@@ -9,12 +9,12 @@ mod info;
 mod message_queue;
 mod queued_message;
 mod record;
+mod recording_folder;
 mod recording_thread;
 mod recover;
 mod replay;
 mod replay_events;
-mod segment_folder;
-mod segment_writer;
+mod split_writer;
 mod status_lines;
 mod topic_receiver;
 

@@ -3,9 +3,9 @@
 use crate::arguments::RecordArguments;
 use crate::foxglove_view::FoxgloveView;
 use crate::message_queue::MessageQueue;
+use crate::recording_folder::{MEGABYTE, RecordingFolder};
 use crate::recording_thread::{EndLimits, RecordingThread, WriterEnd, Written};
-use crate::segment_folder::{MEGABYTE, SegmentFolder};
-use crate::segment_writer::{SegmentLimits, SegmentWriter};
+use crate::split_writer::{SplitLimits, SplitWriter};
 use crate::status_lines::StatusLines;
 use crate::topic_receiver::TopicReceiver;
 use channel::{Domain, DomainName, DomainState, Role, RunFolder};
@@ -139,10 +139,10 @@ impl RunningRecording {
         let domain = Domain::join(name, &RunFolder::of_user(), Role::Guest)?;
         let path = arguments.out.as_deref().unwrap_or(Path::new("."));
         let start_s = wall_clock_ns().unsigned_abs() / 1_000_000_000;
-        let folder = SegmentFolder::create(path, &name.to_string(), start_s)?;
+        let folder = RecordingFolder::create(path, &name.to_string(), start_s)?;
         let queue = Arc::new(MessageQueue::default());
         let foxglove = FoxgloveView::new(arguments.foxglove_hz, arguments.foxglove_points);
-        let writer = SegmentWriter::new(folder, limits(arguments), foxglove, &name.to_string());
+        let writer = SplitWriter::new(folder, limits(arguments), foxglove, &name.to_string());
         let receiver = TopicReceiver::new(&domain)?;
         let status = StatusLines::start(output)?;
         let ends = EndLimits {
@@ -250,11 +250,11 @@ impl RunningRecording {
 
 /// Limits of the files. Half of the total is for the file that is written, so that the closed
 /// ones can be deleted one by one.
-fn limits(arguments: &RecordArguments) -> SegmentLimits {
+fn limits(arguments: &RecordArguments) -> SplitLimits {
     let half_mb = arguments
         .keep_mb
         .map_or(u64::MAX, |keep_mb| (keep_mb / 2).max(1));
-    SegmentLimits {
+    SplitLimits {
         rotate_mb: arguments.rotate_mb.min(half_mb),
         rotate_s: arguments.rotate_s,
         keep_mb: arguments.keep_mb,

@@ -17,13 +17,13 @@ pub(crate) const MEGABYTE: u64 = 1_000_000;
 /// Folder with the recordings of one domain: `DOMAIN-SECONDS-NUMBER.mcap`, with the start of the
 /// recording in seconds since 1970.
 #[derive(Debug, Clone)]
-pub(crate) struct SegmentFolder {
+pub(crate) struct RecordingFolder {
     folder: PathBuf,
     domain: String,
     start_s: u64,
 }
 
-impl SegmentFolder {
+impl RecordingFolder {
     /// Creates the folder if it is not there.
     ///
     /// # Errors
@@ -98,20 +98,24 @@ impl SegmentFolder {
         recordings.sort();
         let sizes = recordings.iter().map(|recording| recording.bytes);
         let mut total = sizes.fold(next_bytes, u64::saturating_add);
-        let mut deletion = Deletion::default();
+        let mut n_files = 0;
+        let mut refusal = None;
         for recording in recordings {
             if total <= limit {
-                return deletion;
+                break;
             }
             match recording.delete() {
                 Ok(()) => {
                     total = total.saturating_sub(recording.bytes);
-                    deletion.n_files += 1;
+                    n_files += 1;
                 }
-                Err(error) => deletion.refusal = Some((recording.path, error)),
+                Err(error) => refusal = Some((recording.path, error)),
             }
         }
-        deletion
+        Deletion {
+            n_files,
+            refusal: refusal.filter(|_| total > limit),
+        }
     }
 
     /// Recordings of this domain in the folder.
@@ -168,10 +172,10 @@ impl StoredRecording {
 }
 
 /// Result of deleting recordings.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Deletion {
     pub(crate) n_files: u64,
-    /// File that could not be deleted although it should have been, and the reason.
+    /// File that could not be deleted, and the reason, when the others were too few.
     pub(crate) refusal: Option<(PathBuf, std::io::Error)>,
 }
 
@@ -213,7 +217,7 @@ mod tests {
     #[test]
     fn oldest_recordings_of_the_domain_are_deleted_and_those_of_this_run_last() {
         let folder = tempfile::tempdir().unwrap();
-        let segments = SegmentFolder::create(folder.path(), "left", 900).unwrap();
+        let recordings = RecordingFolder::create(folder.path(), "left", 900).unwrap();
         let write = |name: &str, megabytes: usize| {
             let bytes = vec![0; megabytes * MEGABYTE as usize];
             std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -233,7 +237,7 @@ mod tests {
         ] {
             write(name, 1);
         }
-        let deleted = |keep_mb| segments.delete_oldest(keep_mb, MEGABYTE).n_files;
+        let deleted = |keep_mb| recordings.delete_oldest(keep_mb, MEGABYTE).n_files;
         assert_eq!([deleted(8), deleted(3)], [0, 3]);
         let mut left: Vec<_> = std::fs::read_dir(folder.path())
             .unwrap()
@@ -253,10 +257,10 @@ mod tests {
     fn recording_that_is_being_written_is_not_deleted() {
         let folder = tempfile::tempdir().unwrap();
         let [own, other] = [900, 700].map(|start_s| {
-            let segments = SegmentFolder::create(folder.path(), "left", start_s).unwrap();
-            let mut new = segments.create_file(0).unwrap();
+            let recordings = RecordingFolder::create(folder.path(), "left", start_s).unwrap();
+            let mut new = recordings.create_file(0).unwrap();
             new.file.write_all(b"chunk").unwrap();
-            (segments, new)
+            (recordings, new)
         });
         let deletion = own.0.delete_oldest(0, 0);
         assert_eq!(deletion.n_files, 0);
@@ -272,23 +276,23 @@ mod tests {
     #[test]
     fn file_gets_its_name_when_it_is_closed() {
         let folder = tempfile::tempdir().unwrap();
-        let segments = SegmentFolder::create(folder.path(), "default", 7).unwrap();
-        let new = segments.create_file(1).unwrap();
+        let recordings = RecordingFolder::create(folder.path(), "default", 7).unwrap();
+        let new = recordings.create_file(1).unwrap();
         assert!(new.path.ends_with("default-7-0002.mcap.active"));
         let closed = give_name(&new.path).unwrap();
         assert!(closed.ends_with("default-7-0002.mcap") && closed.exists());
         assert!(!new.path.exists());
-        assert!(segments.free_mb().is_some());
+        assert!(recordings.free_mb().is_some());
     }
 
     #[test]
     fn files_of_recordings_of_the_same_second_all_stay() {
         let folder = tempfile::tempdir().unwrap();
-        let segments = || SegmentFolder::create(folder.path(), "default", 7).unwrap();
-        let first = segments().create_file(0).unwrap();
-        let second = segments().create_file(0).unwrap();
+        let recordings = || RecordingFolder::create(folder.path(), "default", 7).unwrap();
+        let first = recordings().create_file(0).unwrap();
+        let second = recordings().create_file(0).unwrap();
         let closed = give_name(&first.path).unwrap();
-        let third = segments().create_file(0).unwrap();
+        let third = recordings().create_file(0).unwrap();
         assert_eq!([first.number, second.number, third.number], [1, 2, 3]);
         // As another recorder could have left it.
         std::fs::copy(&closed, closed_path(&second.path)).unwrap();

@@ -1,7 +1,7 @@
 //! Writer thread: takes messages from the queue and writes them to files.
 
 use crate::message_queue::{MessageQueue, Taken};
-use crate::segment_writer::{RecordingCounts, SegmentWriter};
+use crate::split_writer::{RecordingCounts, SplitWriter};
 use crate::status_lines::StatusLines;
 use parking_lot::Mutex;
 use service::Failure;
@@ -58,7 +58,7 @@ impl RecordingThread {
     /// # Errors
     /// When it cannot be started.
     pub(crate) fn start(
-        writer: SegmentWriter,
+        writer: SplitWriter,
         queue: Arc<MessageQueue>,
         limits: EndLimits,
         status: StatusLines,
@@ -113,7 +113,7 @@ impl RecordingThread {
 
 /// Task of the writer thread.
 struct WriterTask {
-    writer: SegmentWriter,
+    writer: SplitWriter,
     queue: Arc<MessageQueue>,
     limits: EndLimits,
     shown: Arc<Mutex<RecordingCounts>>,
@@ -166,24 +166,24 @@ impl WriterTask {
 mod tests {
     use super::*;
     use crate::queued_message::{Content, QueuedMessage};
-    use crate::segment_folder::SegmentFolder;
-    use crate::segment_writer::SegmentLimits;
+    use crate::recording_folder::RecordingFolder;
+    use crate::split_writer::SplitLimits;
     use command_line::Output;
     use message::MemoryChange;
     use std::path::Path;
 
     /// Result of a writer that was given messages until it ended, or none.
     fn written(folder: &Path, min_free_mb: u64, is_there: bool) -> Written {
-        let segments = SegmentFolder::create(folder, "left", 7).unwrap();
+        let recordings = RecordingFolder::create(folder, "left", 7).unwrap();
         if !is_there {
             std::fs::remove_dir(folder).unwrap();
         }
-        let limits = SegmentLimits {
+        let limits = SplitLimits {
             rotate_mb: 1,
             rotate_s: 100,
             keep_mb: None,
         };
-        let writer = SegmentWriter::new(segments, limits, None, "left");
+        let writer = SplitWriter::new(recordings, limits, None, "left");
         let queue = Arc::new(MessageQueue::default());
         queue.push(QueuedMessage {
             received_ns: 1,

@@ -1,10 +1,10 @@
-//! Writer of the files of a recording: rotation by size and time, names, flushing.
+//! File splitting: a recording in files of bounded size and duration, one after the other.
 
 use crate::counting_writer::CountingWriter;
 use crate::file_closer::{Closed, FileCloser};
 use crate::foxglove_view::FoxgloveView;
 use crate::queued_message::{self, Content, QueuedMessage};
-use crate::segment_folder::{MEGABYTE, NewFile, SegmentFolder};
+use crate::recording_folder::{MEGABYTE, NewFile, RecordingFolder};
 use message::FrameHeader;
 use recording::{MessageTime, RecordingWriter, encode_frame};
 use service::Failure;
@@ -20,7 +20,7 @@ const FLUSH_PERIOD: Duration = Duration::from_millis(500);
 
 /// Limits of the files.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SegmentLimits {
+pub(crate) struct SplitLimits {
     pub(crate) rotate_mb: u64,
     pub(crate) rotate_s: u64,
     pub(crate) keep_mb: Option<u64>,
@@ -38,9 +38,9 @@ pub(crate) struct RecordingCounts {
 }
 
 /// Writer of a recording's files, one after the other.
-pub(crate) struct SegmentWriter {
-    folder: SegmentFolder,
-    limits: SegmentLimits,
+pub(crate) struct SplitWriter {
+    folder: RecordingFolder,
+    limits: SplitLimits,
     foxglove: Option<FoxgloveView>,
     domain: String,
     file: Option<OpenFile>,
@@ -75,10 +75,10 @@ fn not_written(path: &Path, error: impl std::fmt::Display) -> Failure {
     Failure::general(sentence)
 }
 
-impl SegmentWriter {
+impl SplitWriter {
     pub(crate) fn new(
-        folder: SegmentFolder,
-        limits: SegmentLimits,
+        folder: RecordingFolder,
+        limits: SplitLimits,
         foxglove: Option<FoxgloveView>,
         domain: &str,
     ) -> Self {
@@ -319,14 +319,14 @@ mod tests {
     #[test]
     fn files_that_were_deleted_are_not_named() {
         let folder = tempfile::tempdir().unwrap();
-        let segments = SegmentFolder::create(folder.path(), "left", 7).unwrap();
+        let recordings = RecordingFolder::create(folder.path(), "left", 7).unwrap();
         // A file for each message, and no room for another.
-        let limits = SegmentLimits {
+        let limits = SplitLimits {
             rotate_mb: 1,
             rotate_s: 0,
             keep_mb: Some(1),
         };
-        let mut writer = SegmentWriter::new(segments, limits, None, "left");
+        let mut writer = SplitWriter::new(recordings, limits, None, "left");
         for received_ns in 0..4 {
             let content = Content::Memory(MemoryChange::default());
             let message = QueuedMessage {

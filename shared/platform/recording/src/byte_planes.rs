@@ -1,4 +1,4 @@
-//! Byte planes: a sequence of 32-bit words as four sequences of bytes, which compress better.
+//! Byte shuffle: a sequence of 32-bit words as four planes of bytes, which compress better.
 
 /// Bytes of a word.
 const WORD_BYTES: usize = 4;

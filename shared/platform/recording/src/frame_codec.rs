@@ -2,9 +2,9 @@
 //!
 //! The points of an organised cloud follow from depth and colour: x and y are a pixel's viewing
 //! ray times z. A frame holds depth and colour, and planes of x and y only when the product
-//! differs from them in some bit; these then hold the differing bits. Depth is a table of its
-//! distinct values and an index for each pixel, or planes when there are too many. The bytes of
-//! colours are differences from the pixel before.
+//! differs from them in some bit; these then hold the differing bits. Depth has a dictionary
+//! encoding, a table of its distinct values and an index for each pixel, or a byte shuffle when
+//! there are too many. The bytes of colours have a delta encoding, from the pixel before.
 
 use crate::field_reader::FieldReader;
 use crate::word_table::{self, WordTable};

@@ -1,5 +1,5 @@
-//! Table of the distinct words of a plane: sensors measure depth in a few thousand steps, so that
-//! an index of 16 bits stands for a word of 32.
+//! Dictionary encoding of a plane by a table of its distinct words: sensors measure depth in a few
+//! thousand steps, so that an index of 16 bits stands for a word of 32.
 
 use crate::field_reader::FieldReader;
 use crate::{InvalidRecord, byte_planes};
