@@ -140,21 +140,25 @@ fn only_file(document: &Value) -> PathBuf {
     files[0].as_str().unwrap().into()
 }
 
-/// Asserts that before each frame are the states since the one before, of the arm 120 a second.
+/// Asserts that before each frame are the states since the one before, of the arm 120 a second,
+/// and that no more are missing than the recorder has told: a busy computer may overwrite states
+/// before they are read.
 fn check_states(frames: &[ReadFrame], document: &Value) {
-    let is_whole = document["messages_dropped"] == 0 && document["frames_dropped"] == 0;
+    let mut n_missing = 0;
     for pair in frames.windows(2) {
         let [before_ns, capture_ns] = [0, 1].map(|i| pair[i].header.capture_stamp_ns);
-        let states = &pair[1].arm_ns;
+        let (states, people) = (&pair[1].arm_ns, &pair[1].people_ns);
         let is_between = |&stamp_ns: &u64| stamp_ns > before_ns && stamp_ns <= capture_ns;
-        assert!(states.iter().all(is_between), "{states:?}");
-        assert!(states.is_sorted() && !states.is_empty(), "{states:?}");
-        // A busy computer may overwrite states before they are read, and counts that.
-        if is_whole {
-            assert_eq!(states.len(), 12, "{states:?}");
-            assert_eq!(pair[1].people_ns, [capture_ns]);
-        }
+        assert!(states.iter().chain(people).all(is_between), "{states:?}");
+        assert!(states.is_sorted() && people.is_sorted(), "{states:?}");
+        // More than one frame when others were dropped between the two.
+        let n_frames = (pair[1].header.sequence - pair[0].header.sequence) as usize;
+        assert!(states.len() <= 12 * n_frames, "{states:?}");
+        assert!(people.len() <= n_frames, "{people:?}");
+        n_missing += 13 * n_frames - states.len() - people.len();
     }
+    let n_dropped = document["messages_dropped"].as_u64().unwrap();
+    assert!(n_missing as u64 <= n_dropped, "{n_missing} are missing");
 }
 
 #[test]
