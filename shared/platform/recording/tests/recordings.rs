@@ -204,7 +204,7 @@ fn recovery_leaves_out_only_the_chunk_that_is_damaged() {
         for chunk in chunks {
             let mut file = whole.clone();
             // Behind the header, in what is compressed.
-            file[(chunk.start + chunk.end) / 2] ^= 0x5a;
+            file[usize::midpoint(chunk.start, chunk.end)] ^= 0x5a;
             let mut recovered = Vec::new();
             let report = recover(&file[..], file.len() as u64, &mut recovered).unwrap();
             let read = report.read;
