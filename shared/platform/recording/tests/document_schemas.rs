@@ -38,9 +38,9 @@ fn check(value: &Value, schema: &Value, place: &str) {
             let n = schema[key].as_u64();
             assert!(n.is_none_or(|n| n == items.len() as u64), "{place}");
         }
-        items
-            .iter()
-            .for_each(|item| check(item, &schema["items"], place));
+        for item in items {
+            check(item, &schema["items"], place);
+        }
     }
     if let Value::Object(fields) = value {
         for (key, field) in fields {
