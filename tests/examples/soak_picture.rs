@@ -1,7 +1,7 @@
 //! Picture of a soak under systemd, from the lines that `tests/system/run PACKAGE --soak` prints:
 //! recovery times as cumulative distributions, and the daemon's holdings over the frames.
 //!
-//!     cargo run -p tests --example soak_picture -- target/system-test/soak.log docs/guides/soak.svg
+//!     cargo run -p tests --example soak_picture -- target/system-test/soak.log docs/guides/soak-systemd.svg
 //!
 //! Prints the table of the recovery times, too.
 
