@@ -114,7 +114,7 @@ impl SceneOrder {
             "the camera was restarted during the replay"
         } else if scene.sent <= sent {
             "perception was restarted during the replay"
-        } else if scene.sent > sent + 1 {
+        } else if scene.sent > sent.saturating_add(1) {
             "a scene was overwritten before it was read, because this computer is too busy"
         } else {
             return Ok(());
