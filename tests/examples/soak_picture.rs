@@ -79,7 +79,7 @@ impl Soak {
         let frames = self.holdings.last().map_or(1.0, |last| last[0]);
         let growth = Diagram {
             title: "Held by the daemon",
-            x: Axis::linear("frames", 0.0..frames),
+            x: Axis::linear("frames, thousands", 0.0..frames / 1000.0),
             y: Axis::linear("ratio to the first sample", 0.0..2.0),
             curves: self.growth(),
             legend: Legend::Outside,
@@ -113,7 +113,12 @@ impl Soak {
             points: self
                 .holdings
                 .iter()
-                .map(|sample| (sample[0], sample[index + 1] / self.holdings[0][index + 1]))
+                .map(|sample| {
+                    (
+                        sample[0] / 1000.0,
+                        sample[index + 1] / self.holdings[0][index + 1],
+                    )
+                })
                 .collect(),
             is_marked: false,
         };

@@ -72,7 +72,7 @@ impl From<channel::Error> for Failure {
 }
 
 impl From<crate::ConfigError> for Failure {
-    /// What a service cannot read may be on a disk that is mounted later.
+    /// General failure of a service that cannot read a file, whose disk may be mounted later.
     fn from(error: crate::ConfigError) -> Self {
         match error {
             crate::ConfigError::Unreadable { .. } if is_service() => Self::general(error),

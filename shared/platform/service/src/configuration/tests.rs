@@ -170,7 +170,11 @@ fn setting() -> impl Strategy<Value = (&'static str, &'static str, String)> {
         let key = &keys[index];
         let value = match (&key.example, is_example) {
             (Value::Boolean(value), false) => (!value).to_string(),
-            (Value::Integer(value), false) => (value + 1).to_string(),
+            (Value::Integer(value), false) => {
+                let more = Value::Integer(value + 1);
+                let is_valid = key.check(&more, |_| None).is_ok();
+                (if is_valid { value + 1 } else { value - 1 }).to_string()
+            }
             (example, _) => example.to_string(),
         };
         (key.section, key.key, value)
