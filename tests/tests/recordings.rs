@@ -258,14 +258,8 @@ fn recording_of_a_killed_recorder_is_recovered() {
     let daemon = sandbox.start(&["--source", "synthetic:0"]);
     let mut recording = RecordingProcess::start(&sandbox, &[]);
     let active = recording.files(".active").remove(0);
-    let is_played = || {
-        let bytes = std::fs::read(&active).unwrap();
-        FramePlayer::new(&bytes[..], bytes.len() as u64)
-            .next_frame()
-            .unwrap()
-            .is_some()
-    };
-    eventually("a frame is in the file", is_played);
+    // More than one chunk, since the last one will be damaged.
+    eventually("frames are in the file", || frames(&active).len() >= 10);
     send_signal(recording.pid(), Signal::KILL).unwrap();
     wait_for_end(&mut recording.child, WATCHDOG).unwrap();
     let before = frames(&active).len();
