@@ -17,17 +17,21 @@ pub struct TopicInfo {
 }
 
 impl TopicInfo {
-    fn add(&mut self, log_ns: u64, n_bytes: usize) {
+    pub(crate) fn add(&mut self, log_ns: u64, n_bytes: usize) {
         self.n_messages += 1;
         self.n_bytes += n_bytes as u64;
         let (first, last) = self.span_ns.unwrap_or((log_ns, log_ns));
         self.span_ns = Some((first.min(log_ns), last.max(log_ns)));
     }
 
+    /// Time from the earliest to the latest message, nanoseconds.
+    pub fn duration_ns(&self) -> u64 {
+        self.span_ns.map_or(0, |(first, last)| last - first)
+    }
+
     /// Time from the earliest to the latest message, seconds.
     pub fn seconds(&self) -> f64 {
-        let duration_ns = self.span_ns.map_or(0, |(first, last)| last - first);
-        duration_ns as f64 * 1e-9
+        self.duration_ns() as f64 * 1e-9
     }
 
     /// Messages a second; `None` when all came at one instant.
@@ -67,13 +71,8 @@ impl RecordingInfo {
         while let Some(message) = reader.next_message()? {
             info.all.add(message.log_ns, message.data.len());
             let topic = &message.channel.topic;
-            if let Some(known) = info.topics.get_mut(topic) {
-                known.add(message.log_ns, message.data.len());
-            } else {
-                let mut new = TopicInfo::default();
-                new.add(message.log_ns, message.data.len());
-                info.topics.insert(topic.clone(), new);
-            }
+            let known = info.topics.entry(topic.clone()).or_default();
+            known.add(message.log_ns, message.data.len());
             if topic == CAMERA_CLOUD
                 && let Ok(frame) = FrameRecord::parse(message.data)
             {

@@ -2,7 +2,7 @@
 
 use crate::{
     Error, FORMAT_VERSION, MessageTime, ReadSummary, RecordingMetadata, RecordingReader,
-    RecordingWriter,
+    RecordingWriter, TopicInfo,
 };
 use message::service_name::CAMERA_CLOUD;
 use std::collections::BTreeMap;
@@ -36,7 +36,7 @@ pub fn recover(
     let mut writer = RecordingWriter::without_metadata(output)?;
     let mut channels = BTreeMap::new();
     let mut n_frames = 0;
-    let mut span_ns: Option<(u64, u64)> = None;
+    let mut all = TopicInfo::default();
     let read_error = loop {
         match reader.advance() {
             Ok(true) => {}
@@ -51,8 +51,7 @@ pub fn recover(
             break String::new();
         };
         n_frames += u64::from(message.channel.topic == CAMERA_CLOUD);
-        let (first, last) = span_ns.unwrap_or((message.log_ns, message.log_ns));
-        span_ns = Some((first.min(message.log_ns), last.max(message.log_ns)));
+        all.add(message.log_ns, message.data.len());
         let channel = match channels.entry(message.channel_id) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(new) => new.insert(writer.define(message.channel)?),
@@ -67,7 +66,7 @@ pub fn recover(
     Ok(RecoveryReport {
         read: reader.summary(),
         n_frames,
-        duration_ns: span_ns.map_or(0, |(first, last)| last - first),
+        duration_ns: all.duration_ns(),
         read_error,
     })
 }
