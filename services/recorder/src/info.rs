@@ -1,5 +1,6 @@
 //! `tabula record --info`: time range, topics, gaps and completeness of a recording.
 
+use crate::losses::LossDocument;
 use command_line::{Output, format_table};
 use recording::{RecordingInfo, TopicInfo};
 use serde::Serialize;
@@ -24,11 +25,8 @@ struct InfoDocument {
     messages: u64,
     gaps: u64,
     missing_frames: u64,
-    damaged_chunks: u64,
-    unsupported_chunks: u64,
-    damaged_records: u64,
-    messages_without_channel: u64,
-    lost_bytes: u64,
+    #[serde(flatten)]
+    losses: LossDocument,
     topics: Vec<TopicDocument>,
 }
 
@@ -78,11 +76,7 @@ fn document(file: &Path, bytes: u64, info: RecordingInfo) -> InfoDocument {
         messages: info.all.n_messages,
         gaps: info.n_gaps,
         missing_frames: info.n_missing_frames,
-        damaged_chunks: info.read.n_damaged_chunks,
-        unsupported_chunks: info.read.n_unsupported_chunks,
-        damaged_records: info.read.n_damaged_records,
-        messages_without_channel: info.read.n_without_channel,
-        lost_bytes: info.read.lost_bytes,
+        losses: info.read.into(),
         topics: info.topics.into_iter().map(topic).collect(),
     }
 }
@@ -122,17 +116,17 @@ fn text(document: &InfoDocument) -> String {
             document.missing_frames,
             "frame(s) are missing between others",
         ),
-        (document.damaged_chunks, "chunk(s) are damaged"),
+        (document.losses.damaged_chunks, "chunk(s) are damaged"),
         (
-            document.unsupported_chunks,
+            document.losses.unsupported_chunks,
             "chunk(s) have another compression than zstd",
         ),
-        (document.damaged_records, "record(s) are damaged"),
+        (document.losses.damaged_records, "record(s) are damaged"),
         (
-            document.messages_without_channel,
+            document.losses.messages_without_channel,
             "message(s) have no channel",
         ),
-        (document.lost_bytes, "bytes at the end are lost"),
+        (document.losses.lost_bytes, "bytes at the end are lost"),
     ] {
         if n > 0 {
             lines.push(format!("{n} {what}"));

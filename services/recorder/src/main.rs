@@ -6,6 +6,7 @@ mod events_file;
 mod file_closer;
 mod foxglove_view;
 mod info;
+mod losses;
 mod message_queue;
 mod queued_message;
 mod record;

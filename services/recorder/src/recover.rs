@@ -1,5 +1,6 @@
 //! `tabula record --recover`: writes all that is intact in a recording into a new file.
 
+use crate::losses::LossDocument;
 use command_line::Output;
 use recording::{Error, RecoveryReport, recover};
 use serde::Serialize;
@@ -20,11 +21,8 @@ struct RecoveredDocument {
     frames: u64,
     messages: u64,
     seconds: f64,
-    damaged_chunks: u64,
-    unsupported_chunks: u64,
-    damaged_records: u64,
-    messages_without_channel: u64,
-    lost_bytes: u64,
+    #[serde(flatten)]
+    losses: LossDocument,
     /// Error of the medium behind what was kept; empty without one.
     read_error: String,
 }
@@ -138,11 +136,7 @@ fn document(out: &Path, report: RecoveryReport) -> RecoveredDocument {
         frames: n_frames,
         messages: read.n_messages,
         seconds: duration_ns as f64 * 1e-9,
-        damaged_chunks: read.n_damaged_chunks,
-        unsupported_chunks: read.n_unsupported_chunks,
-        damaged_records: read.n_damaged_records,
-        messages_without_channel: read.n_without_channel,
-        lost_bytes: read.lost_bytes,
+        losses: read.into(),
         read_error,
     }
 }
@@ -154,13 +148,16 @@ fn text(document: &RecoveredDocument) -> String {
         frames,
         messages,
         seconds,
+        losses,
+        read_error,
+    } = document;
+    let LossDocument {
         damaged_chunks,
         unsupported_chunks,
         damaged_records,
         messages_without_channel,
         lost_bytes,
-        read_error,
-    } = document;
+    } = losses;
     let state = if *was_complete {
         "the recording was closed"
     } else {
