@@ -421,7 +421,6 @@ impl StoreLoop {
                 }
                 Err(RecvTimeoutError::Disconnected) => break,
             };
-            self.take_limits();
             let others = requests.try_iter().take(GROUP_REQUESTS - 1);
             for request in std::iter::once(request).chain(others) {
                 if matches!(request, StoreRequest::Stop) {
@@ -543,6 +542,7 @@ impl StoreLoop {
     }
 
     fn serve(&mut self, request: StoreRequest) {
+        self.take_limits();
         if let Err(error) = self.open_if_failed() {
             return request.refuse(&error);
         }
