@@ -1,7 +1,10 @@
 //! Appearance descriptor: shape, size and colour of an object in one vector, compared by
 //! Euclidean distance.
 //!
-//! The shape part is a variant of GOOD. Its support is metric and centred in the
+//! Shape is described twice: in metres, which separates objects, and relative to the
+//! bounding box, which generalises over the objects of a category.
+//!
+//! The metric shape part is a variant of GOOD. Its support is metric and centred in the
 //! bounding box, bins are interpolated, the order of the projections is fixed, and the
 //! signs of the axes are not decided because all axis hypotheses are compared.
 //!
@@ -10,8 +13,10 @@
 //! manipulation", Pattern Recognition Letters 83, 2016.
 
 mod axis_hypotheses;
+mod box_profile;
 mod color_histograms;
 mod cosine_transform;
+mod local_surface;
 mod soft_bins;
 mod value_order;
 mod warp;
@@ -20,6 +25,7 @@ mod warped_good;
 use crate::object_axes::{AxesKind, object_axes};
 use crate::{Error, ObjectPoints};
 use axis_hypotheses::AxisHypotheses;
+use box_profile::{BoxProfile, N_PROFILE_VALUES};
 use color_histograms::{ColorHistograms, N_CHROMATICITIES, N_COLORS};
 use nalgebra::UnitVector3;
 use std::sync::LazyLock;
@@ -34,12 +40,19 @@ const SIZE_OFFSET: usize = WarpedGood::DIMENSION;
 /// Offset of the colour values in the computed order.
 const COLOR_OFFSET: usize = SIZE_OFFSET + 3;
 
+/// Offset of the box profile in the computed order.
+const PROFILE_OFFSET: usize = COLOR_OFFSET + N_COLORS;
+
 /// Length of an appearance descriptor, values.
-const DIMENSION: usize = COLOR_OFFSET + N_COLORS;
+const DIMENSION: usize = PROFILE_OFFSET + N_PROFILE_VALUES;
 
 /// Offset added to a side before the logarithm, metres: the thickness that noise gives
 /// to thin objects. Chosen; sensitivity: see `tabula-lab sweep`.
 const SIDE_OFFSET_M: f32 = 0.005;
+
+/// Maximum number of points described; larger objects are thinned evenly. With 1500 the
+/// accuracies of mesh categories and of scanned objects stayed within 0.3 points.
+const N_POINTS_MAX: usize = 2000;
 
 /// Weights of the parts of an appearance descriptor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +64,9 @@ pub struct AppearanceWeights {
     /// Weight of chromaticity, whose squared distance is at most 2; lightness counts
     /// about half as much.
     pub color: f32,
+    /// Weight of the shape relative to the bounding box, whose squared distance is at
+    /// most 5.
+    pub profile: f32,
 }
 
 impl Default for AppearanceWeights {
@@ -60,6 +76,7 @@ impl Default for AppearanceWeights {
             shape: 1.0,
             size: 1.0,
             color: 0.55,
+            profile: 1.0,
         }
     }
 }
@@ -74,7 +91,7 @@ impl AppearanceWeights {
     }
 
     fn validated(self) -> Result<Self, Error> {
-        for weight in [self.shape, self.size, self.color] {
+        for weight in [self.shape, self.size, self.color, self.profile] {
             if !(0.0..=100.0).contains(&weight) {
                 return Err(Error::Weight(weight));
             }
@@ -89,6 +106,7 @@ pub struct AppearanceDescriptor {
     weights: AppearanceWeights,
     shape: WarpedGood,
     colors: ColorHistograms,
+    profile: BoxProfile,
     hypotheses: AxisHypotheses,
     computed: Vec<f32>,
     described: [Vec<f32>; N_AXIS_HYPOTHESES],
@@ -107,6 +125,7 @@ impl AppearanceDescriptor {
             weights: weights.validated()?,
             shape: WarpedGood::new(),
             colors: ColorHistograms::new(),
+            profile: BoxProfile::new(),
             hypotheses: AxisHypotheses::new(),
             computed: Vec::with_capacity(DIMENSION),
             described: Default::default(),
@@ -122,7 +141,8 @@ impl AppearanceDescriptor {
     /// hypotheses. It is invariant to translation, to rotation (about `up`, if given)
     /// and to the order of the points, but not to mirroring.
     ///
-    /// Allocates for the first objects only.
+    /// Objects of more than 2000 points are thinned evenly. Allocates for the first
+    /// objects only.
     ///
     /// # Errors
     /// When there are fewer than three finite points, or their extent is not finite.
@@ -131,18 +151,22 @@ impl AppearanceDescriptor {
         points: ObjectPoints<'_>,
         up: Option<&UnitVector3<f64>>,
     ) -> Result<&[Vec<f32>; N_AXIS_HYPOTHESES], Error> {
+        let points = points.thinned(N_POINTS_MAX);
         let axes = object_axes(points, up).ok_or(Error::NoPoints)?;
         let computed = &mut self.computed;
         computed.clear();
-        let sides_m = self
+        let ranges_m = self
             .shape
             .append(points, &axes.object_from_source, computed)?;
         for value in &mut *computed {
             *value *= self.weights.shape;
         }
         let log_side = |side_m: f32| self.weights.size * (side_m + SIDE_OFFSET_M).ln();
-        computed.extend(sides_m.map(log_side));
+        computed.extend(ranges_m.map(|(low, high)| log_side(high - low)));
         self.colors.append(points, self.weights.color, computed);
+        let profile = (axes.kind, self.weights.profile);
+        self.profile
+            .append(self.shape.points(), ranges_m, profile, computed);
         for (hypothesis, described) in self.described.iter_mut().enumerate() {
             self.hypotheses
                 .apply(axes.kind, hypothesis, computed, described);

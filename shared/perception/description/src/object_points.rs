@@ -9,6 +9,8 @@ use point_cloud::{Point, Rgba};
 pub struct ObjectPoints<'a> {
     cloud: &'a [Point],
     indices: Option<&'a [u32]>,
+    /// Every `step`-th point counts.
+    step: usize,
 }
 
 impl<'a> ObjectPoints<'a> {
@@ -17,6 +19,7 @@ impl<'a> ObjectPoints<'a> {
         Self {
             cloud,
             indices: None,
+            step: 1,
         }
     }
 
@@ -33,13 +36,23 @@ impl<'a> ObjectPoints<'a> {
             _ => Ok(Self {
                 cloud,
                 indices: Some(indices),
+                step: 1,
             }),
         }
     }
 
+    /// Evenly thinned points, at most `n_max` of them: every second, every third, and so
+    /// on.
+    #[must_use]
+    pub fn thinned(self, n_max: usize) -> Self {
+        let step = self.step * self.len().div_ceil(n_max.max(1)).max(1);
+        Self { step, ..self }
+    }
+
     /// Number of points, including those without depth.
     pub fn len(&self) -> usize {
-        self.indices.map_or(self.cloud.len(), <[u32]>::len)
+        let n_points = self.indices.map_or(self.cloud.len(), <[u32]>::len);
+        n_points.div_ceil(self.step)
     }
 
     /// True if the object has no points.
@@ -50,9 +63,11 @@ impl<'a> ObjectPoints<'a> {
     /// Visits the points in order. The representation is tested once, outside the loop.
     #[inline]
     pub fn for_each(&self, mut visit: impl FnMut(&Point)) {
-        match self.indices {
-            None => self.cloud.iter().for_each(visit),
-            Some(indices) => indices.iter().for_each(|&i| visit(&self.cloud[i as usize])),
+        let point = |&i: &u32| &self.cloud[i as usize];
+        match (self.indices, self.step) {
+            (None, 1) => self.cloud.iter().for_each(visit),
+            (None, step) => self.cloud.iter().step_by(step).for_each(visit),
+            (Some(indices), step) => indices.iter().step_by(step).for_each(|i| visit(point(i))),
         }
     }
 
@@ -61,30 +76,18 @@ impl<'a> ObjectPoints<'a> {
     #[inline]
     pub(crate) fn for_each_block<const N: usize>(&self, mut visit: impl FnMut(&[Point; N])) {
         let nothing = [Point::without_depth(Rgba(0)); N];
-        match self.indices {
-            None => {
-                let (blocks, rest) = self.cloud.as_chunks();
-                blocks.iter().for_each(&mut visit);
-                if !rest.is_empty() {
-                    let mut last = nothing;
-                    last[..rest.len()].copy_from_slice(rest);
-                    visit(&last);
-                }
+        let (mut block, mut n) = (nothing, 0);
+        self.for_each(|point| {
+            block[n] = *point;
+            n += 1;
+            if n == N {
+                visit(&block);
+                n = 0;
             }
-            Some(indices) => {
-                let point = |&i: &u32| self.cloud[i as usize];
-                let (blocks, rest) = indices.as_chunks::<N>();
-                for block in blocks {
-                    visit(&block.each_ref().map(point));
-                }
-                if !rest.is_empty() {
-                    let mut last = nothing;
-                    for (place, i) in last.iter_mut().zip(rest) {
-                        *place = point(i);
-                    }
-                    visit(&last);
-                }
-            }
+        });
+        if n > 0 {
+            block[n..].copy_from_slice(&nothing[n..]);
+            visit(&block);
         }
     }
 }
@@ -130,6 +133,10 @@ mod tests {
         assert_eq!(selection.len(), 4);
         assert_eq!(seen(ObjectPoints::all(&cloud)).len(), 9);
         assert!(ObjectPoints::selected(&[], &[]).unwrap().is_empty());
+        let thinned = ObjectPoints::all(&cloud).thinned(4);
+        assert_eq!((thinned.len(), seen(thinned)), (3, vec![0, 3, 6]));
+        assert_eq!(seen_in_blocks(selection.thinned(2)), [8, 3]);
+        assert_eq!(ObjectPoints::all(&cloud).thinned(9).len(), 9);
     }
 
     #[test]

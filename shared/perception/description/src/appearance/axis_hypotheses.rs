@@ -1,7 +1,8 @@
 //! Axis hypotheses: a descriptor under all ambiguous choices of the object axes.
 
+use super::box_profile::BoxProfile;
 use super::cosine_transform::{N_COEFFICIENTS, frequencies};
-use super::{COLOR_OFFSET, DIMENSION, SIZE_OFFSET, value_order};
+use super::{COLOR_OFFSET, DIMENSION, PROFILE_OFFSET, SIZE_OFFSET, value_order};
 use crate::AxesKind;
 
 /// Number of axis hypotheses of a descriptor.
@@ -83,7 +84,13 @@ impl SignedPermutation {
             }
         }
         source.extend(permutation.axis.map(|axis| (SIZE_OFFSET + axis) as u16));
-        source.extend(COLOR_OFFSET as u16..DIMENSION as u16);
+        source.extend(COLOR_OFFSET as u16..PROFILE_OFFSET as u16);
+        if permutation.sign[2] < 0 {
+            let mirrored = BoxProfile::mirrored();
+            source.extend(mirrored.map(|i| (PROFILE_OFFSET + i) as u16));
+        } else {
+            source.extend(PROFILE_OFFSET as u16..DIMENSION as u16);
+        }
         sign.resize(DIMENSION, 1.0);
         let places = value_order::storage_order();
         Self {

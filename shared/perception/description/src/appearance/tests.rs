@@ -134,13 +134,13 @@ fn each_axis_hypothesis_equals_the_descriptor_of_the_turned_frame() {
             let frame = crate::DescriptorFrame {
                 object_from_source: rows,
             };
-            let sides = good
+            let ranges = good
                 .append(points, &frame, {
                     found.clear();
                     &mut found
                 })
                 .unwrap();
-            found.extend(sides.map(|side| (side + SIDE_OFFSET_M).ln()));
+            found.extend(ranges.map(|(low, high)| (high - low + SIDE_OFFSET_M).ln()));
             let is_it = |hypothesis: &Vec<f32>| {
                 let stored = value_order::storage_order().into_iter().zip(hypothesis);
                 let mut without_color = stored.filter(|(place, _)| *place < COLOR_OFFSET);

@@ -2,7 +2,7 @@
 
 use super::color_histograms::CHROMATICITY_SIDE;
 use super::cosine_transform::frequencies;
-use super::{COLOR_OFFSET, DIMENSION, N_CHROMATICITIES, SIZE_OFFSET};
+use super::{COLOR_OFFSET, DIMENSION, N_CHROMATICITIES, PROFILE_OFFSET, SIZE_OFFSET};
 
 /// Rank offset of odd frequencies: most objects are nearly symmetric.
 const ODD_RANK_OFFSET: usize = 8;
@@ -12,6 +12,9 @@ const GREY_RANK: usize = 8;
 
 /// Rank of the lightness values in the order of expected variance.
 const LIGHTNESS_RANK: usize = 18;
+
+/// Rank of the values of the box profile in the order of expected variance.
+const PROFILE_RANK: usize = 14;
 
 /// Permutation from stored to computed values, in order of expected variance, so that a
 /// nearest-neighbour search can prune views by their first values. The sides of the box
@@ -37,12 +40,16 @@ fn ranks() -> impl Iterator<Item = usize> {
         let (red, green) = (cell / CHROMATICITY_SIDE, cell % CHROMATICITY_SIDE);
         GREY_RANK + 2 * red.abs_diff(3).max(2 * green.abs_diff(3))
     });
-    let of_lightnesses =
-        std::iter::repeat_n(LIGHTNESS_RANK, DIMENSION - COLOR_OFFSET - N_CHROMATICITIES);
+    let of_lightnesses = std::iter::repeat_n(
+        LIGHTNESS_RANK,
+        PROFILE_OFFSET - COLOR_OFFSET - N_CHROMATICITIES,
+    );
+    let of_profile = std::iter::repeat_n(PROFILE_RANK, DIMENSION - PROFILE_OFFSET);
     of_projections
         .chain(of_sides)
         .chain(of_chromaticities)
         .chain(of_lightnesses)
+        .chain(of_profile)
 }
 
 #[cfg(test)]

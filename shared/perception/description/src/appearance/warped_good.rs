@@ -61,17 +61,22 @@ impl WarpedGood {
         }
     }
 
-    /// Appends the values to `out` and returns the sides of the bounding box, metres.
+    /// Points of the last description, in its frame.
+    pub(super) fn points(&self) -> &ProjectedPoints {
+        &self.points
+    }
+
+    /// Appends the values to `out` and returns the least and greatest coordinates of the
+    /// bounding box, metres.
     pub(super) fn append(
         &mut self,
         points: ObjectPoints<'_>,
         frame: &DescriptorFrame,
         out: &mut Vec<f32>,
-    ) -> Result<[f32; 3], Error> {
+    ) -> Result<[(f32, f32); 3], Error> {
         self.points.fill(points, frame);
         let ranges = self.points.ranges_m().ok_or(Error::NoPoints)?;
-        let sides_m = ranges.map(|(low, high)| high - low);
-        if !sides_m.iter().all(|side| side.is_finite()) {
+        if !ranges.iter().all(|(low, high)| (high - low).is_finite()) {
             return Err(Error::Extent);
         }
         self.project(ranges.map(|(low, high)| low + 0.5 * (high - low)));
@@ -79,7 +84,7 @@ impl WarpedGood {
             normalise_fourth_roots(cells);
             self.transform.append(cells, out);
         }
-        Ok(sides_m)
+        Ok(ranges)
     }
 
     fn project(&mut self, middle_m: [f32; 3]) {
