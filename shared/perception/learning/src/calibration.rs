@@ -1,6 +1,8 @@
-//! Probability calibration of nearest-neighbour distances.
+//! Probability calibration of category scores, with a reject class.
 
-/// Logistic calibration from nearest-neighbour distances to probabilities.
+/// Multinomial logistic calibration from category scores to probabilities. The reject
+/// class "unknown" competes with the categories; its logit grows with the distance to the
+/// best category.
 ///
 /// Categories differ in variability: a distance that is large in one is small in
 /// another. Distances are therefore divided by the spread of the category, the mean
@@ -12,15 +14,22 @@ pub struct Calibration {
     /// All axis hypotheses of a stored descriptor, itself included; the distance of two
     /// views is the least over them.
     pub axis_hypotheses_of: fn(&[f32]) -> Vec<Vec<f32>>,
+    /// Distance at which the kernel of the local ridge regression falls to 1/e.
+    pub kernel_width: f32,
+    /// Ridge of the local ridge regression.
+    pub ridge: f32,
     /// Prior of the spread of a category.
     pub spread_prior: f32,
-    /// Prior of the distance to the nearest unrelated category.
-    pub unrelated_distance_prior: f32,
-    /// Novelty at which the probability is one half.
-    pub even_odds_novelty: f32,
-    /// Slope of the logistic from log novelty to log odds.
-    pub steepness: f32,
+    /// Logit of a category for a score of one.
+    pub score_weight: f32,
+    /// Logit of "unknown" at a distance of one spread.
+    pub unknown_bias: f32,
+    /// Growth of that logit with the logarithm of the distance.
+    pub unknown_slope: f32,
 }
+
+/// Least distance in spreads, so that its logarithm is finite.
+const LEAST_RELATIVE_DISTANCE: f32 = 1e-4;
 
 /// Pseudo-count of the mean over all categories when the spread of one category is
 /// estimated. Chosen; sensitivity: see `tabula-lab sweep`.
@@ -63,32 +72,29 @@ impl DistanceSum {
 }
 
 impl Calibration {
-    /// Novelty of an object: the nearest distance in units of the category's spread,
-    /// times its ratio to the distance of the runner-up category.
-    pub(crate) fn novelty(
-        &self,
-        distance: f32,
-        runner_up: Option<f32>,
-        own: DistanceSum,
-        all: DistanceSum,
-    ) -> f32 {
+    /// Spread of a category from its own nearest-neighbour distances and those of all
+    /// categories.
+    pub(crate) fn spread(&self, own: DistanceSum, all: DistanceSum) -> f32 {
         let usual = all.shrunken_mean(PRIOR_SPREAD_WEIGHT, f64::from(self.spread_prior));
-        let spread = own
-            .shrunken_mean(GLOBAL_SPREAD_WEIGHT, usual)
-            .max(f64::MIN_POSITIVE);
-        let runner_up =
-            f64::from(runner_up.unwrap_or(self.unrelated_distance_prior)).max(f64::from(distance));
-        if runner_up <= 0.0 {
-            return 0.0;
-        }
-        let distance = f64::from(distance);
-        (distance / spread * (distance / runner_up)) as f32
+        let spread = own.shrunken_mean(GLOBAL_SPREAD_WEIGHT, usual);
+        spread.max(f64::from(f32::MIN_POSITIVE)) as f32
     }
 
-    /// Probability that an object of this novelty belongs to the nearest category, 0 to
-    /// 1; logistic in the logarithm of novelty.
-    pub fn probability(&self, novelty: f32) -> f32 {
-        1.0 / (1.0 + (novelty / self.even_odds_novelty).powf(self.steepness))
+    /// Probabilities of categories with `scores`, and of "unknown" given the distance to
+    /// the best of them in spreads. They sum to one.
+    pub(crate) fn probabilities<const N: usize>(
+        &self,
+        scores: [f32; N],
+        distance_in_spreads: f32,
+    ) -> ([f32; N], f32) {
+        let relative = distance_in_spreads.max(LEAST_RELATIVE_DISTANCE);
+        let unknown = self.unknown_bias + self.unknown_slope * relative.ln();
+        let logits = scores.map(|score| self.score_weight * score);
+        let largest = logits.into_iter().fold(unknown, f32::max);
+        let odds = logits.map(|logit| (logit - largest).exp());
+        let unknown = (unknown - largest).exp();
+        let sum = unknown + odds.iter().sum::<f32>();
+        (odds.map(|odds| odds / sum), unknown / sum)
     }
 }
 
@@ -98,43 +104,44 @@ mod tests {
 
     const CALIBRATION: Calibration = Calibration {
         axis_hypotheses_of: |stored| vec![stored.to_vec()],
+        kernel_width: 2.5,
+        ridge: 0.03,
         spread_prior: 0.6,
-        unrelated_distance_prior: 1.5,
-        even_odds_novelty: 0.9,
-        steepness: 4.0,
+        score_weight: 8.0,
+        unknown_bias: 4.0,
+        unknown_slope: 2.5,
     };
 
     const NONE: DistanceSum = DistanceSum { sum: 0.0, n: 0 };
 
     #[test]
     fn priors_replace_missing_distances() {
-        let novelty = CALIBRATION.novelty(0.6, None, NONE, NONE);
-        assert!((novelty - 0.4).abs() < 1e-6);
+        assert!((CALIBRATION.spread(NONE, NONE) - 0.6).abs() < 1e-6);
         let all = DistanceSum {
             sum: 100.0,
             n: 1000,
         };
-        assert!(CALIBRATION.novelty(0.6, None, NONE, all) > 3.0 * novelty);
+        assert!(CALIBRATION.spread(NONE, all) < 0.2);
+        let own = DistanceSum { sum: 40.0, n: 20 };
+        assert!(CALIBRATION.spread(own, all) > 1.5);
     }
 
     #[test]
-    fn a_distance_is_judged_by_the_spread_of_its_category() {
-        let (wide, narrow) = (
-            DistanceSum { sum: 20.0, n: 20 },
-            DistanceSum { sum: 2.0, n: 20 },
+    fn probabilities_sum_to_one_and_follow_the_scores() {
+        let ([first, second, none], unknown) =
+            CALIBRATION.probabilities([0.8, 0.3, f32::NEG_INFINITY], 1.0);
+        assert!((first + second + unknown - 1.0).abs() < 1e-6);
+        assert!(
+            first > 0.8 && second < 0.1 && none == 0.0,
+            "{first} {second}"
         );
-        let novelty = |own| CALIBRATION.novelty(0.7, Some(1.0), own, NONE);
-        assert!(CALIBRATION.probability(novelty(wide)) > 0.7);
-        assert!(CALIBRATION.probability(novelty(narrow)) < 0.1);
     }
 
     #[test]
-    fn probability_falls_with_distance_and_with_a_near_runner_up() {
-        let at = |distance, runner_up| {
-            CALIBRATION.probability(CALIBRATION.novelty(distance, Some(runner_up), NONE, NONE))
-        };
-        assert!(at(0.3, 1.2) > at(0.6, 1.2) && at(0.6, 1.2) > at(0.6, 0.61));
-        assert_eq!(at(0.0, 0.0), 1.0);
-        assert!(at(1e9, 1e9) < 1e-6);
+    fn a_far_object_is_unknown_and_a_taught_view_is_known() {
+        let unknown = |score, distance| CALIBRATION.probabilities([score], distance).1;
+        assert!(unknown(0.2, 5.0) > 0.99);
+        assert!(unknown(1.0, 0.0) < 1e-6);
+        assert!(unknown(0.6, 1.0) < unknown(0.6, 1.5));
     }
 }

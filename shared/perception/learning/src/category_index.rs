@@ -1,16 +1,22 @@
 //! Nearest-neighbour index of taught views by category.
 
+mod category_spreads;
+mod change_log;
+mod evidence;
 mod intra_category_distances;
-mod nearest_view_cache;
-mod novelty;
+mod local_ridge;
 mod pruned_search;
 mod sketch;
+mod track_evidence;
 mod view_rows;
 mod view_table;
 
 use crate::calibration::{Calibration, DistanceSum};
-use crate::nearest_categories::{NearestCategories, ScoredView};
+use crate::nearest_categories::{CategoryMinima, NearestCategories, NearestList, ScoredView};
+use crate::nearest_neighbours::NearestNeighbours;
 use crate::{CategoryName, Error, Metric, Neighbour, Recognition, UnknownRule, ViewId};
+use change_log::ChangeLog;
+use evidence::N_NEIGHBOURS;
 use intra_category_distances::IntraCategoryDistances;
 use sketch::{BLOCK_LEN, N_QUERIES_MAX};
 use std::collections::BTreeMap;
@@ -19,7 +25,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use view_rows::ViewRows;
 use view_table::{IndexedView, ViewTable};
 
-pub use nearest_view_cache::NearestViewCache;
+pub use track_evidence::{TrackEvidence, ViewUse};
 
 /// Nearest-neighbour index over the descriptors of taught views.
 ///
@@ -41,6 +47,8 @@ pub struct CategoryIndex {
     dimension: usize,
     /// Revision number, unique for each state of each clone.
     revision: u64,
+    /// Newest changes of views.
+    changes: ChangeLog,
     views: ViewTable,
     rows: ViewRows,
     categories: BTreeMap<CategoryName, Category>,
@@ -65,10 +73,12 @@ impl CategoryIndex {
     /// first 64 values should be those of the largest variance, because the search
     /// prunes views by them.
     pub fn new(dimension: usize, metric: Metric) -> Self {
+        let revision = new_revision();
         Self {
             metric,
             dimension,
-            revision: new_revision(),
+            revision,
+            changes: ChangeLog::new(revision),
             views: ViewTable::new(dimension, metric == Metric::Euclidean),
             rows: ViewRows::new(),
             categories: BTreeMap::new(),
@@ -101,7 +111,7 @@ impl CategoryIndex {
         descriptor: &[f32],
     ) -> Result<(), Error> {
         self.check(descriptor)?;
-        self.revision = new_revision();
+        self.log_change(id);
         if let Some(row) = self.rows.get(id) {
             self.remove_from_spread(row);
             self.views.describe(row, descriptor);
@@ -125,7 +135,7 @@ impl CategoryIndex {
     pub fn move_view(&mut self, id: ViewId, category: &CategoryName) -> bool {
         let row = self.rows.get(id);
         if let Some(row) = row {
-            self.revision = new_revision();
+            self.log_change(id);
             self.remove_from_spread(row);
             self.assign(row, category);
             self.add_to_spread(row);
@@ -138,7 +148,7 @@ impl CategoryIndex {
         let Some(row) = self.rows.get(id) else {
             return false;
         };
-        self.revision = new_revision();
+        self.log_change(id);
         self.remove_from_spread(row);
         self.rows.remove(id);
         if let Some(removed) = self.views.swap_remove(row) {
@@ -152,6 +162,12 @@ impl CategoryIndex {
 
     /// Removes a category with all its views and returns their number.
     pub fn remove_category(&mut self, category: &CategoryName) -> usize {
+        // The distances within it end with it; its views are not compared again.
+        if let Some(ended) = self.categories.get_mut(category) {
+            let spread = std::mem::take(&mut ended.spread);
+            self.distances
+                .exchange(spread.distances(), DistanceSum::default());
+        }
         let of_category = |view: &&IndexedView| view.name == *category;
         let ids: Vec<ViewId> = self
             .views
@@ -167,6 +183,7 @@ impl CategoryIndex {
     /// Removes all views from the index.
     pub fn clear(&mut self) {
         self.revision = new_revision();
+        self.changes = ChangeLog::new(self.revision);
         self.views.clear();
         self.rows = ViewRows::new();
         self.categories.clear();
@@ -195,17 +212,17 @@ impl CategoryIndex {
             .map(|(name, category)| (name, category.n_views))
     }
 
-    /// Nearest-neighbour recognition of a descriptor: the category of the nearest view,
-    /// unless `rule` rejects it as unknown. Ties are broken by the smaller view id, so
-    /// the order of teaching is irrelevant.
+    /// Recognition of a descriptor. With a calibration the category of the greatest score
+    /// wins in a local ridge regression over the nearest views, else that of the nearest
+    /// view, unless `rule` rejects it as unknown. Ties are broken by the smaller view id,
+    /// so the order of teaching is irrelevant.
     ///
     /// A category with a single view can win. A taught view is found at the metric's
     /// least distance, which is 0 for all metrics but Motyka's.
     ///
-    /// *Complexity*: linear in the views, without allocation. With [`Metric::Euclidean`]
-    /// views are pruned by a lower bound of their distance; with other metrics a
-    /// comparison ends early where the metric allows it. The pruned result equals the
-    /// exhaustive one bit for bit.
+    /// *Complexity*: linear in the views. With [`Metric::Euclidean`] views are pruned by a
+    /// lower bound of their distance; with other metrics a comparison ends early where the
+    /// metric allows it. The pruned result equals the exhaustive one bit for bit.
     ///
     /// # Errors
     /// As for [`insert`](Self::insert).
@@ -217,8 +234,8 @@ impl CategoryIndex {
         self.recognise_any(&[descriptor], rule)
     }
 
-    /// Nearest-neighbour recognition of an object with several descriptors: the distance
-    /// of a view is the least over them. Without descriptors the object is unknown.
+    /// Recognition of an object with several descriptors, such as those of all axis
+    /// hypotheses: the distance of a view is the least over them. Without descriptors the object is unknown.
     ///
     /// *Complexity*: as for [`recognise`](Self::recognise) with each descriptor, or
     /// less, since the result of one descriptor prunes the search of the next. With
@@ -232,22 +249,108 @@ impl CategoryIndex {
         descriptors: &[impl AsRef<[f32]>],
         rule: impl Into<UnknownRule>,
     ) -> Result<Recognition, Error> {
+        let rule = rule.into();
+        if self.is_regression() {
+            let mut found = NearestNeighbours::new(N_NEIGHBOURS);
+            self.search_all(descriptors, &mut found)?;
+            let evidence = self.evidence(found.views());
+            return Ok(self.decide(std::iter::once(&evidence), rule));
+        }
         let mut found = NearestCategories::default();
+        self.search_all(descriptors, &mut found)?;
+        Ok(self.nearest_view_answer(found, rule))
+    }
+
+    /// Recognition of an object with several descriptions, such as views of its different
+    /// sides, each with its descriptors under all axis hypotheses: their mean evidence
+    /// decides. Without a calibration it is the least sum of the distances of a category.
+    ///
+    /// # Errors
+    /// As for [`insert`](Self::insert).
+    pub fn recognise_sides<D: AsRef<[f32]>>(
+        &self,
+        sides: &[impl AsRef<[D]>],
+        rule: impl Into<UnknownRule>,
+    ) -> Result<Recognition, Error> {
+        if !self.is_regression() {
+            return self.least_sum_of_distances(sides, rule.into());
+        }
+        let mut evidence = Vec::with_capacity(sides.len());
+        for side in sides {
+            let mut found = NearestNeighbours::new(N_NEIGHBOURS);
+            self.search_all(side.as_ref(), &mut found)?;
+            evidence.push(self.evidence(found.views()));
+        }
+        Ok(self.decide(evidence.iter(), rule.into()))
+    }
+
+    /// True if recognition is by local ridge regression, else by the nearest view.
+    fn is_regression(&self) -> bool {
+        self.calibration.is_some() && self.metric == Metric::Euclidean
+    }
+
+    fn least_sum_of_distances<D: AsRef<[f32]>>(
+        &self,
+        sides: &[impl AsRef<[D]>],
+        rule: UnknownRule,
+    ) -> Result<Recognition, Error> {
+        let mut sums: BTreeMap<u64, (f32, ScoredView)> = BTreeMap::new();
+        for side in sides {
+            let mut found = CategoryMinima::default();
+            self.search_all(side.as_ref(), &mut found)?;
+            for (category, nearest) in found.views {
+                let distance = self
+                    .metric
+                    .distance_from_score(nearest.score, self.dimension);
+                let (sum, least) = sums.entry(category).or_insert((0.0, nearest));
+                *sum += distance;
+                if nearest.precedes(least) {
+                    *least = nearest;
+                }
+            }
+        }
+        let mut found = NearestCategories::default();
+        let per_side = (sides.len().max(1) as f32).recip();
+        let mut distances = BTreeMap::new();
+        for (category, (sum, nearest)) in sums {
+            found.offer(ScoredView {
+                score: sum,
+                ..nearest
+            });
+            distances.insert(category, sum * per_side);
+        }
+        let mut answer = self.nearest_view_answer(found, UnknownRule::FartherThan(f32::INFINITY));
+        let categories = found
+            .views()
+            .map(|scored| scored.map(|scored| scored.category));
+        for (neighbour, category) in answer.nearest.iter_mut().zip(categories) {
+            if let (Some(neighbour), Some(category)) = (neighbour, category) {
+                neighbour.distance = distances[&category];
+            }
+        }
+        Ok(Self::judged(answer, sides.len(), rule))
+    }
+
+    fn search_all(
+        &self,
+        descriptors: &[impl AsRef<[f32]>],
+        found: &mut impl NearestList,
+    ) -> Result<(), Error> {
         for descriptors in descriptors.chunks(N_QUERIES_MAX) {
             let queries = self.checked(descriptors)?;
             let queries = &queries[..descriptors.len()];
             match self.metric {
                 Metric::Euclidean => {
                     let all = 0..self.views.blocks().len();
-                    pruned_search::search(&self.views, all, queries, &mut found, |_| {});
+                    pruned_search::search(&self.views, all, queries, found);
                 }
-                _ => self.compare_all(queries, &mut found),
+                _ => self.compare_all(queries, found),
             }
         }
-        Ok(self.recognition(found, rule.into()))
+        Ok(())
     }
 
-    fn compare_all(&self, queries: &[&[f32]], found: &mut NearestCategories) {
+    fn compare_all(&self, queries: &[&[f32]], found: &mut impl NearestList) {
         for query in queries {
             for (block, first_row) in self.views.blocks().iter().zip((0..).step_by(BLOCK_LEN)) {
                 for (row, view) in (first_row..).zip(block.views()) {
@@ -258,7 +361,8 @@ impl CategoryIndex {
         }
     }
 
-    fn recognition(&self, found: NearestCategories, rule: UnknownRule) -> Recognition {
+    /// Answer of an index without calibration: the category of the nearest view.
+    fn nearest_view_answer(&self, found: NearestCategories, rule: UnknownRule) -> Recognition {
         let nearest = found.views().map(|scored| {
             scored.map(
                 |ScoredView {
@@ -267,28 +371,33 @@ impl CategoryIndex {
                     view,
                     category: self.views.view(row).name.clone(),
                     distance: self.metric.distance_from_score(score, self.dimension),
+                    probability: None,
                 },
             )
         });
-        let distance = nearest[0]
-            .as_ref()
-            .map_or(f32::INFINITY, |first| first.distance);
-        let novelty = self.novelty(&nearest);
-        let probability = self
-            .calibration
-            .and_then(|calibration| novelty.map(|novelty| calibration.probability(novelty)));
-        let is_known = match rule {
-            UnknownRule::FartherThan(threshold) => distance <= threshold,
-            UnknownRule::LessProbableThan(least) => probability.is_none_or(|p| p >= least),
-        };
-        let winner = nearest[0].as_ref().filter(|_| is_known);
-        Recognition {
-            label: winner.map(|first| first.category.clone()),
-            distance,
-            novelty,
-            probability,
+        let answer = Recognition {
+            label: None,
+            distance: f32::INFINITY,
+            novelty: None,
+            probability: None,
+            n_sides: 1,
             nearest,
-        }
+        };
+        Self::judged(answer, 1, rule)
+    }
+
+    /// Answer with distance and label of its nearest category, unless the rule rejects it.
+    fn judged(mut answer: Recognition, n_sides: usize, rule: UnknownRule) -> Recognition {
+        let first = answer.nearest[0].as_ref();
+        answer.distance = first.map_or(f32::INFINITY, |first| first.distance);
+        let is_known = match rule {
+            UnknownRule::FartherThan(threshold) => answer.distance <= threshold,
+            UnknownRule::LessProbableThan(_) => true,
+        };
+        let winner = first.filter(|_| is_known);
+        answer.label = winner.map(|first| first.category.clone());
+        answer.n_sides = n_sides;
+        answer
     }
 
     /// Checked queries, up to four; the remaining entries are empty.
@@ -306,6 +415,12 @@ impl CategoryIndex {
 
     fn check(&self, descriptor: &[f32]) -> Result<(), Error> {
         self.metric.check(descriptor, self.dimension)
+    }
+
+    /// Begins a new revision, which changes a view.
+    fn log_change(&mut self, view: ViewId) {
+        self.revision = new_revision();
+        self.changes.push(self.revision, view);
     }
 
     fn assign(&mut self, row: usize, category: &CategoryName) {
@@ -347,6 +462,7 @@ impl CategoryIndex {
     }
 }
 
+/// Revision that no other state of any index has; later ones are larger.
 fn new_revision() -> u64 {
     static LAST: AtomicU64 = AtomicU64::new(0);
     LAST.fetch_add(1, Ordering::Relaxed) + 1

@@ -34,6 +34,7 @@ mod metric;
 mod calibration;
 mod category_index;
 mod nearest_categories;
+mod nearest_neighbours;
 mod recognition;
 
 mod instance_pruning;
@@ -43,7 +44,7 @@ mod labelling;
 mod test_noise;
 
 pub use calibration::Calibration;
-pub use category_index::{CategoryIndex, NearestViewCache};
+pub use category_index::{CategoryIndex, TrackEvidence, ViewUse};
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use error::Error;
 pub use instance_pruning::redundant_views;

@@ -11,8 +11,8 @@ pub enum UnknownRule {
     /// Unknown if the nearest view is farther than this distance, as in the paper of
     /// GOOD.
     FartherThan(f32),
-    /// Unknown if the probability of the nearest category is below this value, 0 to 1.
-    /// Without a calibration every object is known.
+    /// Unknown if the probability that the object belongs to any taught category is below
+    /// this value, 0 to 1. Without a calibration every object is known.
     LessProbableThan(f32),
 }
 
@@ -25,19 +25,21 @@ impl From<f32> for UnknownRule {
 /// Recognition result with its evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recognition {
-    /// Category of the nearest view; `None` when the object is rejected as unknown or
-    /// nothing was taught.
+    /// Best category; `None` when the object is rejected as unknown or nothing was taught.
     pub label: Option<CategoryName>,
-    /// Distance to the nearest view; infinite when nothing was taught.
+    /// Distance to the nearest view of that category, mean over the sides; infinite when
+    /// nothing was taught.
     pub distance: f32,
-    /// Novelty score of a calibrated index: the larger, the less likely the object
-    /// belongs to a taught category. Infinite when nothing was taught.
+    /// Novelty score of a calibrated index: negative logarithm of the probability.
+    /// Infinite when nothing was taught.
     pub novelty: Option<f32>,
-    /// Probability that the object belongs to the nearest category, 0 to 1; `None`
-    /// without a calibration.
+    /// Probability that the object belongs to the best category, 0 to 1; `None` without a
+    /// calibration, 0 when nothing was taught.
     pub probability: Option<f32>,
-    /// Nearest view of each of the nearest categories, nearest first, before rejection;
-    /// unused entries are `None`.
+    /// Number of different sides of the object that the answer rests on.
+    pub n_sides: usize,
+    /// Best categories with their nearest views, best first, before rejection; unused
+    /// entries are `None`. Without a calibration the nearest are the best.
     pub nearest: [Option<Neighbour>; N_NEAREST],
 }
 
@@ -50,4 +52,20 @@ pub struct Neighbour {
     pub category: CategoryName,
     /// Descriptor distance to the neighbouring view.
     pub distance: f32,
+    /// Probability of the category, 0 to 1; `None` without a calibration.
+    pub probability: Option<f32>,
+}
+
+impl Recognition {
+    /// Answer of a calibrated index without views.
+    pub(crate) fn of_nothing() -> Self {
+        Self {
+            label: None,
+            distance: f32::INFINITY,
+            novelty: Some(f32::INFINITY),
+            probability: Some(0.0),
+            n_sides: 0,
+            nearest: [const { None }; N_NEAREST],
+        }
+    }
 }

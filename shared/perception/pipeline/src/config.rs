@@ -6,7 +6,7 @@ use learning::{Calibration, CategoryIndex, Metric, UnknownRule};
 use tracking::{AssociationConfig, MotionConfig};
 
 /// Descriptor kind of this version; only descriptors of equal kind are comparable.
-pub const DESCRIPTOR_KIND: &str = "appearance-1-upright";
+pub const DESCRIPTOR_KIND: &str = "appearance-2-upright";
 
 /// Validated settings of tracking and recognition.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,25 +63,34 @@ pub fn category_index() -> CategoryIndex {
     CategoryIndex::new(DESCRIPTOR_DIMENSION, METRIC).with_calibration(calibration)
 }
 
-/// Probability calibration for descriptors with axes of this kind; the live system uses
+/// Calibration of recognition for descriptors with axes of this kind; the live system uses
 /// upright axes.
 ///
-/// The parameters are fitted to views of simulated and of scanned objects and to the
-/// Restaurant data set, with 1 to 50 taught views per category.
+/// The parameters are fitted by maximum likelihood to views of simulated, of mesh and of
+/// scanned objects (upright) and to the Restaurant data set (principal), with 1 to 100
+/// taught views per category, half of the categories untaught.
 pub fn calibration(kind: AxesKind) -> Calibration {
-    let axis_hypotheses_of: fn(&[f32]) -> Vec<Vec<f32>> = match kind {
-        AxesKind::Principal => {
-            |stored| AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Principal).into()
-        }
-        AxesKind::Upright => {
-            |stored| AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Upright).into()
-        }
+    let upright = Calibration {
+        axis_hypotheses_of: |stored| {
+            AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Upright).into()
+        },
+        kernel_width: 2.5,
+        ridge: 0.03,
+        spread_prior: 0.75,
+        score_weight: 8.1,
+        unknown_bias: 3.7,
+        unknown_slope: 2.4,
     };
-    Calibration {
-        axis_hypotheses_of,
-        spread_prior: 0.6,
-        unrelated_distance_prior: 1.5,
-        even_odds_novelty: 0.9,
-        steepness: 4.2,
+    match kind {
+        AxesKind::Upright => upright,
+        AxesKind::Principal => Calibration {
+            axis_hypotheses_of: |stored| {
+                AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Principal).into()
+            },
+            score_weight: 7.0,
+            unknown_bias: 4.7,
+            unknown_slope: 2.5,
+            ..upright
+        },
     }
 }

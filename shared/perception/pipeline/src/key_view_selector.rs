@@ -8,7 +8,7 @@ use tracking::KeyViewRule;
 /// Descriptor distance to every earlier key view above which a view is novel. Two frames
 /// of the same standing object differ by about half of it. Chosen; sensitivity: see
 /// `tabula-lab sweep`.
-const NOVELTY_MIN: f32 = 0.3;
+const NOVELTY_MIN: f32 = 0.45;
 
 /// Number of most recent key views with which a new view is compared. Chosen;
 /// sensitivity: see `tabula-lab sweep`.

@@ -7,7 +7,7 @@ use crate::track::WHOLE_FRACTION_MIN;
 use crate::{Config, Error};
 use description::{AppearanceDescriptor, AppearanceWeights, N_AXIS_HYPOTHESES, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
-use learning::{CategoryIndex, CategoryName, N_NEAREST, NearestViewCache, Neighbour};
+use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour, TrackEvidence, ViewUse};
 use nalgebra::Vector3;
 use point_cloud::Point;
 use tracking::{MotionFilter, ObservationContext};
@@ -25,12 +25,11 @@ pub struct ObjectState {
     n_key_views: u32,
 }
 
-/// Scratch memory and nearest-view cache of one object. Sharing it between objects gives
-/// equal results but defeats the cache.
+/// Scratch memory and evidence of one object; not to be shared between objects.
 #[derive(Debug, Clone)]
 pub struct ObjectWorkspace {
     appearance: AppearanceDescriptor,
-    nearest_views: NearestViewCache,
+    evidence: TrackEvidence,
 }
 
 impl ObjectWorkspace {
@@ -42,7 +41,7 @@ impl ObjectWorkspace {
         Ok(Self {
             appearance: AppearanceDescriptor::new(AppearanceWeights::default())
                 .map_err(Error::Description)?,
-            nearest_views: NearestViewCache::default(),
+            evidence: TrackEvidence::default(),
         })
     }
 }
@@ -70,12 +69,15 @@ pub struct Posterior {
     pub is_key_view: bool,
     /// Recognised category of the object; `None` when unknown.
     pub label: Option<CategoryName>,
-    /// Distance to the nearest stored view; infinite when nothing was taught.
+    /// Distance to the nearest stored view of the best category, mean over the sides of
+    /// the object; infinite when nothing was taught.
     pub distance: f32,
-    /// Probability that the object belongs to the nearest category; `None` when nothing
-    /// was taught.
+    /// Probability that the object belongs to the best category; `None` when nothing was
+    /// taught.
     pub probability: Option<f32>,
-    /// Nearest stored view of each of the nearest categories, nearest first.
+    /// Number of different sides of the object that the answer rests on.
+    pub n_sides: usize,
+    /// Best categories with their nearest stored views, best first.
     pub nearest: [Option<Neighbour>; N_NEAREST],
     /// Number of key views of the object, this one included.
     pub n_key_views: u32,
@@ -120,7 +122,7 @@ impl ObjectState {
     }
 
     /// Processes one view: updates the motion filter, describes the points, recognises
-    /// the category over all axis hypotheses and selects key views. The descriptor of
+    /// the category over all sides of the object and selects key views. The descriptor of
     /// the first hypothesis, which is the one to be stored, is written to `output`.
     ///
     /// *Frame*: points in the camera frame, posterior in the world frame.
@@ -165,20 +167,21 @@ impl ObjectState {
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
         let ObjectWorkspace {
             appearance,
-            nearest_views,
+            evidence,
         } = tools;
         let hypotheses = describe(points, measured, appearance)?;
         end_stage(ObservationStage::Described);
-        let answer = taught
-            .recognise_incremental(hypotheses, config.unknown_rule(), nearest_views)
-            .map_err(Error::Learning)?;
-        end_stage(ObservationStage::Recognised);
-        descriptor.clone_from(&hypotheses[0]);
         let pose = observable_pose(&filter.box_in_world());
         let is_whole = !measured.is_truncated && filter.completeness() >= WHOLE_FRACTION_MIN;
         let is_key_view =
             self.key_view_selector
                 .accept(filter.stamp_ns(), &pose, is_whole, hypotheses);
+        let view_use = view_use(is_key_view, is_whole);
+        let answer = taught
+            .recognise_track(hypotheses, view_use, config.unknown_rule(), evidence)
+            .map_err(Error::Learning)?;
+        end_stage(ObservationStage::Recognised);
+        descriptor.clone_from(&hypotheses[0]);
         let view_id = self.n_views;
         self.n_views = self.n_views.saturating_add(1);
         self.n_key_views = self.n_key_views.saturating_add(u32::from(is_key_view));
@@ -190,9 +193,18 @@ impl ObjectState {
             label: answer.label,
             distance: answer.distance,
             probability: answer.probability.filter(|_| answer.nearest[0].is_some()),
+            n_sides: answer.n_sides,
             nearest: answer.nearest,
             n_key_views: self.n_key_views,
         })
+    }
+}
+
+fn view_use(is_key_view: bool, is_whole: bool) -> ViewUse {
+    match (is_key_view, is_whole) {
+        (true, _) => ViewUse::KeyView,
+        (false, true) => ViewUse::Whole,
+        (false, false) => ViewUse::Partial,
     }
 }
 

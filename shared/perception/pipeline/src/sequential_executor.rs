@@ -39,8 +39,9 @@ pub struct SequentialState {
     detection: Detection,
     bodies: BodyMap,
     expected: Vec<ExpectedTrack>,
-    objects: BTreeMap<u64, ObjectState>,
-    tools: ObjectWorkspace,
+    objects: BTreeMap<u64, (ObjectState, ObjectWorkspace)>,
+    /// Workspace without evidence, for new objects.
+    empty: ObjectWorkspace,
     categories: CategoryIndex,
     descriptor: Vec<f32>,
     last_track_id: u64,
@@ -60,7 +61,7 @@ impl SequentialState {
             bodies: BodyMap::default(),
             expected: Vec::new(),
             objects: BTreeMap::new(),
-            tools: ObjectWorkspace::new()?,
+            empty: ObjectWorkspace::new()?,
             categories: category_index(),
             descriptor: Vec::new(),
             last_track_id: 0,
@@ -135,12 +136,13 @@ impl SequentialExecutor<'_> {
                 indices: detection.points_of(candidate),
                 measured: &sighting.measured,
             };
-            let object = state.objects.entry(sighting.track_id).or_default();
+            let new = || (ObjectState::default(), state.empty.clone());
+            let (object, tools) = state.objects.entry(sighting.track_id).or_insert_with(new);
             let posterior = object.observe(
                 &observation,
                 &state.categories,
                 &state.config,
-                &mut state.tools,
+                tools,
                 &mut state.descriptor,
             )?;
             sink.apply(sighting.track_id, &posterior);

@@ -8,8 +8,9 @@
 
 mod views;
 
+use description::{AppearanceDescriptor, AxesKind};
 use divan::{Bencher, black_box};
-use learning::{CategoryIndex, CategoryName, Metric, NearestViewCache, ViewId};
+use learning::{Calibration, CategoryIndex, CategoryName, Metric, TrackEvidence, ViewId, ViewUse};
 use std::sync::OnceLock;
 use views::{N_AXIS_HYPOTHESES, View, views};
 
@@ -31,6 +32,21 @@ fn all() -> &'static [View] {
     VIEWS.get_or_init(|| views(N_VIEWS + N_VIEWS / ONE_ASKED_OF))
 }
 
+/// Calibration like that of the live system.
+fn calibration() -> Calibration {
+    Calibration {
+        axis_hypotheses_of: |stored| {
+            AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Upright).into()
+        },
+        kernel_width: 2.5,
+        ridge: 0.03,
+        spread_prior: 0.75,
+        score_weight: 8.0,
+        unknown_bias: 4.0,
+        unknown_slope: 2.5,
+    }
+}
+
 fn id(number: usize) -> ViewId {
     ViewId {
         track_id: number as u64,
@@ -40,7 +56,8 @@ fn id(number: usize) -> ViewId {
 
 /// Index with an evenly strided subset of the views, and the queries.
 fn taught(n_views: usize) -> (CategoryIndex, Vec<&'static AxisHypotheses>) {
-    let mut index = CategoryIndex::new(views::DIMENSION, Metric::Euclidean);
+    let index = CategoryIndex::new(views::DIMENSION, Metric::Euclidean);
+    let mut index = index.with_calibration(calibration());
     let is_asked = |&(number, _): &(usize, &View)| number % ONE_ASKED_OF == 7;
     let (asked, stored): (Vec<_>, Vec<_>) = all().iter().enumerate().partition(is_asked);
     for (number, view) in stored.iter().step_by(N_VIEWS / n_views) {
@@ -63,22 +80,22 @@ fn recognise(bencher: Bencher<'_, '_>, n_views: usize) {
         });
 }
 
-/// Incremental recognition of twenty objects at rest.
+/// Recognition of twenty objects at rest, frame by frame.
 #[divan::bench(args = [1000, 10_000, 100_000], sample_count = 500, sample_size = 1)]
-fn recognise_incremental(bencher: Bencher<'_, '_>, n_views: usize) {
+fn recognise_track(bencher: Bencher<'_, '_>, n_views: usize) {
     let (index, asked) = taught(n_views);
     let seen = asked.into_iter().take(20);
     let mut objects: Vec<_> = seen
-        .map(|queries| (queries, NearestViewCache::default()))
+        .map(|queries| (queries, TrackEvidence::default()))
         .collect();
-    for (queries, cache) in &mut objects {
-        let _ = index.recognise_incremental(*queries, 1.0, cache);
+    for (queries, track) in &mut objects {
+        let _ = index.recognise_track(*queries, ViewUse::KeyView, 1.0, track);
     }
     let mut next = 0;
     bencher.bench_local(|| {
         next = (next + 1) % objects.len();
-        let (queries, cache) = &mut objects[next];
-        index.recognise_incremental(black_box(*queries), 1.0, cache)
+        let (queries, track) = &mut objects[next];
+        index.recognise_track(black_box(*queries), ViewUse::Whole, 1.0, track)
     });
 }
 

@@ -3,7 +3,7 @@
 use super::sketch::{BLOCK_LEN, DistanceBounds, N_QUERIES_MAX, QuerySketch, SketchLevel};
 use super::view_table::{ViewBlock, ViewTable};
 use crate::Metric;
-use crate::nearest_categories::NearestCategories;
+use crate::nearest_categories::NearestList;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -12,27 +12,24 @@ use std::sync::Arc;
 const GROUP_LEN: usize = 512;
 
 /// State of a pruned search: queries, bounds and nearest views so far.
-struct PrunedSearch<'a, F> {
+struct PrunedSearch<'a, L> {
     queries: &'a [&'a [f32]],
     coarse: QuerySketch,
     fine: QuerySketch,
     bounds: DistanceBounds,
-    found: &'a mut NearestCategories,
-    on_nearer: F,
+    found: &'a mut L,
     n_compared: usize,
 }
 
 /// Exact nearest-neighbour search for one to four queries of an object. Views whose
 /// lower bound exceeds the present result are skipped; the distances of the others are
-/// computed as in an exhaustive search, so the result is equal bit for bit. Calls
-/// `on_nearer` with the row of each view that becomes the nearest of its category, and
-/// returns the number of compared views.
+/// computed as in an exhaustive search, so the result is equal bit for bit. Returns the
+/// number of compared views.
 pub(super) fn search(
     table: &ViewTable,
     blocks: Range<usize>,
     queries: &[&[f32]],
-    found: &mut NearestCategories,
-    on_nearer: impl FnMut(usize),
+    found: &mut impl NearestList,
 ) -> usize {
     let first_block = blocks.start;
     let mut search = PrunedSearch {
@@ -41,7 +38,6 @@ pub(super) fn search(
         fine: QuerySketch::new(queries, SketchLevel::Fine),
         bounds: [[0.0; BLOCK_LEN]; N_QUERIES_MAX],
         found,
-        on_nearer,
         n_compared: 0,
     };
     for (group, blocks) in table.blocks()[blocks].chunks(GROUP_LEN).enumerate() {
@@ -50,7 +46,7 @@ pub(super) fn search(
     search.n_compared
 }
 
-impl<F: FnMut(usize)> PrunedSearch<'_, F> {
+impl<L: NearestList> PrunedSearch<'_, L> {
     fn search_group(&mut self, blocks: &[Arc<ViewBlock>], first_row: usize) {
         let mut order = [(f32::INFINITY, 0); GROUP_LEN];
         for (i, block) in blocks.iter().enumerate() {
@@ -104,9 +100,7 @@ impl<F: FnMut(usize)> PrunedSearch<'_, F> {
             if bounds[place] > bound {
                 continue;
             }
-            if block.offer(row, (Metric::Euclidean, query), bound, self.found) {
-                (self.on_nearer)(row);
-            }
+            block.offer(row, (Metric::Euclidean, query), bound, self.found);
         }
     }
 }

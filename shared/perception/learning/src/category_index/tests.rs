@@ -91,6 +91,7 @@ fn brute_force(model: &Model, metric: Metric, query: &[f32]) -> Vec<Neighbour> {
                 view,
                 category: category.clone(),
                 distance,
+                probability: None,
             });
         }
     }
@@ -115,10 +116,12 @@ fn answers(index: &CategoryIndex) -> Vec<Recognition> {
 /// Calibration with two axis hypotheses: a descriptor and its reverse.
 const CALIBRATION: Calibration = Calibration {
     axis_hypotheses_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
+    kernel_width: 1.0,
+    ridge: 0.03,
     spread_prior: 0.5,
-    unrelated_distance_prior: 1.5,
-    even_odds_novelty: 0.9,
-    steepness: 4.0,
+    score_weight: 8.0,
+    unknown_bias: 4.0,
+    unknown_slope: 2.5,
 };
 
 fn calibrated() -> CategoryIndex {
@@ -143,9 +146,16 @@ proptest! {
         let rule = UnknownRule::LessProbableThan(0.5);
         let found = index.recognise(&descriptor(asked), rule).unwrap();
         let expected = fresh.recognise(&descriptor(asked), rule).unwrap();
-        prop_assert_eq!(&found.nearest, &expected.nearest);
-        let (found, expected) = (found.novelty.unwrap(), expected.novelty.unwrap());
-        prop_assert!(found == expected || (found - expected).abs() < 1e-4 * expected.abs());
+        prop_assert_eq!(&found.label, &expected.label);
+        for pair in found.nearest.iter().zip(&expected.nearest) {
+            match pair {
+                (Some(a), Some(b)) => {
+                    prop_assert_eq!((a.view, &a.category, a.distance), (b.view, &b.category, b.distance));
+                    prop_assert!((a.probability.unwrap() - b.probability.unwrap()).abs() < 1e-6);
+                }
+                (a, b) => prop_assert_eq!(a, b),
+            }
+        }
     }
 
     #[test]
@@ -357,4 +367,76 @@ fn a_novel_object_is_improbable_and_unknown() {
     let strange = index.recognise(&at(30, 1.0), rule).unwrap();
     assert_eq!(strange.label, None);
     assert!(strange.probability.unwrap() < 0.1);
+}
+
+#[test]
+fn evidence_of_several_views_outweighs_one_near_stranger() {
+    let mut index = calibrated();
+    let at = |x: f32, y: f32| {
+        let mut values = vec![0.0; DIMENSION];
+        (values[0], values[1]) = (x, y);
+        values
+    };
+    // Four mugs around the object, and a can that is nearest by a little.
+    let around = [(0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5)];
+    for (view_id, (x, y)) in (0..).zip(around) {
+        let id = ViewId {
+            track_id: 1,
+            view_id,
+        };
+        index.insert(id, &name(1), &at(x, y)).unwrap();
+    }
+    let can = ViewId {
+        track_id: 2,
+        view_id: 0,
+    };
+    index.insert(can, &name(2), &at(0.34, 0.34)).unwrap();
+    let answer = index.recognise(&at(0.0, 0.0), f32::INFINITY).unwrap();
+    assert_eq!(answer.label, Some(name(1)));
+    let [first, second, ..] = answer.nearest.each_ref().map(|n| n.as_ref());
+    assert!(second.unwrap().distance < first.unwrap().distance);
+}
+
+#[test]
+fn sides_that_disagree_are_decided_by_their_mean() {
+    let mut index = calibrated();
+    let at = |place: usize, value: f32| {
+        let mut values = vec![0.0; DIMENSION];
+        values[place] = value;
+        values
+    };
+    for (track_id, place, category) in [(1, 0, 1), (2, 10, 1), (3, 20, 2), (4, 0, 2)] {
+        let id = ViewId {
+            track_id,
+            view_id: 0,
+        };
+        let value = if track_id == 4 { 0.8 } else { 1.0 };
+        index
+            .insert(id, &name(category), &at(place, value))
+            .unwrap();
+    }
+    // Alone the first side is between the categories; the second one decides.
+    let sides = [[at(0, 0.88)], [at(10, 1.0)]];
+    let alone = index.recognise(&sides[0][0], f32::INFINITY).unwrap();
+    assert_eq!(alone.label, Some(name(2)));
+    let both = index.recognise_sides(&sides, f32::INFINITY).unwrap();
+    assert_eq!((both.label, both.n_sides), (Some(name(1)), 2));
+}
+
+#[test]
+fn without_calibration_the_sides_add_their_distances() {
+    let mut index = CategoryIndex::new(2, Metric::Euclidean);
+    for (track_id, category, values) in [(1, 1, [0.0, 0.0]), (2, 2, [0.3, 0.0]), (3, 2, [0.0, 1.0])]
+    {
+        let id = ViewId {
+            track_id,
+            view_id: 0,
+        };
+        index.insert(id, &name(category), &values).unwrap();
+    }
+    // 0 + 1 to the first category, 0.3 + 0 to the second.
+    let sides = [[vec![0.0, 0.0]], [vec![0.0, 1.0]]];
+    let answer = index.recognise_sides(&sides, f32::INFINITY).unwrap();
+    assert_eq!(answer.label, Some(name(2)));
+    assert!((answer.distance - 0.15).abs() < 1e-6, "{}", answer.distance);
 }

@@ -1,7 +1,7 @@
 //! Table of taught views in copy-on-write blocks.
 
 use super::sketch::{BLOCK_LEN, SketchBlock};
-use crate::nearest_categories::{NearestCategories, ScoredView};
+use crate::nearest_categories::{NearestList, ScoredView};
 use crate::{CategoryName, Metric, ViewId};
 use std::sync::Arc;
 
@@ -127,26 +127,26 @@ impl ViewBlock {
         self.sketches.as_ref()
     }
 
-    /// Compares a query with the view of a row and offers it to the result; `true` if it
-    /// became the nearest of its category. Its score must not exceed `bound`.
+    /// Compares a query with the view of a row and offers it to the result unless its
+    /// score exceeds `bound`.
     #[inline]
     pub(super) fn offer(
         &self,
         row: usize,
         (metric, query): (Metric, &[f32]),
         bound: f32,
-        found: &mut NearestCategories,
-    ) -> bool {
+        found: &mut impl NearestList,
+    ) {
         let view = &self.views[row % BLOCK_LEN];
         let score = metric.bounded_score(query, self.descriptor(row % BLOCK_LEN), bound);
-        score.is_some_and(|score| {
+        if let Some(score) = score {
             found.offer(ScoredView {
                 score,
                 view: view.id,
                 category: view.category,
                 row,
-            })
-        })
+            });
+        }
     }
 
     fn describe(&mut self, place: usize, descriptor: &[f32]) {

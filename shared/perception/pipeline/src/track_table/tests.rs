@@ -53,6 +53,7 @@ fn posterior_of(track: &Track) -> Posterior {
         label: None,
         distance: f32::INFINITY,
         probability: None,
+        n_sides: 0,
         nearest: Default::default(),
         n_key_views: 0,
     }

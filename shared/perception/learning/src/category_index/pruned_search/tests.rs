@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::category_index::test_views::{clustered, id, name};
+use crate::nearest_categories::NearestCategories;
 use crate::recognition::N_NEAREST;
 use crate::test_noise::noise;
 use crate::{CategoryIndex, CategoryName, Neighbour, ViewId};
@@ -46,6 +47,7 @@ fn brute_force<'a>(
                 view,
                 category,
                 distance,
+                probability: None,
             });
         }
     }
@@ -201,7 +203,6 @@ fn the_bounds_prune_most_views() {
         0..index.views.blocks().len(),
         &queries,
         &mut found,
-        |_| {},
     );
     assert!((4..500).contains(&n_compared), "{n_compared} of 2000");
 }

@@ -1,28 +1,13 @@
-//! Novelty scores and the maintenance of intra-category distances of a calibrated index.
+//! Maintenance of the intra-category distances of a calibrated index.
 
 use super::CategoryIndex;
 use super::intra_category_distances::{NeighbourDistance, nearer};
 use super::view_rows::ViewRows;
 use super::view_table::ViewTable;
-use crate::calibration::DistanceSum;
-use crate::recognition::N_NEAREST;
-use crate::{Metric, Neighbour, ViewId};
+use crate::{Metric, ViewId};
 use std::sync::Arc;
 
 impl CategoryIndex {
-    /// Novelty score of an object from its nearest categories; `None` without a
-    /// calibration.
-    pub(super) fn novelty(&self, nearest: &[Option<Neighbour>; N_NEAREST]) -> Option<f32> {
-        let calibration = self.calibration?;
-        let Some(first) = &nearest[0] else {
-            return Some(f32::INFINITY);
-        };
-        let own = self.categories.get(&first.category);
-        let own = own.map_or_else(DistanceSum::default, |category| category.spread.distances());
-        let runner_up = nearest[1].as_ref().map(|second| second.distance);
-        Some(calibration.novelty(first.distance, runner_up, own, self.distances))
-    }
-
     /// Adds a view to the intra-category distances of its category.
     pub(super) fn add_to_spread(&mut self, row: usize) {
         let Some(calibration) = self.calibration else {

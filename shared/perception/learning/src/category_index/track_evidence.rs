@@ -1,0 +1,347 @@
+//! Evidence of a track: the different sides from which its object was seen.
+
+use super::CategoryIndex;
+use super::evidence::{Evidence, N_NEIGHBOURS};
+use super::pruned_search::search;
+use super::sketch::N_QUERIES_MAX;
+use crate::nearest_categories::{NearestList, ScoredView};
+use crate::nearest_neighbours::NearestNeighbours;
+use crate::{Error, Metric, Recognition, UnknownRule, ViewId};
+
+/// Number of nearest views kept for a side; those beyond the neighbours of the regression
+/// replace forgotten ones. Chosen.
+const N_KEPT: usize = N_NEIGHBOURS + 32;
+
+/// Maximum number of sides; the oldest is dropped. Chosen.
+const N_SIDES_MAX: usize = 8;
+
+/// Ratio of the change of a description to the distance of its nearest view below which
+/// it is the same side. Chosen; sensitivity: see `tabula-lab sweep`.
+const CHANGE_RATIO_MAX: f32 = 0.5;
+
+/// Change of a description below which it is the same side anyway, as long as the
+/// category of its nearest view is the same. Chosen: two frames of an object at rest.
+const CHANGE_MIN: f32 = 0.45;
+
+/// Number of nearest views that are compared with a changed description.
+const N_COMPARED: usize = 8;
+
+/// Number of frames between two searches for a description that keeps changing. Chosen:
+/// six searches a second.
+const SEARCH_PERIOD: u32 = 5;
+
+/// Score of a category below which a side contradicts it.
+const CONTRADICTION_MAX: f32 = 0.1;
+
+/// Number of consecutive frames of contradiction after which the earlier sides are
+/// dropped: half a second.
+const N_CONTRADICTIONS_MAX: u32 = 15;
+
+/// Use of a view in [`CategoryIndex::recognise_track`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ViewUse {
+    /// View of a part of the object, which counts only while there is no other.
+    Partial,
+    /// View of the whole object, which counts while it is seen.
+    Whole,
+    /// View of the whole object at rest, which counts from now on.
+    KeyView,
+}
+
+/// Evidence of one track over the different sides of its object, for
+/// [`CategoryIndex::recognise_track`]. It holds a few descriptors, no views of the index.
+#[derive(Debug, Clone, Default)]
+pub struct TrackEvidence {
+    /// Different sides, oldest first.
+    sides: Vec<Side>,
+    /// Side in view if it is none of them.
+    current: Option<Side>,
+    n_frames_since_search: u32,
+    n_contradictions: u32,
+    /// Last answer with the revision of the index and the rule; `None` after a change.
+    answer: Option<(u64, UnknownRule, Recognition)>,
+}
+
+/// Description of one side with its nearest stored views.
+#[derive(Debug, Clone)]
+struct Side {
+    queries: Vec<Vec<f32>>,
+    /// Revision of the index that the nearest views are those of.
+    revision: u64,
+    /// Nearest views, nearest first: all with a score of less than `reach`.
+    nearest: Vec<ScoredView>,
+    reach: f32,
+    evidence: Evidence,
+    /// `true` if the view showed a part of the object only.
+    is_partial: bool,
+}
+
+impl TrackEvidence {
+    /// Number of different sides that count.
+    pub fn n_sides(&self) -> usize {
+        self.sides.len() + usize::from(self.current.is_some())
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Side> + Clone {
+        self.sides.iter().chain(&self.current)
+    }
+}
+
+impl CategoryIndex {
+    /// Recognition of a tracked object from all of its sides that were seen: different
+    /// sides count, equal ones do not.
+    ///
+    /// The answer is that of an exhaustive search for the descriptions of the sides, at a
+    /// cost independent of the index size while the object shows the same side: after a
+    /// change of the index only the changed views are compared. A description that keeps
+    /// changing is searched for in every fifth frame.
+    ///
+    /// A side that contradicts the answer of the others for half a second replaces them.
+    /// Metrics without calibration are searched exhaustively, frame by frame.
+    ///
+    /// # Errors
+    /// As for [`insert`](Self::insert).
+    pub fn recognise_track(
+        &self,
+        queries: &[impl AsRef<[f32]>],
+        view_use: ViewUse,
+        rule: impl Into<UnknownRule>,
+        track: &mut TrackEvidence,
+    ) -> Result<Recognition, Error> {
+        let rule = rule.into();
+        if !self.is_regression() || queries.is_empty() || queries.len() > N_QUERIES_MAX {
+            return self.recognise_any(queries, rule);
+        }
+        let n_queries = queries.len();
+        let queries = &self.checked(queries)?[..n_queries];
+        self.follow_changes(track);
+        let seen = self.look(queries, view_use, track);
+        if let Some((revision, of_rule, answer)) = &track.answer
+            && (*revision, *of_rule) == (self.revision, rule)
+            && track.n_contradictions == 0
+        {
+            return Ok(answer.clone());
+        }
+        let mut answer = self.decide(track.all().map(|side| &side.evidence), rule);
+        if let Some(seen) = seen
+            && view_use != ViewUse::Partial
+            && self.is_replaced(seen, &answer, rule, track)
+        {
+            answer = self.decide(track.all().map(|side| &side.evidence), rule);
+        }
+        track.answer = Some((self.revision, rule, answer.clone()));
+        Ok(answer)
+    }
+
+    /// Brings the sides of a track up to date with the index.
+    fn follow_changes(&self, track: &mut TrackEvidence) {
+        for side in track.sides.iter_mut().chain(&mut track.current) {
+            if side.revision != self.revision {
+                self.follow_changes_of(side);
+                track.answer = None;
+            }
+        }
+    }
+
+    fn follow_changes_of(&self, side: &mut Side) {
+        let before: Vec<ViewId> = side.neighbours().map(|near| near.view).collect();
+        let Some(changes) = self.changes.since(side.revision) else {
+            self.search_again(side);
+            return;
+        };
+        let mut is_changed = false;
+        for view in changes {
+            side.nearest.retain(|near| near.view != view);
+            is_changed |= before.contains(&view);
+            if let Some(row) = self.rows.get(view) {
+                let scored = self.scored(row, &side.queries);
+                is_changed |= side.insert(scored);
+            }
+        }
+        side.revision = self.revision;
+        if side.nearest.len() < N_NEIGHBOURS && side.reach < f32::INFINITY {
+            self.search_again(side);
+            return;
+        }
+        // Rows move when other views are removed.
+        side.nearest.retain_mut(|near| {
+            let row = self.rows.get(near.view);
+            near.row = row.unwrap_or(near.row);
+            row.is_some()
+        });
+        if is_changed {
+            side.evidence = self.evidence(&side.nearest);
+        }
+    }
+
+    fn search_again(&self, side: &mut Side) {
+        *side = Side {
+            is_partial: side.is_partial,
+            ..self.side(&side.queries)
+        };
+    }
+
+    /// Least score of a stored view over the queries.
+    fn scored(&self, row: usize, queries: &[Vec<f32>]) -> ScoredView {
+        let (view, stored) = (self.views.view(row), self.views.descriptor(row));
+        let score = queries.iter().fold(f32::INFINITY, |least, query| {
+            let score = self.metric.bounded_score(query, stored, least);
+            score.unwrap_or(least)
+        });
+        ScoredView {
+            score,
+            view: view.id,
+            category: view.category,
+            row,
+        }
+    }
+
+    /// Side of a description: an exhaustive search.
+    fn side(&self, queries: &[impl AsRef<[f32]>]) -> Side {
+        let queries: Vec<Vec<f32>> = queries
+            .iter()
+            .map(|query| query.as_ref().to_vec())
+            .collect();
+        let borrowed: Vec<&[f32]> = queries.iter().map(Vec::as_slice).collect();
+        let mut found = NearestNeighbours::new(N_KEPT);
+        let all = 0..self.views.blocks().len();
+        search(&self.views, all, &borrowed, &mut found);
+        Side {
+            revision: self.revision,
+            reach: found.worst_score(),
+            nearest: found.views().to_vec(),
+            evidence: self.evidence(found.views()),
+            is_partial: false,
+            queries,
+        }
+    }
+
+    /// Finds the side that a view shows, and adds it to the track if it is new. Returns the place
+    /// of the side among the sides of the track.
+    fn look(
+        &self,
+        queries: &[&[f32]],
+        view_use: ViewUse,
+        track: &mut TrackEvidence,
+    ) -> Option<usize> {
+        track.n_frames_since_search = track.n_frames_since_search.saturating_add(1);
+        let is_shown = |side: &Side| self.is_same_side(side, queries);
+        if let Some(place) = track.sides.iter().position(is_shown) {
+            if track.current.take().is_some() {
+                track.answer = None;
+            }
+            return Some(place);
+        }
+        let is_first = track.n_sides() == 0;
+        let is_current = track.current.as_ref().is_some_and(is_shown);
+        // Parts count only as long as the whole was never seen.
+        let has_part = track.current.as_ref().is_some_and(|side| side.is_partial);
+        let is_partial = view_use == ViewUse::Partial;
+        let is_wanted = !is_partial || (has_part && track.sides.is_empty());
+        let is_urgent = view_use == ViewUse::KeyView || (has_part && !is_partial);
+        let is_due = track.n_frames_since_search >= SEARCH_PERIOD || is_urgent;
+        if is_first || (!is_current && is_wanted && is_due) {
+            track.current = Some(Side {
+                is_partial,
+                ..self.side(queries)
+            });
+            track.n_frames_since_search = 0;
+            track.answer = None;
+        }
+        if view_use == ViewUse::KeyView
+            && let Some(side) = track.current.take()
+        {
+            if track.sides.len() == N_SIDES_MAX {
+                track.sides.remove(0);
+            }
+            track.sides.push(side);
+        }
+        track.n_sides().checked_sub(1)
+    }
+
+    fn is_same_side(&self, side: &Side, queries: &[&[f32]]) -> bool {
+        let Some(described) = side.queries.first() else {
+            return false;
+        };
+        let change = least_score(queries, described);
+        let nearest = side
+            .nearest
+            .first()
+            .map_or(f32::INFINITY, |near| near.score);
+        if change <= CHANGE_RATIO_MAX * CHANGE_RATIO_MAX * nearest {
+            return true;
+        }
+        let compared = side.nearest.iter().take(N_COMPARED);
+        let now = compared.min_by(|a, b| {
+            let score = |near: &ScoredView| least_score(queries, self.views.descriptor(near.row));
+            score(a).total_cmp(&score(b))
+        });
+        let category = |near: &ScoredView| near.category;
+        change <= CHANGE_MIN * CHANGE_MIN && now.map(category) == side.nearest.first().map(category)
+    }
+
+    /// Drops all sides but the one in view if that contradicts the answer for long: the object was
+    /// exchanged. `true` if so.
+    fn is_replaced(
+        &self,
+        seen: usize,
+        answer: &Recognition,
+        rule: UnknownRule,
+        track: &mut TrackEvidence,
+    ) -> bool {
+        let is_contradiction = track.all().nth(seen).is_some_and(|side| {
+            let alone = self.decide(std::iter::once(&side.evidence), rule);
+            let is_other = alone.label.is_some() && alone.label != answer.label;
+            let top = answer.nearest[0].as_ref();
+            is_other
+                && top.is_some_and(|top| side.evidence.score(&top.category) < CONTRADICTION_MAX)
+        });
+        if !is_contradiction {
+            track.n_contradictions = 0;
+            return false;
+        }
+        track.n_contradictions += 1;
+        if track.n_contradictions < N_CONTRADICTIONS_MAX {
+            return false;
+        }
+        track.n_contradictions = 0;
+        if seen < track.sides.len() {
+            track.sides = vec![track.sides.swap_remove(seen)];
+            track.current = None;
+        } else {
+            track.sides.clear();
+        }
+        true
+    }
+}
+
+impl Side {
+    fn neighbours(&self) -> impl Iterator<Item = &ScoredView> {
+        self.nearest.iter().take(N_NEIGHBOURS)
+    }
+
+    /// Inserts a view if it is near enough; `true` if it is a neighbour of the regression.
+    fn insert(&mut self, scored: ScoredView) -> bool {
+        if scored.score >= self.reach {
+            return false;
+        }
+        let place = self.nearest.partition_point(|near| near.precedes(&scored));
+        self.nearest.insert(place, scored);
+        if self.nearest.len() > N_KEPT {
+            self.nearest.truncate(N_KEPT);
+            self.reach = self.nearest[N_KEPT - 1].score;
+        }
+        place < N_NEIGHBOURS
+    }
+}
+
+/// Least squared distance of several queries to one descriptor.
+fn least_score(queries: &[&[f32]], described: &[f32]) -> f32 {
+    queries.iter().fold(f32::INFINITY, |least, query| {
+        let score = Metric::Euclidean.bounded_score(query, described, least);
+        score.unwrap_or(least)
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,184 @@
+//! Recognition of tracks compared with exhaustive recognition.
+
+use super::*;
+use crate::category_index::test_views::{clustered, id, name};
+use crate::test_noise::noise;
+use crate::{Calibration, CategoryName};
+
+const DIMENSION: usize = 90;
+const N_VIEWS: usize = 600;
+
+const CALIBRATION: Calibration = Calibration {
+    axis_hypotheses_of: |stored| vec![stored.to_vec()],
+    kernel_width: 2.0,
+    ridge: 0.03,
+    spread_prior: 2.0,
+    score_weight: 8.0,
+    unknown_bias: 4.0,
+    unknown_slope: 2.5,
+};
+
+fn empty() -> CategoryIndex {
+    CategoryIndex::new(DIMENSION, Metric::Euclidean).with_calibration(CALIBRATION)
+}
+
+fn index() -> CategoryIndex {
+    let mut index = empty();
+    for number in 0..N_VIEWS {
+        let descriptor = clustered(number as u64, DIMENSION, 0.4);
+        // Views of a cluster share a category.
+        index
+            .insert(id(number), &name((number % 7) as u8), &descriptor)
+            .unwrap();
+    }
+    index
+}
+
+/// Description near a stored view, with noise of an amplitude.
+fn seen(number: u64, disturbance: f32, seed: u64) -> [Vec<f32>; 1] {
+    let values = clustered(number, DIMENSION, 0.4).into_iter();
+    let noise = noise(9_000 + seed);
+    [values
+        .zip(noise)
+        .map(|(v, n)| v + disturbance * n)
+        .collect()]
+}
+
+fn look(
+    index: &CategoryIndex,
+    queries: &[Vec<f32>],
+    view_use: ViewUse,
+    track: &mut TrackEvidence,
+) -> Recognition {
+    index
+        .recognise_track(queries, view_use, 1e9, track)
+        .unwrap()
+}
+
+#[test]
+fn an_object_at_rest_is_recognised_as_in_its_first_frame() {
+    let (index, mut track) = (index(), TrackEvidence::default());
+    let first = look(&index, &seen(77, 0.02, 0), ViewUse::KeyView, &mut track);
+    assert_eq!(first, index.recognise_any(&seen(77, 0.02, 0), 1e9).unwrap());
+    for seed in 1..50 {
+        let again = look(&index, &seen(77, 0.02, seed), ViewUse::Whole, &mut track);
+        assert_eq!(again, first);
+    }
+    assert_eq!(track.n_sides(), 1);
+}
+
+#[test]
+fn answers_after_any_change_are_those_of_an_exhaustive_search() {
+    let (mut index, mut track) = (index(), TrackEvidence::default());
+    let queries = seen(77, 0.02, 0);
+    look(&index, &queries, ViewUse::KeyView, &mut track);
+    for step in 0..400_usize {
+        match step % 5 {
+            // Near views, far views, moved and removed ones, the nearest among them.
+            0 => {
+                let near = seen(77, 0.3, step as u64);
+                index.insert(id(9_000 + step), &name(11), &near[0]).unwrap();
+            }
+            1 => {
+                let far = clustered(step as u64 + 3, DIMENSION, 0.4);
+                index.insert(id(9_000 + step), &name(12), &far).unwrap();
+            }
+            2 => drop(index.move_view(id(step), &name(13))),
+            3 => drop(index.remove_view(id(7 * step % N_VIEWS))),
+            _ => {
+                let nearest = index.recognise_any(&queries, 1e9).unwrap().nearest;
+                index.remove_view(nearest[0].as_ref().unwrap().view);
+            }
+        }
+        let found = look(&index, &queries, ViewUse::Whole, &mut track);
+        assert_eq!(found, index.recognise_any(&queries, 1e9).unwrap(), "{step}");
+    }
+}
+
+#[test]
+fn another_index_is_searched_anew() {
+    let (index, mut track) = (index(), TrackEvidence::default());
+    let queries = seen(77, 0.02, 0);
+    look(&index, &queries, ViewUse::KeyView, &mut track);
+    let mut other = empty();
+    other.insert(id(1), &name(20), &queries[0]).unwrap();
+    let found = look(&other, &queries, ViewUse::Whole, &mut track);
+    assert_eq!(found, other.recognise_any(&queries, 1e9).unwrap());
+    let nothing = look(&empty(), &queries, ViewUse::Whole, &mut track);
+    assert_eq!((nothing.label, nothing.probability), (None, Some(0.0)));
+}
+
+#[test]
+fn different_sides_count_and_equal_ones_do_not() {
+    let (index, mut track) = (index(), TrackEvidence::default());
+    for seed in 0..3 {
+        look(&index, &seen(77, 0.02, seed), ViewUse::KeyView, &mut track);
+    }
+    assert_eq!(track.n_sides(), 1);
+    let sides = [77, 85].map(|number| seen(number, 0.02, 0));
+    let both = look(&index, &sides[1], ViewUse::KeyView, &mut track);
+    assert_eq!(both.n_sides, 2);
+    assert_eq!(both, index.recognise_sides(&sides, 1e9).unwrap());
+    for number in 0..40 {
+        look(&index, &seen(number, 0.0, 0), ViewUse::KeyView, &mut track);
+    }
+    assert_eq!(track.n_sides(), N_SIDES_MAX);
+}
+
+#[test]
+fn a_partial_view_keeps_the_answer() {
+    let (index, mut track) = (index(), TrackEvidence::default());
+    let whole = look(&index, &seen(77, 0.02, 0), ViewUse::KeyView, &mut track);
+    for seed in 0..60 {
+        let partial = look(&index, &seen(78, 0.3, seed), ViewUse::Partial, &mut track);
+        assert_eq!(partial, whole);
+    }
+    // Without any other view, a partial one counts, and the newest of them.
+    let mut new = TrackEvidence::default();
+    let mut partial = None;
+    for number in [78, 79, 79, 79, 79, 79] {
+        let queries = seen(number, 0.0, 0);
+        partial = Some(look(&index, &queries, ViewUse::Partial, &mut new));
+    }
+    let newest = index.recognise_any(&seen(79, 0.0, 0), 1e9).unwrap();
+    assert_eq!(partial, Some(newest));
+    // The first view of the whole object replaces it at once.
+    let whole = look(&index, &seen(85, 0.0, 0), ViewUse::Whole, &mut new);
+    assert_eq!(whole, index.recognise_any(&seen(85, 0.0, 0), 1e9).unwrap());
+}
+
+#[test]
+fn an_exchanged_object_loses_its_label_within_a_second() {
+    let (index, mut track) = (index(), TrackEvidence::default());
+    for number in [70, 77, 84, 91] {
+        look(&index, &seen(number, 0.05, 0), ViewUse::KeyView, &mut track);
+    }
+    let label = |answer: Recognition| answer.label.as_ref().map(CategoryName::to_string);
+    let before = label(look(&index, &seen(91, 0.05, 0), ViewUse::Whole, &mut track));
+    assert_eq!(before.as_deref(), Some("category 0"));
+    // Thirty frames of an object of another category on its place.
+    let labels = (0..30).map(|seed| {
+        label(look(
+            &index,
+            &seen(73, 0.05, seed),
+            ViewUse::Whole,
+            &mut track,
+        ))
+    });
+    let labels: Vec<_> = labels.collect();
+    assert_eq!(labels.last().unwrap().as_deref(), Some("category 3"));
+    assert_eq!(track.n_sides(), 1);
+}
+
+#[test]
+fn a_description_that_keeps_changing_is_searched_in_every_fifth_frame() {
+    let (index, mut track) = (index(), TrackEvidence::default());
+    let mut n_answers = 0;
+    let mut last = None;
+    for number in 0..50 {
+        let answer = look(&index, &seen(number, 0.0, 0), ViewUse::Whole, &mut track);
+        n_answers += u32::from(last.as_ref() != Some(&answer));
+        last = Some(answer);
+    }
+    assert!((9..=11).contains(&n_answers), "{n_answers}");
+}
