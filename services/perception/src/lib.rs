@@ -29,6 +29,7 @@ mod object_actor;
 mod object_actors;
 mod outbox;
 mod publishers;
+mod redescription;
 mod restart_backoff;
 mod run;
 mod scene_priors;

@@ -2,13 +2,14 @@
 //! change log.
 
 use crate::log_once::LogOnce;
+use crate::redescription::{DescribedView, as_stored, describe_again, is_current};
 use channel::control::{CallError, Client};
 use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Subscriber};
-use learning::{CategoryIndex, CategoryName, ViewId};
+use learning::{CategoryIndex, ViewId};
 use message::control::{ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage};
 use parking_lot::RwLock;
-use pipeline::{DESCRIPTOR_KIND, category_index};
+use pipeline::category_index;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot};
@@ -17,6 +18,8 @@ use tokio::sync::{mpsc, oneshot};
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
 /// Grace period: shorter failures are not logged.
 const LOG_DELAY: Duration = Duration::from_secs(2);
+/// Number of views whose clouds are asked for at once; the answer may hold fewer.
+const CLOUDS_PER_CALL: usize = 64;
 /// Polling period for changes, in case an announcement is lost.
 const POLL_PERIOD: Duration = Duration::from_secs(1);
 
@@ -201,7 +204,7 @@ impl MemoryReplica {
                     changes,
                     more,
                 }) => {
-                    self.apply(up_to, changes);
+                    self.apply(up_to, changes).await?;
                     if !more {
                         return Ok(());
                     }
@@ -249,9 +252,10 @@ impl MemoryReplica {
             return Ok(());
         };
         let n_views = views.len();
+        let views = self.with_current_descriptors(views).await?;
         let mut snapshot = CategorySnapshot::default();
         for view in views {
-            insert(&mut snapshot.index, &view, &mut self.kind_log);
+            self.insert(&mut snapshot.index, &view);
         }
         snapshot.position = HistoryPosition {
             store_id: Some(store_id),
@@ -264,7 +268,7 @@ impl MemoryReplica {
         Ok(())
     }
 
-    fn apply(&mut self, up_to: u64, changes: Vec<LearnedChange>) {
+    async fn apply(&mut self, up_to: u64, changes: Vec<LearnedChange>) -> Result<(), SyncError> {
         // The clone shares all views that do not change.
         let mut snapshot = CategorySnapshot::clone(&self.categories.get());
         snapshot.position.sequence = up_to;
@@ -274,7 +278,9 @@ impl MemoryReplica {
         for change in changes {
             match change {
                 LearnedChange::Assigned(view) => {
-                    insert(&mut snapshot.index, &view, &mut self.kind_log);
+                    for view in self.with_current_descriptors(vec![view]).await? {
+                        self.insert(&mut snapshot.index, &view);
+                    }
                 }
                 LearnedChange::Unassigned(id) => {
                     snapshot.index.remove_view(view_id(id));
@@ -282,6 +288,63 @@ impl MemoryReplica {
             }
         }
         self.categories.set(snapshot);
+        Ok(())
+    }
+
+    /// Views with descriptors of this version: those of another kind are described again from
+    /// their clouds. A view that cannot be used is left out and logged once.
+    async fn with_current_descriptors(
+        &mut self,
+        views: Vec<LearnedView>,
+    ) -> Result<Vec<DescribedView>, SyncError> {
+        let (current, earlier): (Vec<_>, Vec<_>) = views.into_iter().partition(is_current);
+        let mut results: Vec<_> = current.iter().map(as_stored).collect();
+        let n_earlier = earlier.len();
+        let mut rest = earlier;
+        while !rest.is_empty() {
+            let ids = rest
+                .iter()
+                .take(CLOUDS_PER_CALL)
+                .map(|view| view.id)
+                .collect();
+            let clouds = match self.call(Command::Clouds { ids }).await? {
+                Reply::Clouds(clouds) if !clouds.is_empty() => clouds,
+                other => return Err(SyncError::Unexpected(format!("{other:?}"))),
+            };
+            let others = rest.split_off(clouds.len().min(rest.len()));
+            let batch = std::mem::replace(&mut rest, others);
+            let describe = move || describe_again(&batch, &clouds);
+            let described = tokio::task::spawn_blocking(describe).await;
+            results.extend(described.map_err(|error| SyncError::Unexpected(error.to_string()))?);
+        }
+        let (mut described, mut failed) = (Vec::with_capacity(results.len()), Vec::new());
+        for result in results {
+            match result {
+                Ok(view) => described.push(view),
+                Err(reason) => failed.push(reason),
+            }
+        }
+        if n_earlier > 1 {
+            tracing::info!("described {n_earlier} views of earlier versions again");
+        }
+        self.log_left_out(&failed);
+        Ok(described)
+    }
+
+    /// Inserts a view into the index.
+    fn insert(&mut self, index: &mut CategoryIndex, view: &DescribedView) {
+        let inserted = index.insert(view.id, &view.category, &view.values);
+        if let Err(error) = inserted {
+            self.log_left_out(&[error.to_string()]);
+        }
+    }
+
+    fn log_left_out(&mut self, reasons: &[String]) {
+        if let Some(first) = reasons.first()
+            && self.kind_log.is_first()
+        {
+            tracing::warn!("stored views are left out, the first because {first}");
+        }
     }
 
     async fn call(&self, command: Command) -> Result<Reply, SyncError> {
@@ -297,32 +360,6 @@ fn view_id(id: message::control::ViewId) -> ViewId {
         track_id: id.track_id,
         view_id: id.view_id,
     }
-}
-
-/// Inserts a view into the index; incompatible views are left out and logged once.
-fn insert(index: &mut CategoryIndex, view: &LearnedView, log: &mut LogOnce) {
-    if let Err(reason) = try_insert(index, view)
-        && log.is_first()
-    {
-        tracing::warn!("stored views are left out, the first because {reason}");
-    }
-}
-
-fn try_insert(index: &mut CategoryIndex, view: &LearnedView) -> Result<(), String> {
-    if view.descriptor_kind != DESCRIPTOR_KIND {
-        return Err(format!(
-            "it was described as {}, not {DESCRIPTOR_KIND}",
-            view.descriptor_kind
-        ));
-    }
-    let category = CategoryName::new(&view.category).map_err(|error| error.to_string())?;
-    let values = view
-        .descriptor
-        .decode()
-        .map_err(|error| error.to_string())?;
-    index
-        .insert(view_id(view.id), &category, &values)
-        .map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

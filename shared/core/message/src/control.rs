@@ -140,6 +140,11 @@ pub enum Command {
         /// Cursor of the page, from the previous page; `None` for the first page.
         after: Option<SnapshotCursor>,
     },
+    /// Read the stored clouds of views.
+    Clouds {
+        /// Views whose clouds are wanted.
+        ids: Vec<ViewId>,
+    },
     /// Read the changes of learned views since a history sequence.
     Changes {
         /// Identity of the store to which the sequence `since` belongs.
@@ -216,6 +221,9 @@ pub enum Reply {
     Stored,
     /// Reply to [`Command::Snapshot`].
     Snapshot(SnapshotPage),
+    /// Reply to [`Command::Clouds`]: the clouds of the first of the views, as many as fit into the
+    /// message and at least one, encoded by [`pack_cloud`]; an empty one where none is kept.
+    Clouds(Vec<serde_bytes::ByteBuf>),
     /// Reply to [`Command::Changes`].
     Changes(ChangesPage),
     /// Refusal: the command was not executed and nothing was changed, except perhaps with
@@ -248,7 +256,10 @@ impl Command {
     pub fn is_internal(&self) -> bool {
         matches!(
             self,
-            Self::Snapshot { .. } | Self::Changes { .. } | Self::ReadAfter { .. }
+            Self::Snapshot { .. }
+                | Self::Clouds { .. }
+                | Self::Changes { .. }
+                | Self::ReadAfter { .. }
         )
     }
 }

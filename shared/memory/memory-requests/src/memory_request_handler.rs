@@ -4,7 +4,7 @@ use crate::job_context::{JobContext, publish_position, wall_ns};
 use crate::jobs::Jobs;
 use crate::upload::UploadLimits;
 use crate::{change_text, queries, revision, translate};
-use learning::CategoryName;
+use learning::{CategoryName, ViewId};
 use message::control::{
     Command, Labelling, LearningReport, MutationId, Refusal, RefusalKind, Reply, Revision,
     SnapshotCursor,
@@ -20,6 +20,8 @@ use tokio::sync::{oneshot, watch};
 
 /// Maximum size of the descriptors on a page, bytes; the rest of the message needs room too.
 const PAGE_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 2;
+/// Most bytes of the clouds of one answer, unless a single one is larger.
+const CLOUD_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 2;
 /// Maximum size of the descriptors of a change feed message, bytes.
 const MAX_CHANGES_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 4 * 3;
 
@@ -152,6 +154,14 @@ impl MemoryRequestHandler {
                 let read = move |memory: &mut PerceptualMemory| memory.snapshot(cursor, PAGE_BYTES);
                 let page = self.read(read).await;
                 page.map(|page| Reply::Snapshot(translate::snapshot(page)))
+            }
+            Command::Clouds { ids } => {
+                let views: Vec<ViewId> = ids.into_iter().map(translate::local_id).collect();
+                let read = move |memory: &mut PerceptualMemory| memory.clouds(&views, CLOUD_BYTES);
+                let clouds = self.read(read).await;
+                clouds.map(|clouds| {
+                    Reply::Clouds(clouds.into_iter().map(serde_bytes::ByteBuf::from).collect())
+                })
             }
             Command::Changes { store_id, since } => {
                 let position = Position {

@@ -19,7 +19,7 @@ use crate::perceptual_memory::PerceptualMemory;
 use crate::record_reader::{read_content, read_entry, read_view};
 use crate::store_index::{CategorySummary, StoreIndex};
 use crate::view::{StoredDescriptor, StoredView};
-use crate::view_record;
+use crate::view_record::{self, ContentRef};
 
 /// Number of unwanted records whose scan costs as much as one seek. Measured with the bench
 /// `load_snapshot`.
@@ -123,6 +123,33 @@ impl PerceptualMemory {
                 .iter()
                 .map(|(view, entry)| read_view(reader, *view, entry))
                 .collect()
+        })
+    }
+
+    /// Stored point clouds of the first of these views, at least one and no more after
+    /// `max_bytes`; an empty cloud where none is kept.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`].
+    pub fn clouds(&mut self, views: &[ViewId], max_bytes: usize) -> Result<Vec<Vec<u8>>, Error> {
+        let points = |view: &ViewId| self.index.get(*view)?.points;
+        let wanted: Vec<Option<ContentRef>> = views.iter().map(points).collect();
+        self.read(|reader| {
+            let (mut clouds, mut n_bytes) = (Vec::new(), 0);
+            for points in wanted {
+                n_bytes += points.map_or(0, |points| points.n_bytes as usize);
+                if n_bytes > max_bytes && !clouds.is_empty() {
+                    break;
+                }
+                clouds.push(match points {
+                    Some(points) => {
+                        read_content(reader, &keys::digest_key(keys::BLOB, points.digest))?
+                    }
+                    None => Vec::new(),
+                });
+            }
+            Ok(clouds)
         })
     }
 

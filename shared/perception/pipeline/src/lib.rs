@@ -57,6 +57,7 @@ mod object_state;
 mod sequential_executor;
 mod shared_shift;
 mod sighting_evidence;
+mod stored_view;
 mod table_height;
 mod track;
 mod track_recovery;
@@ -71,5 +72,6 @@ pub use object_state::{
     ObjectState, ObjectWorkspace, Observation, ObservationOutput, ObservationStage, Posterior,
 };
 pub use sequential_executor::{SequentialExecutor, SequentialFrame, SequentialState};
+pub use stored_view::StoredViewDescriber;
 pub use track::Track;
 pub use track_table::{Sighting, TrackTable, TrackUpdate};

@@ -47,9 +47,10 @@ impl Command {
             | Self::StoreViews { .. } => UserRole::Teacher,
             Self::World(command) => command.required_role(),
             Self::Job(command) => command.required_role(),
-            Self::Snapshot { .. } | Self::Changes { .. } | Self::ReloadConfiguration => {
-                UserRole::Administrator
-            }
+            Self::Snapshot { .. }
+            | Self::Clouds { .. }
+            | Self::Changes { .. }
+            | Self::ReloadConfiguration => UserRole::Administrator,
             Self::ReadAfter { command, .. } => command.required_role(),
         }
     }

@@ -239,3 +239,30 @@ fn clock_set_back_is_reported_and_loses_nothing() {
         .collect();
     assert_eq!(order, [NOW_NS + 1, NOW_NS + 2, early]);
 }
+
+#[test]
+fn clouds_are_read_in_order_as_many_as_fit() {
+    let folder = folder();
+    let (mut memory, _) = open(&folder);
+    let with_points = |number: u32, n_bytes: usize| {
+        let mut view = view(1, number, 0);
+        view.points = Some(vec![number as u8; n_bytes]);
+        view
+    };
+    let mut without = view(1, 2, 0);
+    without.points = None;
+    let views = vec![with_points(0, 100), with_points(1, 300), without];
+    let ids: Vec<_> = views.iter().map(|view| view.id).collect();
+    apply(&mut memory, &[store(1, views)]);
+    let unknown = learning::ViewId {
+        track_id: 77,
+        view_id: 0,
+    };
+    let wanted = [ids[0], ids[2], unknown, ids[1]];
+    let clouds = memory.clouds(&wanted, 1000).unwrap();
+    assert_eq!(clouds, [vec![0; 100], vec![], vec![], vec![1; 300]]);
+    assert_eq!(memory.clouds(&wanted, 350).unwrap().len(), 3);
+    // At least one, however large.
+    assert_eq!(memory.clouds(&wanted[3..], 10).unwrap(), [vec![1; 300]]);
+    assert!(memory.clouds(&[], 10).unwrap().is_empty());
+}
