@@ -36,9 +36,11 @@ pub(crate) struct LabelEstimate {
     pub(crate) label: Option<CategoryName>,
     /// Distance to the nearest stored view; infinite when nothing was taught.
     pub(crate) distance: f32,
-    /// Probability of the nearest category; `None` when nothing was taught.
+    /// Probability of the best category; `None` when nothing was taught.
     pub(crate) probability: Option<f32>,
-    /// Nearest stored view of each of the nearest categories, nearest first.
+    /// Number of different sides of the object that the label rests on.
+    pub(crate) n_sides: u32,
+    /// Most probable categories with their nearest stored views, best first.
     pub(crate) nearest: [Option<Neighbour>; N_NEAREST],
     /// Position in the history of the memory.
     pub(crate) position: HistoryPosition,
@@ -50,6 +52,7 @@ impl LabelEstimate {
             label,
             distance,
             probability,
+            n_sides,
             nearest,
             ..
         } = posterior;
@@ -57,6 +60,7 @@ impl LabelEstimate {
             label,
             distance,
             probability,
+            n_sides: n_sides as u32,
             nearest,
             position,
         }

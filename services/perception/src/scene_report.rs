@@ -39,7 +39,7 @@ fn wire_distance(distance: f32) -> f32 {
     }
 }
 
-/// Nearest categories on the wire, with their number.
+/// Most probable categories on the wire, with their number.
 fn near_categories(
     nearest: &[Option<Neighbour>; N_NEAREST],
 ) -> ([NearCategory; MAX_NEAR_CATEGORIES], u32) {
@@ -49,6 +49,7 @@ fn near_categories(
         *place = NearCategory {
             label: Text::truncated(neighbour.category.as_str()),
             distance: neighbour.distance,
+            probability: neighbour.probability.unwrap_or(0.0),
         };
     }
     (categories, nearest.iter().flatten().count() as u32)
@@ -68,6 +69,7 @@ pub(crate) fn set_label(object: &mut SceneObject, recognised: &LabelEstimate) {
         .map(|label| Text::truncated(label.as_str()))
         .unwrap_or_default();
     (object.categories, object.n_categories) = near_categories(&recognised.nearest);
+    object.n_sides = recognised.n_sides;
     object.memory_sequence = recognised.position.sequence;
 }
 

@@ -167,6 +167,9 @@ fn row(object: &ObjectReport) -> Vec<String> {
     ]
 }
 
+/// Number of most probable categories that an answer names.
+const N_BEST: usize = 3;
+
 /// Runs `tabula ask`.
 pub(crate) fn ask(
     common: &CommonArguments,
@@ -194,36 +197,37 @@ fn answer_text(object: &ObjectReport) -> String {
 }
 
 fn label_text(object: &ObjectReport) -> String {
-    let ObjectReport {
-        track_id,
-        label,
-        distance,
-        ..
-    } = object;
-    let nearest: Vec<String> = object
+    let track_id = object.track_id;
+    let probable: Vec<String> = object
         .categories
         .iter()
-        .map(|near| format!("{} {:.3}", near.label, near.distance))
+        .take(N_BEST)
+        .map(|near| format!("{} {:.0} %", near.label, 100.0 * near.probability))
         .collect();
-    let sure = object
-        .probability
-        .map_or_else(String::new, |p| format!("{:.0} % sure, ", 100.0 * p));
-    match (label, distance) {
-        (Some(label), Some(distance)) => match nearest.get(1..) {
-            Some([_, ..]) => format!(
-                "track {track_id} is {label} ({sure}distance {distance:.3}; then {})",
-                nearest[1..].join(", ")
-            ),
-            _ => format!("track {track_id} is {label} ({sure}distance {distance:.3})"),
-        },
-        (Some(label), None) => format!("track {track_id} is {label}"),
-        (None, Some(distance)) => {
-            let what = nearest
-                .first()
-                .map_or_else(|| format!("{distance:.3}"), Clone::clone);
-            format!("track {track_id} is unknown ({sure}nearest is {what})")
+    let Some(distance) = object.distance else {
+        return match &object.label {
+            Some(label) => format!("track {track_id} is {label}"),
+            None => format!("track {track_id} is unknown; nothing has been taught yet"),
+        };
+    };
+    let sides = match object.n_sides {
+        0 | 1 => String::new(),
+        n => format!("from {n} sides, "),
+    };
+    match &object.label {
+        Some(label) => {
+            let sure = object.probability;
+            let sure = sure.map_or_else(String::new, |p| format!("{:.0} % sure, ", 100.0 * p));
+            let others = match probable.get(1..) {
+                Some(others @ [_, ..]) => format!("; then {}", others.join(", ")),
+                _ => String::new(),
+            };
+            format!("track {track_id} is {label} ({sure}{sides}distance {distance:.3}{others})")
         }
-        (None, None) => format!("track {track_id} is unknown; nothing has been taught yet"),
+        None => format!(
+            "track {track_id} is unknown ({sides}perhaps {})",
+            probable.join(", ")
+        ),
     }
 }
 

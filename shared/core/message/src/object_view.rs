@@ -8,7 +8,7 @@ use iceoryx2::prelude::ZeroCopySend;
 
 /// Header of one described view of an object. The payload is the descriptor, `f32` values.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.ObjectViewHeader.v5")]
+#[type_name("tabula.ObjectViewHeader.v6")]
 #[repr(C)]
 pub struct ObjectViewHeader {
     /// Track-id of the object.
@@ -53,11 +53,11 @@ pub struct ObjectViewHeader {
     pub n_key_views: u32,
     /// Number of valid entries of `categories`.
     pub n_categories: u32,
-    /// Categories nearest in descriptor space, nearest first.
+    /// Most probable categories, best first.
     pub categories: [NearCategory; MAX_NEAR_CATEGORIES],
 }
 
-const _: () = assert!(size_of::<ObjectViewHeader>() == 824);
+const _: () = assert!(size_of::<ObjectViewHeader>() == 840);
 
 impl Default for ObjectViewHeader {
     fn default() -> Self {
@@ -89,8 +89,8 @@ impl Default for ObjectViewHeader {
 }
 
 impl ObjectViewHeader {
-    /// Nearest categories with their distances, nearest first.
-    pub fn categories(&self) -> impl Iterator<Item = (&str, f32)> {
+    /// Most probable categories with distance and probability, best first.
+    pub fn categories(&self) -> impl Iterator<Item = (&str, f32, f32)> {
         NearCategory::valid_entries(&self.categories, self.n_categories)
     }
 }

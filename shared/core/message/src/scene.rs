@@ -100,7 +100,7 @@ pub struct ActorStamps {
 
 /// Tracked object of a scene summary.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneObject.v4")]
+#[type_name("tabula.SceneObject.v5")]
 #[repr(C)]
 pub struct SceneObject {
     /// Track-id of the object; never reused.
@@ -123,7 +123,8 @@ pub struct SceneObject {
     pub n_views: u32,
     /// Mean colour of the object, packed as in `CloudPoint::argb`.
     pub mean_argb: u32,
-    /// Distance in descriptor space to the nearest stored view; NaN when nothing is stored.
+    /// Distance in descriptor space to the nearest stored view of the best category, mean over the
+    /// sides; NaN when nothing is stored.
     pub distance: f32,
     /// 1 when `label` is a learned category, 0 when the object is unknown.
     pub is_labelled: u32,
@@ -141,7 +142,9 @@ pub struct SceneObject {
     pub is_key_view: u32,
     /// Number of key views of the object so far.
     pub n_key_views: u32,
-    /// Probability that the object belongs to the nearest category, 0 to 1; NaN when nothing is
+    /// Number of different sides of the object that the label rests on.
+    pub n_sides: u32,
+    /// Probability that the object belongs to the best category, 0 to 1; NaN when nothing is
     /// stored.
     pub probability: f32,
     /// Covariance of the position, packed: xx, xy, xz, yy, yz, zz, world axes, square metres.
@@ -153,7 +156,7 @@ pub struct SceneObject {
     pub velocity_m_s: [f32; 3],
     /// Angular velocity, world axes, radians per second.
     pub angular_velocity_rad_s: [f32; 3],
-    /// Categories nearest in descriptor space, nearest first.
+    /// Most probable categories, best first.
     pub categories: [NearCategory; MAX_NEAR_CATEGORIES],
     /// Processing times of the newest view in the object's actor.
     pub stamps: ActorStamps,
@@ -206,7 +209,7 @@ pub struct SceneSummary {
 const _: () = assert!(
     size_of::<StageStamps>() == 56
         && size_of::<ActorStamps>() == 40
-        && size_of::<SceneObject>() == 944
+        && size_of::<SceneObject>() == 968
 );
 const _: () = assert!(size_of::<SceneSummary>() == 288 + 136 + MAX_REJECTED_CANDIDATES * 176);
 
@@ -232,6 +235,7 @@ impl Default for SceneObject {
             view_id: 0,
             is_key_view: 0,
             n_key_views: 0,
+            n_sides: 0,
             probability: f32::NAN,
             position_covariance_m2: [f32::NAN; 6],
             rotation_covariance_rad2: [f32::NAN; 6],
@@ -305,8 +309,9 @@ impl SceneObject {
         (self.linked_to != 0).then_some(self.linked_to)
     }
 
-    /// Nearest categories with their distances, nearest first. Invalid entries are skipped.
-    pub fn categories(&self) -> impl Iterator<Item = (&str, f32)> {
+    /// Most probable categories with distance and probability, best first. Invalid entries are
+    /// skipped.
+    pub fn categories(&self) -> impl Iterator<Item = (&str, f32, f32)> {
         NearCategory::valid_entries(&self.categories, self.n_categories)
     }
 }

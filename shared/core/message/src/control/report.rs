@@ -71,7 +71,7 @@ pub struct ObjectReport {
     pub label: Option<String>,
     /// Distance in descriptor space to the nearest stored view; null when nothing is stored.
     pub distance: Option<f64>,
-    /// Probability that the object belongs to the nearest category; null when nothing is stored.
+    /// Probability that the object belongs to the best category; null when nothing is stored.
     pub probability: Option<f64>,
     /// Centre of the box in the world, metres.
     pub position_m: [f64; 3],
@@ -112,7 +112,10 @@ pub struct ObjectReport {
     /// Number of key views of the object so far.
     #[serde(default)]
     pub n_key_views: u32,
-    /// Categories nearest in descriptor space, nearest first.
+    /// Number of different sides of the object that the label rests on.
+    #[serde(default)]
+    pub n_sides: u32,
+    /// Most probable categories, best first.
     #[serde(default)]
     pub categories: Vec<NearCategoryReport>,
     /// Track-id of the lost track that this object continues; null for none.
@@ -132,13 +135,16 @@ pub struct CovarianceReport {
     pub rotation_rad2: [f64; 6],
 }
 
-/// Candidate category of an object with its descriptor distance.
+/// Candidate category of an object with its descriptor distance and probability.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NearCategoryReport {
     /// Name of the nearby category.
     pub label: String,
     /// Distance in descriptor space to the category's nearest view.
     pub distance: f64,
+    /// Probability that the object belongs to the category, 0 to 1.
+    #[serde(default)]
+    pub probability: f64,
 }
 
 /// Processing times of a view in its actor, monotonic clock, nanoseconds; null when not
@@ -337,11 +343,13 @@ impl ObjectReport {
             view: object.view(),
             is_key_view: object.is_key_view == 1,
             n_key_views: object.n_key_views,
+            n_sides: object.n_sides,
             categories: object
                 .categories()
-                .map(|(label, distance)| NearCategoryReport {
+                .map(|(label, distance, probability)| NearCategoryReport {
                     label: label.to_owned(),
                     distance: rounded(distance),
+                    probability: rounded(probability),
                 })
                 .collect(),
             linked_to: object.linked_to(),

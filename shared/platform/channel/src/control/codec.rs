@@ -170,12 +170,14 @@ mod tests {
         let near = NearCategory {
             label: name,
             distance: 0.123_456_7,
+            probability: 0.123_456_7,
         };
         SceneObject {
             track_id: u64::MAX,
             n_points: u32::MAX,
             n_views: u32::MAX,
             n_key_views: u32::MAX,
+            n_sides: u32::MAX,
             view_id: u32::MAX,
             linked_to: u64::MAX,
             memory_sequence: u64::MAX,

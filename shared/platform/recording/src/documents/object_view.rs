@@ -31,7 +31,7 @@ document! {
         size_m: [f32; 3],
         /// Distance to the nearest stored view; null when nothing is stored.
         distance: f32,
-        /// Categories nearest in descriptor space, nearest first.
+        /// Most probable categories, best first.
         categories: Vec<CategoryDocument>,
         /// Descriptor: 32-bit floating-point numbers, little-endian, in Base64.
         descriptor_base64: String,
@@ -56,9 +56,10 @@ impl ObjectViewDocument {
             size_m: view.size_m,
             distance: view.distance,
             categories: categories
-                .map(|(category, distance)| CategoryDocument {
+                .map(|(category, distance, probability)| CategoryDocument {
                     category: category.into(),
                     distance,
+                    probability,
                 })
                 .collect(),
             descriptor_base64: STANDARD.encode(bytes),

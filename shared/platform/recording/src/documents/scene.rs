@@ -6,12 +6,14 @@ use constraint::Ternary;
 use message::{RejectedCandidate, SceneObject, SceneSummary, TrackState};
 
 document! {
-    /// Category near an object in descriptor space.
+    /// Candidate category of an object.
     CategoryDocument = "tabula.NearCategory" {
         /// Name of the category.
         category: String,
         /// Distance to its nearest view.
         distance: f32,
+        /// Probability of the category, 0 to 1.
+        probability: f32,
     }
 }
 
@@ -24,11 +26,11 @@ document! {
         state: String,
         /// Category name; empty for an unknown object.
         label: String,
-        /// Probability of the nearest category, 0 to 1; null when nothing is stored.
+        /// Probability of the best category, 0 to 1; null when nothing is stored.
         probability: f32,
         /// Distance to the nearest stored view; null when nothing is stored.
         distance: f32,
-        /// Categories nearest in descriptor space, nearest first.
+        /// Most probable categories, best first.
         categories: Vec<CategoryDocument>,
         /// Pose of the box, world frame: position in metres, then quaternion x, y, z, w.
         pose: [f64; 7],
@@ -129,9 +131,10 @@ impl From<&SceneObject> for ObjectDocument {
             probability: object.probability,
             distance: object.distance,
             categories: categories
-                .map(|(category, distance)| CategoryDocument {
+                .map(|(category, distance, probability)| CategoryDocument {
                     category: category.into(),
                     distance,
+                    probability,
                 })
                 .collect(),
             pose: pose(&object.pose),

@@ -88,7 +88,7 @@ fn arbitrary_objects_are_reported() {
 #[test]
 fn arbitrary_views_events_and_health_are_read() {
     for view in of_any_bytes::<ObjectViewHeader>() {
-        let distances = view.categories().map(|(_, distance)| distance);
+        let distances = view.categories().map(|(_, distance, _)| distance);
         assert!(distances.into_iter().all(f32::is_finite));
     }
     for event in of_any_bytes::<ActorEvent>() {
@@ -134,6 +134,7 @@ fn covariance_and_nearest_categories_are_reported() {
         *place = NearCategory {
             label: Text::truncated(name),
             distance,
+            probability: 0.5,
         };
     }
     let report = ObjectReport::new(&object, now(), 0);
