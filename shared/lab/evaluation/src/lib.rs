@@ -30,6 +30,7 @@
 //! channels. Durations are measured by the caller and passed as numbers.
 
 pub mod box_picture;
+pub mod calibration_score;
 pub mod clear_mot;
 pub mod cross_validation;
 pub mod hypothesis_image;

@@ -85,6 +85,8 @@ mod tests {
                 category,
                 distance: novelty,
                 novelty,
+                probability: None,
+                best: [None; 3],
             };
             novelties.map(answer).collect::<Vec<_>>()
         };

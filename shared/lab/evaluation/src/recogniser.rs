@@ -14,8 +14,13 @@ pub trait Recogniser {
     /// Trains on a view of the given category.
     fn teach(&mut self, category: u32, view: usize);
 
+    /// Classifies an object by one or more of its views. Never learns from them.
+    fn ask_sides(&mut self, views: &[usize]) -> Answer;
+
     /// Classifies a view. Never learns from it.
-    fn ask(&mut self, view: usize) -> Answer;
+    fn ask(&mut self, view: usize) -> Answer {
+        self.ask_sides(&[view])
+    }
 }
 
 /// Answer of a recogniser to a view.
@@ -28,6 +33,17 @@ pub struct Answer {
     /// Novelty: larger means less similar to anything taught. Equal to the distance if the
     /// recogniser has no better measure.
     pub novelty: f32,
+    /// Probability that the best category is right, 0 to 1, if the recogniser tells one.
+    pub probability: Option<f32>,
+    /// Three best categories, best first, before rejection.
+    pub best: [Option<u32>; 3],
+}
+
+impl Answer {
+    /// True if the category is among the three best.
+    pub fn is_among_best(&self, category: u32) -> bool {
+        self.best.contains(&Some(category))
+    }
 }
 
 /// View indices grouped by category number.

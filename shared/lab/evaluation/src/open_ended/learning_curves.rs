@@ -203,6 +203,8 @@ mod tests {
                 category: Some(1),
                 distance: 0.1,
                 novelty: 0.1,
+                probability: None,
+                best: [None; 3],
             },
             accuracy: Some(0.8),
         }

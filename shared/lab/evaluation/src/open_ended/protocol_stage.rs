@@ -108,6 +108,8 @@ mod tests {
                 category: answer,
                 distance: 0.0,
                 novelty: 0.0,
+                probability: None,
+                best: [None; 3],
             },
             accuracy: None,
         }

@@ -35,7 +35,8 @@ impl Recogniser for FixedAccuracyRecogniser<'_> {
         self.known.insert(category);
     }
 
-    fn ask(&mut self, view: usize) -> Answer {
+    fn ask_sides(&mut self, views: &[usize]) -> Answer {
+        let view = views[0];
         self.asked.push(view);
         let truth = self.views[view].category;
         let is_known = self.known.contains(&truth);
@@ -49,6 +50,8 @@ impl Recogniser for FixedAccuracyRecogniser<'_> {
             category,
             distance: 0.5,
             novelty,
+            probability: None,
+            best: [None; 3],
         }
     }
 }

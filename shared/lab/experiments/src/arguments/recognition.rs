@@ -125,10 +125,14 @@ pub enum AblationVariant {
     OursShapeOnly,
     /// Our descriptor without object size
     OursNoSize,
-    /// Our descriptor without the projections: size and colour only
+    /// Our descriptor without the metric projections
     OursNoShape,
-    /// Our descriptor without size and colour: the projections only
+    /// Our descriptor without the box profile
+    OursNoProfile,
+    /// Our descriptor without size, colour and box profile: the projections only
     OursProjectionsOnly,
+    /// Our descriptor; the nearest view decides instead of the local ridge regression
+    OursNearestView,
     /// Our descriptor, comparing only the first axis hypothesis
     OursSingleReading,
     /// Our descriptor without a known upward axis
@@ -197,6 +201,10 @@ pub struct CrossValidationArguments {
     /// Share of the categories that each fold withholds from training and asks about, 0 to 0.9
     #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = open_set_share)]
     pub(crate) open_set_share: f64,
+    /// Number of views of different sides of an object that are asked together, as from a track
+    #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "scenes",
+        value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) sides: u32,
     /// Contiguous slices of the listed views, not shuffled
     #[arg(long)]
     pub(crate) contiguous: bool,
@@ -238,6 +246,8 @@ impl AblationVariant {
             Self::OursShapeOnly => "ours-shape-only",
             Self::OursNoSize => "ours-no-size",
             Self::OursNoShape => "ours-no-shape",
+            Self::OursNoProfile => "ours-no-profile",
+            Self::OursNearestView => "ours-nearest-view",
             Self::OursProjectionsOnly => "ours-projections-only",
             Self::OursSingleReading => "ours-single-reading",
             Self::OursPrincipal => "ours-principal",

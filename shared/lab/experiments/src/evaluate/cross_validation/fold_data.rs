@@ -58,16 +58,19 @@ impl FoldData {
         let (views, recogniser_factory) =
             read_and_describe(dataset, &arguments.description, output)?;
         let fold_assignment = fold_assignment(arguments, &views);
+        let folds = assign_folds(&views.labels, fold_assignment, arguments)?;
+        if arguments.sides > 1 && views.labels.iter().all(|view| view.instance.is_none()) {
+            return Err(Failure::usage(
+                "the data set does not tell which views show the same object, so several sides \
+                 cannot be asked together: leave out --sides",
+            ));
+        }
         Ok(Self {
             source: dataset.display().to_string(),
-            folds: assign_folds(&views.labels, fold_assignment, arguments)?,
             views,
             recogniser_factory,
-            fold_assignment: match fold_assignment {
-                FoldAssignment::ByView => "view",
-                FoldAssignment::ByInstance => "instance-disjoint",
-                FoldAssignment::Contiguous => "contiguous",
-            },
+            fold_assignment: name_of(fold_assignment, &folds),
+            folds,
             scenes: None,
         })
     }
@@ -122,6 +125,16 @@ impl FoldData {
                 pictures,
             }),
         })
+    }
+}
+
+/// Name of the rule by which the views were dealt in fact: apart by object only where a category
+/// has several objects.
+fn name_of(fold_assignment: FoldAssignment, folds: &Folds) -> &'static str {
+    match fold_assignment {
+        FoldAssignment::ByInstance if folds.n_grouped > 0 => "instance-disjoint",
+        FoldAssignment::ByInstance | FoldAssignment::ByView => "view",
+        FoldAssignment::Contiguous => "contiguous",
     }
 }
 

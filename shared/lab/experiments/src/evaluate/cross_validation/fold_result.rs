@@ -2,16 +2,16 @@
 
 use super::fold_data::FoldData;
 use crate::arguments::CrossValidationArguments;
-use evaluation::cross_validation::withheld_categories;
+use evaluation::cross_validation::{view_groups, withheld_categories};
 use evaluation::recogniser::Answer;
 use std::time::Instant;
 
 /// Answers and timings of one fold.
 pub(super) struct FoldResult {
     pub(super) n_taught: usize,
-    /// Test views of taught categories with the answers.
+    /// Questions about taught categories, by their first view, with the answers.
     pub(super) answers: Vec<(usize, Answer)>,
-    /// Test views of withheld categories with the answers.
+    /// Questions about withheld categories, by their first view, with the answers.
     pub(super) open: Vec<(usize, Answer)>,
     /// Answers to false candidates (clutter).
     pub(super) clutter: Vec<Answer>,
@@ -46,12 +46,15 @@ pub(super) fn run_fold(
     }
     let teach_ms = begin.elapsed().as_secs_f64() * 1e3;
     let begin = Instant::now();
-    let mut asked = |view: usize| (view, recogniser.ask(view));
+    let mut asked = |sides: Vec<usize>| (sides[0], recogniser.ask_sides(&sides));
+    let groups = |asked: &[usize]| view_groups(&views.labels, asked, arguments.sides as usize);
     FoldResult {
         n_taught,
-        answers: known.into_iter().map(&mut asked).collect(),
-        open: unknown.into_iter().map(&mut asked).collect(),
-        clutter: clutter(data, fold).map(|view| asked(view).1).collect(),
+        answers: groups(&known).into_iter().map(&mut asked).collect(),
+        open: groups(&unknown).into_iter().map(&mut asked).collect(),
+        clutter: clutter(data, fold)
+            .map(|view| asked(vec![view]).1)
+            .collect(),
         teach_ms,
         ask_ms: begin.elapsed().as_secs_f64() * 1e3,
     }

@@ -7,6 +7,7 @@ use crate::arguments::CrossValidationArguments;
 use crate::evaluate::recognition::DescriptionSettings;
 use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
 use crate::evaluate::view_table::ViewTable;
+use evaluation::calibration_score::expected_calibration_error;
 use evaluation::cross_validation::ConfusionMatrix;
 use evaluation::novelty_score::NoveltyScore;
 use evaluation::recogniser::Answer;
@@ -22,6 +23,11 @@ pub(super) struct CrossValidationReport {
     pub(super) accuracy_macro: f64,
     pub(super) f1_micro: f64,
     pub(super) f1_macro: f64,
+    /// Share of the questions whose category is among the three best.
+    pub(super) top3: f64,
+    /// Expected calibration error of the probabilities, over all questions; null if the
+    /// recogniser tells none.
+    pub(super) calibration_error: Option<f64>,
     pub(super) folds: Vec<FoldFigures>,
     /// Accuracy of each category, by name.
     pub(super) categories: BTreeMap<String, CategoryFigures>,
@@ -68,6 +74,8 @@ pub(super) struct Settings {
     pub(super) description: DescriptionSettings,
     /// Name of the rule that assigned views to folds.
     pub(super) folds: &'static str,
+    /// Number of views of different sides asked together.
+    pub(super) n_sides: u32,
     /// Number of categories whose views are grouped by object.
     pub(super) n_grouped: usize,
     open_set_share: f64,
@@ -104,6 +112,8 @@ impl CrossValidationReport {
             accuracy_macro: scores.accuracy_macro,
             f1_micro: scores.f1_micro,
             f1_macro: scores.f1_macro,
+            top3: top3(results, views),
+            calibration_error: calibration_error(results, views),
             folds: results
                 .iter()
                 .map(|result| FoldFigures::of(result, views))
@@ -125,6 +135,25 @@ impl CrossValidationReport {
             files: ReportFiles::in_folder(&arguments.out, "cross-validation.json"),
         })
     }
+}
+
+fn top3(results: &[FoldResult], views: &ViewTable) -> f64 {
+    let answers = results.iter().flat_map(|fold| &fold.answers);
+    let is_right =
+        |(view, answer): &&(usize, Answer)| answer.is_among_best(views.labels[*view].category);
+    answers.clone().filter(is_right).count() as f64 / answers.count().max(1) as f64
+}
+
+/// Expected calibration error of all answers; a withheld category makes any answer wrong.
+fn calibration_error(results: &[FoldResult], views: &ViewTable) -> Option<f64> {
+    let known = results.iter().flat_map(|fold| &fold.answers);
+    let known = known.filter_map(|(view, answer)| {
+        let is_right = answer.best[0] == Some(views.labels[*view].category);
+        Some((answer.probability?, is_right))
+    });
+    let open = results.iter().flat_map(|fold| &fold.open);
+    let open = open.filter_map(|(_, answer)| Some((answer.probability?, false)));
+    expected_calibration_error(known.chain(open))
 }
 
 /// Open-set metrics of the answers of all folds.
@@ -176,6 +205,7 @@ impl Settings {
         Self {
             description: DescriptionSettings::of(&arguments.description),
             folds: data.fold_assignment,
+            n_sides: arguments.sides,
             n_grouped: data.folds.n_grouped,
             open_set_share: arguments.open_set_share,
             seed: arguments.seed,

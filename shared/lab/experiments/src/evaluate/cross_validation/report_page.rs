@@ -101,10 +101,27 @@ fn notes(document: &CrossValidationReport) -> Vec<String> {
             timing.describe_ms, timing.ask_ms, timing.test_s
         ),
     ];
+    notes.push(best_and_calibration(document));
     notes.extend(document.open_set.as_ref().map(open_set::sentence));
     notes.extend(document.scenes.iter().flat_map(EndToEndScore::sentences));
     notes.extend(document.omissions.left_out.iter().cloned());
     notes
+}
+
+fn best_and_calibration(document: &CrossValidationReport) -> String {
+    let sides = match document.settings.n_sides {
+        1 => "each view is asked alone".to_owned(),
+        n => format!("views of {n} sides of an object are asked together"),
+    };
+    let calibration = document
+        .calibration_error
+        .map_or_else(String::new, |error| {
+            format!("; expected calibration error {error:.3}")
+        });
+    format!(
+        "{sides}; the right category is among the three best in {:.4}{calibration}",
+        document.top3
+    )
 }
 
 fn fold_assignment(document: &CrossValidationReport) -> String {
@@ -116,6 +133,6 @@ fn fold_assignment(document: &CrossValidationReport) -> String {
         ),
         "scene" => "scene by scene".to_owned(),
         "contiguous" => "in the order of their names".to_owned(),
-        _ => "view by view".to_owned(),
+        _ => "view by view: the same objects are taught and asked".to_owned(),
     }
 }

@@ -17,6 +17,7 @@ fn arguments(dataset: &Path, out: &Path) -> CrossValidationArguments {
         folds: 5,
         seed: 1,
         protocol: None,
+        sides: 1,
         contiguous: false,
         log: Some(out.join("log.csv")),
     }

@@ -1,8 +1,8 @@
-//! Nearest-neighbour classifier over taught views, as in the live system.
+//! Classifier over taught views, as in the live system.
 
 use super::{HypothesisDescriptors, RecogniserFactory};
 use evaluation::recogniser::{Answer, Recogniser};
-use learning::{CategoryIndex, CategoryName, Error, ViewId};
+use learning::{CategoryIndex, CategoryName, Error, Neighbour, ViewId};
 
 /// Descriptors of all views with an empty index.
 pub(super) struct NearestViewClassifier {
@@ -14,7 +14,7 @@ pub(super) struct NearestViewClassifier {
     descriptors: Vec<HypothesisDescriptors>,
 }
 
-/// Nearest-neighbour recogniser over the taught views.
+/// Recogniser over the taught views.
 struct NearestViewRecogniser<'a> {
     views: &'a NearestViewClassifier,
     index: CategoryIndex,
@@ -69,23 +69,31 @@ impl Recogniser for NearestViewRecogniser<'_> {
         let _ = self.index.insert(id, name, &views.descriptors[view][0]);
     }
 
-    fn ask(&mut self, view: usize) -> Answer {
-        let views = self.views;
-        let found = self
-            .index
-            .recognise_any(&views.descriptors[view], views.threshold);
+    fn ask_sides(&mut self, views: &[usize]) -> Answer {
+        let NearestViewClassifier {
+            descriptors,
+            threshold,
+            ..
+        } = self.views;
+        let sides: Vec<&HypothesisDescriptors> =
+            views.iter().map(|&view| &descriptors[view]).collect();
         let nothing = Answer {
             category: None,
             distance: f32::INFINITY,
             novelty: f32::INFINITY,
+            probability: None,
+            best: [None; 3],
         };
+        let found = self.index.recognise_sides(&sides, *threshold);
         found.map_or(nothing, |recognition| {
-            let label = recognition.label.as_ref();
-            let nearest = recognition.nearest[0].as_ref();
+            let category = |neighbour: &Option<Neighbour>| Some(neighbour.as_ref()?.view.view_id);
+            let [first, second, third, ..] = recognition.nearest.each_ref().map(category);
             Answer {
-                category: label.and(nearest).map(|nearest| nearest.view.view_id),
+                category: first.filter(|_| recognition.label.is_some()),
                 distance: recognition.distance,
                 novelty: recognition.novelty.unwrap_or(recognition.distance),
+                probability: recognition.probability,
+                best: [first, second, third],
             }
         })
     }

@@ -17,6 +17,8 @@ pub(in super::super) struct RecognitionMethod {
     metric: Metric,
     /// Distance above which an object is unknown; infinite for none.
     threshold: f32,
+    /// `true` if the nearest view decides in place of the local ridge regression.
+    is_nearest_view: bool,
 }
 
 impl RecognitionMethod {
@@ -39,6 +41,7 @@ impl RecognitionMethod {
             },
             metric: arguments.metric(),
             threshold: arguments.threshold.unwrap_or(f32::INFINITY),
+            is_nearest_view: false,
         }
     }
 
@@ -58,9 +61,14 @@ impl RecognitionMethod {
                     AblationVariant::OursShapeOnly => AppearanceWeights::shape_only(),
                     AblationVariant::OursNoSize => AppearanceWeights { size: 0.0, ..all },
                     AblationVariant::OursNoShape => AppearanceWeights { shape: 0.0, ..all },
+                    AblationVariant::OursNoProfile => AppearanceWeights {
+                        profile: 0.0,
+                        ..all
+                    },
                     AblationVariant::OursProjectionsOnly => AppearanceWeights {
                         size: 0.0,
                         color: 0.0,
+                        profile: 0.0,
                         ..all
                     },
                     _ => all,
@@ -80,6 +88,7 @@ impl RecognitionMethod {
             descriptor,
             metric,
             threshold: f32::INFINITY,
+            is_nearest_view: variant == AblationVariant::OursNearestView,
         }
     }
 
@@ -108,7 +117,7 @@ impl RecognitionMethod {
     }
 
     /// Calibration of the live system; `None` unless all axis hypotheses are compared with its
-    /// metric.
+    /// metric by its rule.
     fn calibration(&self, is_up_known: bool) -> Option<Calibration> {
         let DescriptorChoice::Appearance {
             n_hypotheses, up, ..
@@ -123,6 +132,6 @@ impl RecognitionMethod {
             AxesKind::Principal
         };
         let is_live = n_hypotheses == N_AXIS_HYPOTHESES && self.metric == Metric::Euclidean;
-        is_live.then(|| pipeline::calibration(kind))
+        (is_live && !self.is_nearest_view).then(|| pipeline::calibration(kind))
     }
 }
