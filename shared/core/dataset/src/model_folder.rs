@@ -12,8 +12,8 @@ pub struct ModelFile {
     pub path: PathBuf,
     /// Number at the start of the file name: 25 for `025_mug.ply`.
     pub number: Option<u32>,
-    /// Name without number and extension, such as `mug`. A variant letter belongs to the number:
-    /// `cups` for `065-a_cups.ply`.
+    /// Name without number and extension, such as `mug`. A variant letter belongs to the name:
+    /// `a_cups` for `065-a_cups.ply`.
     pub name: String,
 }
 
@@ -74,6 +74,27 @@ pub fn list(folder: &Path) -> Result<Vec<ModelFile>, Error> {
     Ok(names.iter().map(model).collect())
 }
 
+/// Extensions of formats of models that are not read.
+const UNREAD_EXTENSIONS: [&str; 14] = [
+    "stl", "dae", "glb", "gltf", "fbx", "off", "3ds", "x3d", "wrl", "step", "stp", "usd", "usdz",
+    "blend",
+];
+
+/// Names of the models of a folder that are in a format that is not read, in natural order.
+///
+/// # Errors
+/// When the folder cannot be read.
+pub fn unread(folder: &Path) -> Result<Vec<String>, Error> {
+    let is_unread = |name: &str| {
+        let extension = Path::new(name).extension();
+        extension.is_some_and(|extension| {
+            let mut unread = UNREAD_EXTENSIONS.iter();
+            unread.any(|unread| extension.eq_ignore_ascii_case(unread))
+        })
+    };
+    Ok(file_names(folder, is_unread)?)
+}
+
 /// Reads a model, PLY or OBJ by its extension.
 ///
 /// # Errors
@@ -109,18 +130,18 @@ impl Format {
     }
 }
 
-/// Splits `025_mug` or `065-a_cups` into number and name; any other stem is a name without
-/// number.
+/// Splits `025_mug` into number and name, and `065-a_cups` into `065` and `a_cups`; any other stem
+/// is a name without number.
 fn parse_stem(stem: &str) -> (Option<u32>, &str) {
     let parsed = stem.split_once('_').and_then(|(number, name)| {
-        let digits = match number.split_once('-') {
-            Some((digits, variant)) if is_letter(variant) => digits,
+        let (digits, rest) = match number.split_once('-') {
+            Some((digits, variant)) if is_letter(variant) => (digits, &stem[digits.len() + 1..]),
             Some(_) => return None,
-            None => number,
+            None => (number, name),
         };
         let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
         let number = digits.parse().ok().filter(|_| is_number)?;
-        (!name.is_empty()).then_some((Some(number), name))
+        (!name.is_empty()).then_some((Some(number), rest))
     });
     parsed.unwrap_or((None, stem))
 }
@@ -167,7 +188,7 @@ mod tests {
     fn number_and_name_are_separated() {
         for (stem, number, name) in [
             ("025_mug", Some(25), "mug"),
-            ("065-a_cups", Some(65), "cups"),
+            ("065-a_cups", Some(65), "a_cups"),
             ("002_master_chef_can", Some(2), "master_chef_can"),
             ("mug", None, "mug"),
             ("red_mug", None, "red_mug"),

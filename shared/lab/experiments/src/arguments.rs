@@ -9,7 +9,7 @@ pub use recognition::{
 
 use clap::{Args, Subcommand, ValueEnum};
 use perceptual_memory::{HistoryLimits, RetentionLimits};
-use simulated_world::ModelSource;
+use simulated_world::{ModelImport, ModelSource, ModelUnit, ModelUp};
 use std::path::{Path, PathBuf};
 
 /// Subcommands of `tabula-lab simulate`.
@@ -63,6 +63,12 @@ pub struct ViewsArguments {
     /// Folder of PLY and OBJ models, or `generated`
     #[arg(long, value_name = "DIR", default_value = "generated")]
     pub(crate) models: PathBuf,
+    /// Unit of the models [default: guessed from the size of each, and told]
+    #[arg(long, value_name = "UNIT", value_enum)]
+    pub(crate) unit: Option<UnitName>,
+    /// Upward axis of the models
+    #[arg(long, value_name = "AXIS", value_enum, default_value_t = ModelAxis::Z)]
+    pub(crate) up: ModelAxis,
     /// Views of each object, spread over three heights
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) views: u32,
@@ -182,6 +188,47 @@ impl ViewsArguments {
     pub(crate) fn models(&self) -> ModelSource {
         model_source(&self.models)
     }
+
+    /// Unit and upward axis of the models.
+    pub(crate) fn import(&self) -> ModelImport {
+        ModelImport {
+            unit: self.unit.map(|unit| match unit {
+                UnitName::M => ModelUnit::Metre,
+                UnitName::Cm => ModelUnit::Centimetre,
+                UnitName::Mm => ModelUnit::Millimetre,
+                UnitName::In => ModelUnit::Inch,
+            }),
+            up: match self.up {
+                ModelAxis::X => ModelUp::X,
+                ModelAxis::Y => ModelUp::Y,
+                ModelAxis::Z => ModelUp::Z,
+            },
+        }
+    }
+}
+
+/// Unit of model files on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum UnitName {
+    /// Metres
+    M,
+    /// Centimetres
+    Cm,
+    /// Millimetres
+    Mm,
+    /// Inches
+    In,
+}
+
+/// Upward axis of model files on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ModelAxis {
+    /// The x axis
+    X,
+    /// The y axis
+    Y,
+    /// The z axis
+    Z,
 }
 
 fn model_source(path: &Path) -> ModelSource {

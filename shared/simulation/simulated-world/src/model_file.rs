@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::glam_conversion::point_to_glam;
+use crate::model_import::ModelImport;
 use crate::object_model::{ModelOrigin, ObjectModel, compound_shape, half_sides};
 use mesh::{ConvexPart, Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Point3, Vector3};
@@ -12,13 +13,6 @@ use std::path::{Path, PathBuf};
 const TRIANGLES_MAX: usize = 20_000;
 /// Number of triangles of the mesh that is decomposed into convex parts. Chosen.
 const TRIANGLES_FOR_PARTS: usize = 2_000;
-/// Least longest side of an object in metres; smaller or larger meshes are taken to have another
-/// unit. Chosen.
-const SIDE_MIN_M: f32 = 0.005;
-/// Greatest longest side of an object, metres. Chosen.
-const SIDE_MAX_M: f32 = 2.0;
-/// Least longest side of an object in millimetres. Chosen.
-const SIDE_MIN_IN_MM: f32 = 10.0;
 /// Least ratio of the shortest to the longest side; thinner meshes are rejected as flat. Chosen.
 const FLAT_SHARE: f32 = 1e-3;
 /// Crease angle: sharper edges keep separate normals, radians. Chosen.
@@ -43,12 +37,37 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(models.into_iter().map(|model| model.path).collect())
 }
 
-/// Imports a model: scales it to metres, centres it and decomposes it into convex parts. Adds one
-/// sentence per change to `notes`.
+/// Sentence about the models of a folder in formats that are not read; `None` if there are none.
+///
+/// # Errors
+/// [`Error::Unreadable`] for a folder that cannot be read.
+pub(crate) fn unread_note(folder: &Path) -> Result<Option<String>, Error> {
+    let unread = dataset::model_folder::unread(folder).map_err(|error| Error::Unreadable {
+        path: folder.to_owned(),
+        cause: error.to_string(),
+    })?;
+    let Some(first) = unread.first() else {
+        return Ok(None);
+    };
+    let and_others = match unread.len() {
+        1 => "is".to_owned(),
+        n => format!("and {} others are", n - 1),
+    };
+    Ok(Some(format!(
+        "the model {first} {and_others} left out: only PLY and OBJ are read; convert the others"
+    )))
+}
+
+/// Imports a model: turns it upright, scales it to metres, centres it and decomposes it into convex
+/// parts. Adds one sentence per change to `notes`.
 ///
 /// # Errors
 /// [`Error::Unreadable`] or [`Error::Model`] for an unusable file.
-pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, Error> {
+pub(crate) fn open(
+    path: &Path,
+    import: ModelImport,
+    notes: &mut Vec<String>,
+) -> Result<ObjectModel, Error> {
     let read = dataset::model_folder::open(path).map_err(|error| Error::Unreadable {
         path: path.to_owned(),
         cause: error.to_string(),
@@ -73,7 +92,7 @@ pub(crate) fn open(path: &Path, notes: &mut Vec<String>) -> Result<ObjectModel, 
             mesh.triangles.len()
         )));
     }
-    if let Some(sentence) = to_metres(&mut mesh).map_err(wrong)? {
+    if let Some(sentence) = import.apply(&mut mesh).map_err(wrong)? {
         notes.push(note(sentence));
     }
     let sides = mesh
@@ -120,13 +139,11 @@ fn surface_faults(mesh: &TriangleMesh) -> Vec<String> {
     faults
 }
 
-/// Category and name of a model file: `mug` and `025_mug` for `025_mug.ply`. A category name
-/// consists of lower case letters, digits and hyphens.
+/// Category and name of a model file: `mug` and `025_mug` for `025_mug.ply`; `b-cups` for
+/// `065-b_cups.ply`, whose letter tells it from the other cups. A category name consists of lower
+/// case letters, digits and hyphens.
 pub(crate) fn category_and_name(path: &Path) -> (String, String) {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let numbered = stem.split_once('_');
-    let bare = numbered.filter(|(number, _)| number.starts_with(|c: char| c.is_ascii_digit()));
-    let bare = bare.map_or(&*stem, |(_, name)| name);
     let plain = |c: char| {
         if c.is_ascii_alphanumeric() {
             c.to_ascii_lowercase()
@@ -134,7 +151,19 @@ pub(crate) fn category_and_name(path: &Path) -> (String, String) {
             '-'
         }
     };
-    (bare.chars().map(plain).collect(), stem.into_owned())
+    let category = without_number(&stem).chars().map(plain).collect();
+    (category, stem.into_owned())
+}
+
+/// Stem of a file name without the number at its start: `mug` for `025_mug`, `b_cups` for
+/// `065-b_cups`.
+fn without_number(stem: &str) -> &str {
+    let rest = stem.trim_start_matches(|c: char| c.is_ascii_digit());
+    if rest.len() == stem.len() {
+        return stem;
+    }
+    let name = rest.strip_prefix('_').or_else(|| rest.strip_prefix('-'));
+    name.filter(|name| !name.is_empty()).unwrap_or(stem)
 }
 
 /// Mesh of the valid faces: existing, finite corners and a positive area.
@@ -169,29 +198,6 @@ fn valid_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
     }
 }
 
-/// Scales a mesh in millimetres to metres and returns a note about it.
-fn to_metres(mesh: &mut TriangleMesh) -> Result<Option<String>, String> {
-    let sides = mesh
-        .diagnostics()
-        .extent
-        .map_or_else(Vector3::zeros, |b| b.sides());
-    let longest = sides.max();
-    if (SIDE_MIN_M..=SIDE_MAX_M).contains(&longest) {
-        return Ok(None);
-    }
-    let in_mm = SIDE_MIN_IN_MM..=SIDE_MAX_M * 1000.0;
-    if in_mm.contains(&longest) {
-        mesh.scale(0.001);
-        return Ok(Some(format!(
-            "its longest side is {longest:.0}; it was taken to be in millimetres and scaled to metres"
-        )));
-    }
-    Err(format!(
-        "its longest side is {longest}; that is neither an object in metres (0.005 to 2) nor in \
-         millimetres (10 to 2000); scale it"
-    ))
-}
-
 /// Convex decomposition for the physics (Mamou 2016, volumetric).
 fn convex_decomposition(mesh: &TriangleMesh) -> Vec<ConvexPart> {
     let coarse = mesh.decimate(TRIANGLES_FOR_PARTS);
@@ -213,4 +219,22 @@ fn convex_decomposition(mesh: &TriangleMesh) -> Vec<ConvexPart> {
         ConvexPart::around(points.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect())
     });
     mesh::simplify_contact_faces(hulls.collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn category_is_the_file_name_without_its_number() {
+        for (file, category) in [
+            ("025_mug.ply", "mug"),
+            ("065-b_cups.ply", "b-cups"),
+            ("0012.obj", "0012"),
+            ("3d_puzzle.ply", "3d-puzzle"),
+            ("Tea Cup.ply", "tea-cup"),
+        ] {
+            assert_eq!(category_and_name(Path::new(file)).0, category);
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::model_choice::{ModelChoice, ModelSource};
+use crate::model_import::ModelImport;
 use crate::object_model::ObjectModel;
 use crate::{arrangement, model_file};
 use std::path::PathBuf;
@@ -17,6 +18,7 @@ pub struct ModelLibrary {
     source: ModelSource,
     /// Model files of the library's folder.
     files: Arc<[PathBuf]>,
+    import: ModelImport,
     cache: Vec<(ModelChoice, Arc<ObjectModel>)>,
     notes: Vec<String>,
 }
@@ -27,6 +29,7 @@ impl ModelLibrary {
         Self {
             source: ModelSource::Generated,
             files: Arc::new([]),
+            import: ModelImport::default(),
             cache: Vec::new(),
             notes: Vec::new(),
         }
@@ -41,8 +44,16 @@ impl ModelLibrary {
         if let ModelSource::Folder(folder) = source {
             library.files = model_file::list(folder)?.into();
             library.source = source.clone();
+            library.notes.extend(model_file::unread_note(folder)?);
         }
         Ok(library)
+    }
+
+    /// Library that imports its files with these settings.
+    #[must_use]
+    pub fn with_import(mut self, import: ModelImport) -> Self {
+        self.import = import;
+        self
     }
 
     /// Source of the models.
@@ -83,7 +94,7 @@ impl ModelLibrary {
         if let Some(model) = self.cached(choice) {
             return Ok(model);
         }
-        let model = Arc::new(load_model(choice, &mut self.notes)?);
+        let model = Arc::new(load_model(choice, self.import, &mut self.notes)?);
         self.cache.push((choice.clone(), Arc::clone(&model)));
         Ok(model)
     }
@@ -95,7 +106,7 @@ impl ModelLibrary {
     pub(crate) fn load_uncached(&self, choice: &ModelChoice) -> Result<Arc<ObjectModel>, Error> {
         match self.cached(choice) {
             Some(model) => Ok(model),
-            None => load_model(choice, &mut Vec::new()).map(Arc::new),
+            None => load_model(choice, self.import, &mut Vec::new()).map(Arc::new),
         }
     }
 
@@ -110,12 +121,16 @@ impl ModelLibrary {
     }
 }
 
-fn load_model(choice: &ModelChoice, notes: &mut Vec<String>) -> Result<ObjectModel, Error> {
+fn load_model(
+    choice: &ModelChoice,
+    import: ModelImport,
+    notes: &mut Vec<String>,
+) -> Result<ObjectModel, Error> {
     match choice {
         ModelChoice::Generated { category, instance } => {
             ObjectModel::generated(category, *instance)
         }
-        ModelChoice::File(path) => model_file::open(path, notes),
+        ModelChoice::File(path) => model_file::open(path, import, notes),
     }
 }
 

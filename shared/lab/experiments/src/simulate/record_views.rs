@@ -13,12 +13,25 @@ use simulated_world::{ModelChoice, ModelLibrary, ModelSource};
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
+/// One view in this number may be lost without a failure of the command. Chosen.
+const MOST_LOST: usize = 10;
+
 /// Object view to be rendered.
 struct RenderJob {
     model: ModelChoice,
     category: String,
     /// Instance number within the category, from 1.
     instance: u32,
+}
+
+impl RenderJob {
+    /// Number of the object, which does not depend on the other objects of the run (FNV-1a).
+    fn number(&self) -> u64 {
+        let name = self.category.bytes().chain(self.instance.to_le_bytes());
+        name.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        })
+    }
 }
 
 /// Counts and notes of the rendered views.
@@ -43,6 +56,8 @@ struct ViewsReport {
 /// Renders, segments and writes the views of all objects, on all cores.
 pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCode, Failure> {
     let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
+    let mut library = library.with_import(arguments.import());
+    let notes = library.take_notes();
     let jobs = jobs(arguments, &library)?;
     let n_views = jobs.len() as u64 * u64::from(arguments.views);
     let bar = progress_bar(n_views, "views", output);
@@ -51,13 +66,16 @@ pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCod
         .map(|job| record_object(arguments, &library, job, &bar));
     let parts: Vec<Result<ViewsReport, Failure>> = parts.collect();
     bar.finish_and_clear();
-    let mut report = ViewsReport::default();
+    let mut report = ViewsReport {
+        notes,
+        ..ViewsReport::default()
+    };
     for part in parts {
         report.add(part?);
     }
     report.finish(&jobs);
     output.answer(&report, || text(&report, arguments));
-    Ok(if report.views == 0 {
+    Ok(if report.has_many_losses() {
         ExitCode::FAILURE
     } else {
         ExitCode::SUCCESS
@@ -87,6 +105,12 @@ impl ViewsReport {
         self.overlap_ppm += part.overlap_ppm;
         self.notes.append(&mut part.notes);
         self.failures.append(&mut part.failures);
+    }
+
+    /// True if more than a tenth of the views were lost, or there is none.
+    fn has_many_losses(&self) -> bool {
+        let n_asked = self.views + self.not_detected;
+        self.views == 0 || self.not_detected > n_asked / MOST_LOST
     }
 
     fn finish(&mut self, jobs: &[RenderJob]) {
@@ -138,7 +162,8 @@ fn record_object(
     bar: &ProgressBar,
 ) -> Result<ViewsReport, Failure> {
     let mut report = ViewsReport::default();
-    match Turntable::new(&job.model, library.clone(), CAMERA, arguments.seed) {
+    let seed = (arguments.seed, job.number());
+    match Turntable::new(&job.model, library.clone(), CAMERA, seed) {
         Ok(mut turntable) => {
             report.notes = turntable.take_notes();
             record(&mut turntable, job, arguments, &mut report, bar)?;

@@ -2,8 +2,8 @@
 //! detection.
 //!
 //! As in the Washington RGB-D Object Dataset (Lai et al. 2011) the camera looks down at 30, 45
-//! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on; lamps vary in colour and
-//! strength.
+//! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on. Distance, colour and strength
+//! of the lamps are drawn for every view.
 
 use detection::{
     Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
@@ -39,6 +39,7 @@ const VIEW_STREAM: u64 = 5;
 pub(super) struct Turntable {
     world: World,
     kinect: SimulatedKinect,
+    /// Seed of this object's camera distances and lamps.
     seed: u64,
     config: Config,
     workspace: Workspace,
@@ -58,7 +59,8 @@ pub(super) struct SegmentedView<'a> {
 }
 
 impl Turntable {
-    /// Places an object upright on the table in front of a camera.
+    /// Places an object upright on the table in front of a camera. Each object has its own
+    /// series of camera distances and lamps.
     ///
     /// # Errors
     /// If the model cannot be used or the intrinsics are invalid.
@@ -66,7 +68,7 @@ impl Turntable {
         model: &ModelChoice,
         library: ModelLibrary,
         camera: PinholeCamera,
-        seed: u64,
+        (seed, object): (u64, u64),
     ) -> Result<Self, Error> {
         let plan = ObjectPlan {
             model: model.clone(),
@@ -84,7 +86,7 @@ impl Turntable {
         Ok(Self {
             kinect: SimulatedKinect::new(&world, camera)?,
             world,
-            seed,
+            seed: Random::substream(seed, object).next_u64(),
             config: Config::default(),
             workspace: Workspace::default(),
             detection: Detection::default(),
@@ -108,7 +110,8 @@ impl Turntable {
         turn: f64,
     ) -> Result<Option<SegmentedView<'_>>, Error> {
         let (sequence, elevation_deg) = ELEVATIONS[height % ELEVATIONS.len()];
-        let mut random = random_stream(self.seed, VIEW_STREAM + 16 * u64::from(sequence));
+        let frame = (f64::from(sequence) * 1e6 + turn * 1e5) as u64;
+        let mut random = random_stream(self.seed, VIEW_STREAM + 16 * frame);
         let centre = self.centre();
         self.world.set_camera(CameraMount {
             look_at_m: centre.coords.into(),
@@ -118,7 +121,6 @@ impl Turntable {
             orbit_deg_s: 0.0,
         });
         self.kinect.set_lights(random_lamps(&mut random));
-        let frame = (f64::from(sequence) * 1e6 + turn * 1e5) as u64;
         self.kinect.look(&self.world, frame, &mut self.points)?;
         let up_in_camera = self.up_in_camera();
         self.detect(up_in_camera, frame);

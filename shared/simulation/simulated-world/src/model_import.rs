@@ -1,0 +1,230 @@
+//! Unit and upward axis of imported models: given, or guessed from the size.
+
+use mesh::TriangleMesh;
+use nalgebra::Vector3;
+
+/// Longest side that an object of unknown unit is expected to have, metres: the unit with which
+/// it comes nearest to it is taken. Chosen; household objects have 0.05 to 0.4.
+const USUAL_SIDE_M: f32 = 0.2;
+
+/// Longest sides of objects that are surely in metres. Chosen.
+const SURE_SIDES_M: std::ops::RangeInclusive<f32> = 0.02..=0.8;
+
+/// Limits of the longest side of an object, metres. Chosen.
+const SIDES_M: std::ops::RangeInclusive<f32> = 0.005..=2.0;
+
+/// Tolerance by which the longest side or the diagonal of a model of unit size differs from one
+/// or two. Chosen.
+const UNIT_SIZE_TOLERANCE: f32 = 0.005;
+
+/// Length unit of a model file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModelUnit {
+    /// Metre.
+    Metre,
+    /// Centimetre.
+    Centimetre,
+    /// Millimetre.
+    Millimetre,
+    /// Inch.
+    Inch,
+}
+
+/// Upward axis of a model file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ModelUp {
+    /// The x axis points up.
+    X,
+    /// The y axis points up, as in many files of animation programs.
+    Y,
+    /// The z axis points up, as in scans and in CAD.
+    #[default]
+    Z,
+}
+
+/// Settings for the import of model files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ModelImport {
+    /// Unit of all models; `None` to guess that of each from its size.
+    pub unit: Option<ModelUnit>,
+    /// Upward axis of all models.
+    pub up: ModelUp,
+}
+
+impl ModelUnit {
+    const ALL: [Self; 4] = [Self::Metre, Self::Centimetre, Self::Millimetre, Self::Inch];
+
+    fn metres(self) -> f32 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Centimetre => 0.01,
+            Self::Millimetre => 0.001,
+            Self::Inch => 0.0254,
+        }
+    }
+
+    fn plural(self) -> &'static str {
+        match self {
+            Self::Metre => "metres",
+            Self::Centimetre => "centimetres",
+            Self::Millimetre => "millimetres",
+            Self::Inch => "inches",
+        }
+    }
+}
+
+impl ModelImport {
+    /// Turns a mesh upright and scales it to metres. Returns a sentence about what was guessed.
+    ///
+    /// # Errors
+    /// A sentence when no unit gives the size of an object.
+    pub(crate) fn apply(self, mesh: &mut TriangleMesh) -> Result<Option<String>, String> {
+        self.turn_upright(mesh);
+        let bounds = mesh.diagnostics().extent;
+        let sides = bounds.map_or_else(Vector3::zeros, |bounds| bounds.sides());
+        let (scale, sentence) = self.scale(sides)?;
+        if (scale - 1.0).abs() > f32::EPSILON {
+            mesh.scale(scale);
+        }
+        Ok(sentence)
+    }
+
+    fn turn_upright(self, mesh: &mut TriangleMesh) {
+        // Cyclic permutations are rotations.
+        let turned = |v: Vector3<f32>| match self.up {
+            ModelUp::X => Vector3::new(v.y, v.z, v.x),
+            ModelUp::Y => Vector3::new(v.z, v.x, v.y),
+            ModelUp::Z => v,
+        };
+        for vertex in &mut mesh.vertices {
+            vertex.position = turned(vertex.position.coords).into();
+            vertex.normal = turned(vertex.normal);
+        }
+    }
+
+    /// Factor to metres of a mesh with these sides, and a sentence if it was guessed.
+    fn scale(self, sides: Vector3<f32>) -> Result<(f32, Option<String>), String> {
+        let longest = sides.max();
+        if let Some(unit) = self.unit {
+            let side_m = longest * unit.metres();
+            return if SIDES_M.contains(&side_m) {
+                Ok((unit.metres(), None))
+            } else {
+                let unit = unit.plural();
+                Err(format!(
+                    "its longest side is {longest} {unit}, which no object on a table has \
+                     (0.005 to 2 m); give it another unit or scale it"
+                ))
+            };
+        }
+        if is_normalised(sides) {
+            let sentence = format!(
+                "its longest side is {longest:.3}, as of a model that was scaled to unit size; it \
+                 was scaled to {USUAL_SIDE_M} m (give the unit if it is another)"
+            );
+            return Ok((USUAL_SIDE_M / longest, Some(sentence)));
+        }
+        if SURE_SIDES_M.contains(&longest) {
+            return Ok((1.0, None));
+        }
+        let badness = |unit: &ModelUnit| (longest * unit.metres() / USUAL_SIDE_M).ln().abs();
+        let possible = ModelUnit::ALL.into_iter();
+        let possible = possible.filter(|unit| SIDES_M.contains(&(longest * unit.metres())));
+        let guessed = possible
+            // Inches are rare, and never the only unit that fits.
+            .filter(|unit| *unit != ModelUnit::Inch)
+            .min_by(|a, b| badness(a).total_cmp(&badness(b)));
+        match guessed {
+            Some(unit) => {
+                let sentence = format!(
+                    "its longest side is {longest:.3}; it was taken to be in {} (give the unit if \
+                     it is another)",
+                    unit.plural()
+                );
+                Ok((unit.metres(), Some(sentence)))
+            }
+            None => Err(format!(
+                "its longest side is {longest}; in metres, centimetres and millimetres alike that \
+                 is no object on a table (0.005 to 2 m); give its unit or scale it"
+            )),
+        }
+    }
+}
+
+/// `true` for sides of a model that a program has scaled to unit size: a longest side, or a
+/// diagonal, of one or two.
+fn is_normalised(sides: Vector3<f32>) -> bool {
+    let is_unit = |length: f32| {
+        (length - 1.0).abs() < UNIT_SIZE_TOLERANCE || (length - 2.0).abs() < UNIT_SIZE_TOLERANCE
+    };
+    is_unit(sides.max()) || is_unit(sides.norm())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scale(longest: f32, unit: Option<ModelUnit>) -> Result<(f32, Option<String>), String> {
+        let import = ModelImport {
+            unit,
+            ..ModelImport::default()
+        };
+        import.scale(Vector3::new(longest, 0.3 * longest, 0.5 * longest))
+    }
+
+    #[test]
+    fn units_are_guessed_from_the_size_and_told() {
+        for (longest, side_m, told) in [
+            (0.18, 0.18, None),
+            (1.3, 1.3, Some("in metres")),
+            (42.0, 0.42, Some("centimetres")),
+            (180.0, 0.18, Some("millimetres")),
+            (900.0, 0.9, Some("millimetres")),
+            (1.0, 0.2, Some("unit size")),
+            (0.01, 0.01, Some("in metres")),
+        ] {
+            let (factor, sentence) = scale(longest, None).unwrap();
+            assert!(
+                (longest * factor - side_m).abs() < 1e-3,
+                "{longest}: {factor}"
+            );
+            match told {
+                None => assert_eq!(sentence, None),
+                Some(told) => assert!(sentence.unwrap().contains(told), "{longest}"),
+            }
+        }
+        for longest in [1e-4, 9e6] {
+            assert!(scale(longest, None).unwrap_err().contains("give its unit"));
+        }
+    }
+
+    #[test]
+    fn a_given_unit_is_obeyed_or_refused() {
+        let (factor, sentence) = scale(42.0, Some(ModelUnit::Millimetre)).unwrap();
+        assert_eq!((factor, sentence), (0.001, None));
+        assert_eq!(scale(10.0, Some(ModelUnit::Inch)).unwrap().0, 0.0254);
+        let refused = scale(42.0, Some(ModelUnit::Metre)).unwrap_err();
+        assert!(refused.contains("42 metres"), "{refused}");
+    }
+
+    #[test]
+    fn the_given_axis_points_up() {
+        for (up, given) in [
+            (ModelUp::X, [3.0, 1.0, 2.0]),
+            (ModelUp::Y, [2.0, 3.0, 1.0]),
+            (ModelUp::Z, [1.0, 2.0, 3.0]),
+        ] {
+            let mut mesh = TriangleMesh {
+                vertices: vec![mesh::Vertex {
+                    position: given.into(),
+                    normal: given.into(),
+                    color: [0; 3],
+                }],
+                ..TriangleMesh::default()
+            };
+            let import = ModelImport { unit: None, up };
+            import.turn_upright(&mut mesh);
+            assert_eq!(mesh.vertices[0].position, [1.0, 2.0, 3.0].into(), "{up:?}");
+        }
+    }
+}
