@@ -100,12 +100,17 @@ const OBJECT: &[(&str, JsonType)] = &[
     ("view", CountOrNull),
     ("is_key_view", Truth),
     ("n_key_views", Count),
+    ("n_sides", Count),
     ("categories", List),
     ("linked_to", CountOrNull),
     ("stamps", Document(STAMPS)),
 ];
 const COVARIANCE: &[(&str, JsonType)] = &[("position_m2", Vector(6)), ("rotation_rad2", Vector(6))];
-const NEAR_CATEGORY: &[(&str, JsonType)] = &[("label", Text), ("distance", Number)];
+const NEAR_CATEGORY: &[(&str, JsonType)] = &[
+    ("label", Text),
+    ("distance", Number),
+    ("probability", Number),
+];
 const STAMPS: &[(&str, JsonType)] = &[
     ("asked_ns", CountOrNull),
     ("begun_ns", CountOrNull),

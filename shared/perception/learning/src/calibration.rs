@@ -18,6 +18,9 @@ pub struct Calibration {
     pub kernel_width: f32,
     /// Ridge of the local ridge regression.
     pub ridge: f32,
+    /// Distance of unrelated objects: that of the imaginary views of a background class, which
+    /// stand for all that was not taught.
+    pub background_distance: f32,
     /// Prior of the spread of a category.
     pub spread_prior: f32,
     /// Logit of a category for a score of one.
@@ -106,6 +109,7 @@ mod tests {
         axis_hypotheses_of: |stored| vec![stored.to_vec()],
         kernel_width: 2.5,
         ridge: 0.03,
+        background_distance: 2.2,
         spread_prior: 0.6,
         score_weight: 8.0,
         unknown_bias: 4.0,

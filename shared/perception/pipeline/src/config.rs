@@ -76,6 +76,7 @@ pub fn calibration(kind: AxesKind) -> Calibration {
         },
         kernel_width: 2.5,
         ridge: 0.03,
+        background_distance: 2.2,
         spread_prior: 0.75,
         score_weight: 8.1,
         unknown_bias: 3.7,

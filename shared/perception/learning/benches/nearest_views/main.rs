@@ -40,6 +40,7 @@ fn calibration() -> Calibration {
         },
         kernel_width: 2.5,
         ridge: 0.03,
+        background_distance: 2.2,
         spread_prior: 0.75,
         score_weight: 8.0,
         unknown_bias: 4.0,

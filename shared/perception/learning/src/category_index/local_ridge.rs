@@ -12,12 +12,17 @@ use crate::Calibration;
 use crate::nearest_categories::ScoredView;
 use nalgebra::{DMatrix, DVector};
 
+/// Number of imaginary views of the background class. Chosen.
+const N_BACKGROUND_VIEWS: usize = 4;
+
 /// Weights of the neighbours of a description, in their order: `(K + r I)⁻¹ k`, where
 /// `k` is the kernel between description and neighbours, `K` among the neighbours and
 /// `r` the ridge. The sum over the neighbours of a category is the regression of its
 /// indicator: about one for an object like them, about zero far from them.
 ///
-/// The kernel is `exp(-d / width)` with the least distance over the axis hypotheses.
+/// The kernel is `exp(-d / width)` with the least distance over the axis hypotheses. Four
+/// imaginary views of a background class, at the distance of unrelated objects from everything,
+/// take part, so that a memory with few views does not claim whatever is not quite unlike them.
 ///
 /// *Complexity*: cubic in the neighbours.
 pub(super) fn ridge_weights(
@@ -29,7 +34,10 @@ pub(super) fn ridge_weights(
     let kernel =
         |squared: f32| (-f64::from(squared.max(0.0).sqrt() / calibration.kernel_width)).exp();
     let squared_distance = squared_distances(neighbours, table, calibration);
-    let mut gram = DMatrix::identity(n, n) * (1.0 + f64::from(calibration.ridge));
+    let n_all = n + N_BACKGROUND_VIEWS;
+    let background = kernel(calibration.background_distance.powi(2));
+    let mut gram = DMatrix::from_element(n_all, n_all, background);
+    gram.fill_diagonal(1.0 + f64::from(calibration.ridge));
     for j in 0..n {
         for i in j + 1..n {
             let value = kernel(squared_distance(i, j));
@@ -38,7 +46,9 @@ pub(super) fn ridge_weights(
         }
     }
     let of_question = neighbours.iter().map(|neighbour| kernel(neighbour.score));
-    solve(gram, &DVector::from_iterator(n, of_question))
+    let of_question = of_question.chain(std::iter::repeat_n(background, N_BACKGROUND_VIEWS));
+    let weights = solve(gram, &DVector::from_iterator(n_all, of_question));
+    weights.rows(0, n).into_owned()
 }
 
 /// Solution of a symmetric system. The least distance over hypotheses makes a kernel that may be
@@ -92,6 +102,8 @@ mod tests {
         axis_hypotheses_of: |stored| vec![stored.to_vec(), stored.iter().map(|x| -x).collect()],
         kernel_width: 1.5,
         ridge: 0.1,
+        // Without a background.
+        background_distance: f32::INFINITY,
         spread_prior: 1.0,
         score_weight: 8.0,
         unknown_bias: 4.0,

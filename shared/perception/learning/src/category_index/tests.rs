@@ -118,6 +118,7 @@ const CALIBRATION: Calibration = Calibration {
     axis_hypotheses_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
     kernel_width: 1.0,
     ridge: 0.03,
+    background_distance: 2.0,
     spread_prior: 0.5,
     score_weight: 8.0,
     unknown_bias: 4.0,

@@ -12,6 +12,7 @@ const CALIBRATION: Calibration = Calibration {
     axis_hypotheses_of: |stored| vec![stored.to_vec()],
     kernel_width: 2.0,
     ridge: 0.03,
+    background_distance: 2.0,
     spread_prior: 2.0,
     score_weight: 8.0,
     unknown_bias: 4.0,
