@@ -8,7 +8,7 @@
 //! box instead of a surface point.
 
 use super::local_surface::{LocalSurface, SurfaceGrid};
-use super::soft_bins::{SoftBins, add};
+use super::soft_bins::{SoftBins, add, add_linear, add_weighted};
 use crate::AxesKind;
 use crate::projected_points::{LANES, ProjectedPoints};
 
@@ -61,7 +61,8 @@ impl BoxProfile {
     }
 
     /// Appends the values of points in the object frame, multiplied by `weight`: square
-    /// roots of shares (Hellinger). `ranges_m` are the sides of their bounding box.
+    /// roots of shares (Hellinger). `ranges_m` are the least and greatest coordinates of their
+    /// bounding box.
     ///
     /// Without a known upward direction nothing is tilted: the values of the local
     /// surfaces are zero then.
@@ -122,13 +123,13 @@ impl BoxProfile {
             let LocalSurface { n_points, .. } = surface;
             let height = 0.5 + surface.height_m * per_height;
             let row = locate(TILT.0, height);
-            add_weighted(tilts, TILT.1, row, locate(TILT.1, surface.tilt), n_points);
+            let column = locate(TILT.1, surface.tilt);
+            add_weighted(tilts, TILT.1, (row, column), n_points);
             let row = locate(ROUGHNESS.0, height);
             let column = locate(ROUGHNESS.1, surface.roughness / ROUGHNESS_MAX);
-            add_weighted(roughnesses, ROUGHNESS.1, row, column, n_points);
-            let (bin, share) = locate(N_LINEARITIES, surface.linearity);
-            linearities[bin as usize] += n_points * (1.0 - share);
-            linearities[bin as usize + 1] += n_points * share;
+            add_weighted(roughnesses, ROUGHNESS.1, (row, column), n_points);
+            let bin = locate(N_LINEARITIES, surface.linearity);
+            add_linear(linearities, bin, n_points);
         });
     }
 
@@ -145,26 +146,6 @@ impl BoxProfile {
             .chain(mirrored_rows(first_tilt, TILT))
             .chain(mirrored_rows(first_roughness, ROUGHNESS))
             .chain(first_linearity..N_PROFILE_VALUES)
-    }
-}
-
-/// Adds a weighted count to a row-major histogram with bilinear interpolation.
-fn add_weighted(
-    cells: &mut [f32],
-    n_columns: usize,
-    row: (u32, f32),
-    column: (u32, f32),
-    weight: f32,
-) {
-    let first = row.0 as usize * n_columns + column.0 as usize;
-    let (upper, lower) = (weight * row.1, weight * (1.0 - row.1));
-    for (offset, count) in [
-        (0, lower * (1.0 - column.1)),
-        (1, lower * column.1),
-        (n_columns, upper * (1.0 - column.1)),
-        (n_columns + 1, upper * column.1),
-    ] {
-        cells[first + offset] += count;
     }
 }
 

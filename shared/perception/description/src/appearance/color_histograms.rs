@@ -1,6 +1,6 @@
 //! Colour histograms of an object: chromaticity and lightness.
 
-use super::soft_bins::{SoftBins, add, normalise_fourth_roots};
+use super::soft_bins::{SoftBins, add, add_linear, normalise_fourth_roots};
 use crate::ObjectPoints;
 
 /// Chromaticity bins per side.
@@ -71,9 +71,8 @@ impl ColorHistograms {
                 place(red),
                 place(green),
             );
-            let (bin, share) = lightness_bins.locate(sum / (3.0 * 255.0));
-            self.lightnesses[bin as usize] += 1.0 - share;
-            self.lightnesses[bin as usize + 1] += share;
+            let bin = lightness_bins.locate(sum / (3.0 * 255.0));
+            add_linear(&mut self.lightnesses, bin, 1.0);
         });
         normalise_fourth_roots(&mut self.chromaticities);
         normalise_fourth_roots(&mut self.lightnesses);

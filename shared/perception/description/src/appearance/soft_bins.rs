@@ -31,15 +31,33 @@ impl SoftBins {
 /// Adds one count to a row-major histogram with bilinear interpolation.
 #[inline]
 pub(super) fn add(cells: &mut [f32], n_columns: usize, row: (u32, f32), column: (u32, f32)) {
+    add_weighted(cells, n_columns, (row, column), 1.0);
+}
+
+/// Adds a weighted count to a row-major histogram with bilinear interpolation.
+#[inline]
+pub(super) fn add_weighted(
+    cells: &mut [f32],
+    n_columns: usize,
+    (row, column): ((u32, f32), (u32, f32)),
+    weight: f32,
+) {
     let first = row.0 as usize * n_columns + column.0 as usize;
     let Some(around) = cells.get_mut(first..first + n_columns + 2) else {
         return;
     };
-    let (upper, lower) = (row.1, 1.0 - row.1);
+    let (upper, lower) = (weight * row.1, weight * (1.0 - row.1));
     around[0] += lower * (1.0 - column.1);
     around[1] += lower * column.1;
     around[n_columns] += upper * (1.0 - column.1);
     around[n_columns + 1] += upper * column.1;
+}
+
+/// Adds a weighted count to a histogram of one dimension with linear interpolation.
+#[inline]
+pub(super) fn add_linear(cells: &mut [f32], (bin, share): (u32, f32), weight: f32) {
+    cells[bin as usize] += weight * (1.0 - share);
+    cells[bin as usize + 1] += weight * share;
 }
 
 /// Replaces counts by their fourth roots, normalised to unit length. Roots damp frequent
