@@ -52,7 +52,8 @@ pub struct ModelImport {
 }
 
 impl ModelUnit {
-    const ALL: [Self; 4] = [Self::Metre, Self::Centimetre, Self::Millimetre, Self::Inch];
+    /// Units that are guessed; inches are rare.
+    const USUAL: [Self; 3] = [Self::Metre, Self::Centimetre, Self::Millimetre];
 
     fn metres(self) -> f32 {
         match self {
@@ -128,11 +129,9 @@ impl ModelImport {
             return Ok((1.0, None));
         }
         let badness = |unit: &ModelUnit| (longest * unit.metres() / USUAL_SIDE_M).ln().abs();
-        let possible = ModelUnit::ALL.into_iter();
-        let possible = possible.filter(|unit| SIDES_M.contains(&(longest * unit.metres())));
-        let guessed = possible
-            // Inches are rare, and never the only unit that fits.
-            .filter(|unit| *unit != ModelUnit::Inch)
+        let units = ModelUnit::USUAL.into_iter();
+        let guessed = units
+            .filter(|unit| SIDES_M.contains(&(longest * unit.metres())))
             .min_by(|a, b| badness(a).total_cmp(&badness(b)));
         match guessed {
             Some(unit) => {
