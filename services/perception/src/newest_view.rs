@@ -99,8 +99,10 @@ impl NewestView {
             indices: &indices,
             measured: &measured,
         };
-        // Description and recognition do not depend on the state of the object.
+        // Description and recognition do not depend on the state of the object, and evidence of
+        // another one must not count.
         let mut state = ObjectState::default();
+        tools.forget_object();
         let mut descriptor = Vec::new();
         let posterior = state.observe(
             &observation,

@@ -70,13 +70,18 @@ fn unpack(cloud: &[u8], points: &mut Vec<Point>) -> Result<(), String> {
 fn described(view: &LearnedView, values: Vec<f32>) -> Result<DescribedView, String> {
     let category = CategoryName::new(&view.category).map_err(|error| error.to_string())?;
     Ok(DescribedView {
-        id: learning::ViewId {
-            track_id: view.id.track_id,
-            view_id: view.id.view_id,
-        },
+        id: view_id(view.id),
         category,
         values,
     })
+}
+
+/// Id of a stored view in the index.
+pub(crate) fn view_id(id: message::control::ViewId) -> learning::ViewId {
+    learning::ViewId {
+        track_id: id.track_id,
+        view_id: id.view_id,
+    }
 }
 
 #[cfg(test)]

@@ -44,6 +44,11 @@ impl ObjectWorkspace {
             evidence: TrackEvidence::default(),
         })
     }
+
+    /// Forgets the evidence, so that the scratch memory serves another object.
+    pub fn forget_object(&mut self) {
+        self.evidence = TrackEvidence::default();
+    }
 }
 
 /// One object's points and measurement in a frame.
