@@ -58,7 +58,7 @@ pub(crate) struct ObservedView {
     pub(crate) posterior: Posterior,
     /// Descriptor of the observed view.
     pub(crate) descriptor: Vec<f32>,
-    /// Points of a key view in the world frame, packed; empty for other views.
+    /// Points of a key view in the world frame, white balanced and packed; empty for other views.
     pub(crate) packed_cloud: Vec<u8>,
     /// Points of the observed object, camera frame.
     pub(crate) points: Vec<Point>,
@@ -140,7 +140,11 @@ impl Actor for ObjectActor {
         )?;
         let packed_cloud = if posterior.is_key_view {
             let world_from_camera = received.frame_pose().world_from_camera;
-            pack_cloud(points_at(cloud, indices), &world_from_camera)
+            let balanced = points_at(cloud, indices).map(|point| Point {
+                color: measured.white_balance.color(point.color),
+                ..*point
+            });
+            pack_cloud(balanced, &world_from_camera)
         } else {
             Vec::new()
         };

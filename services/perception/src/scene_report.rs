@@ -56,7 +56,8 @@ fn near_categories(
 }
 
 fn mean_rgb(measured: &CandidateMeasurement) -> [u8; 3] {
-    measured.mean_rgb.map(|channel| channel as u8)
+    let balanced = measured.white_balance.balanced(measured.mean_rgb);
+    balanced.map(|channel| channel as u8)
 }
 
 /// Writes a label estimate into an object of the scene.

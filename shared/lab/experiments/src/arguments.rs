@@ -9,7 +9,7 @@ pub use recognition::{
 
 use clap::{Args, Subcommand, ValueEnum};
 use perceptual_memory::{HistoryLimits, RetentionLimits};
-use simulated_world::{ModelImport, ModelSource, ModelUnit, ModelUp};
+use simulated_world::{Lighting, ModelImport, ModelSource, ModelUnit, ModelUp};
 use std::path::{Path, PathBuf};
 
 /// Subcommands of `tabula-lab simulate`.
@@ -78,6 +78,10 @@ pub struct ViewsArguments {
     /// Only this category; may be given more than once [default: all]
     #[arg(long, value_name = "NAME")]
     pub(crate) category: Vec<String>,
+    /// Lamps and walls: white, dawn, tungsten, mixed, red-walls, green-walls or blue-walls
+    /// [default: lamps that are drawn for every view]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) lighting: Option<Lighting>,
     /// Random seed; the same seed gives the same files
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
@@ -123,6 +127,28 @@ pub enum EvaluateVerb {
     Ablation(AblationArguments),
     /// k-fold cross-validation of recognition
     CrossValidation(CrossValidationArguments),
+    /// Recognition under other lamps and beside other tables than those of the lessons
+    Lighting(LightingArguments),
+}
+
+/// Arguments of `evaluate lighting`.
+#[derive(Debug, Args)]
+pub struct LightingArguments {
+    /// Folder of models of objects with colours, or `generated`
+    #[arg(long, value_name = "DIR", default_value = "generated")]
+    pub(crate) models: PathBuf,
+    /// Number of objects, spread over the categories
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    pub(crate) objects: u32,
+    /// Views of each object under each lighting
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(3..=1000))]
+    pub(crate) views: u32,
+    /// Random seed; the same seed gives the same figures
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the figures and the page
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
 }
 
 /// Arguments of an evaluation on a data set: scenes and output folder.
@@ -180,6 +206,13 @@ impl SceneArguments {
         self.models
             .as_deref()
             .map_or(ModelSource::Generated, model_source)
+    }
+}
+
+impl LightingArguments {
+    /// Source of the object models.
+    pub(crate) fn models(&self) -> ModelSource {
+        model_source(&self.models)
     }
 }
 

@@ -3,7 +3,7 @@
 mod record_scene;
 mod record_views;
 mod sensor_plot;
-mod turntable;
+pub(crate) mod turntable;
 
 use crate::arguments::SimulateVerb;
 use command_line::Output;

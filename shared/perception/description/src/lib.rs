@@ -33,6 +33,7 @@
 //! ```
 
 mod object_points;
+mod white_balance;
 
 mod descriptor;
 mod descriptor_frame;
@@ -54,3 +55,4 @@ pub use good::{Good, GoodVariant, Support};
 pub use object_axes::{AxesKind, ObjectAxes, object_axes};
 pub use object_points::ObjectPoints;
 pub use reference_frame::reference_frame;
+pub use white_balance::{LightColor, WhiteBalance};

@@ -1,6 +1,6 @@
 //! Borrowed points of one object.
 
-use crate::Error;
+use crate::{Error, WhiteBalance};
 use point_cloud::{Point, Rgba};
 
 /// View of one object's points: a whole cloud, or a selection by index. Nothing is
@@ -11,6 +11,7 @@ pub struct ObjectPoints<'a> {
     indices: Option<&'a [u32]>,
     /// Every `step`-th point counts.
     step: usize,
+    white_balance: WhiteBalance,
 }
 
 impl<'a> ObjectPoints<'a> {
@@ -20,6 +21,7 @@ impl<'a> ObjectPoints<'a> {
             cloud,
             indices: None,
             step: 1,
+            white_balance: WhiteBalance::NEUTRAL,
         }
     }
 
@@ -37,8 +39,23 @@ impl<'a> ObjectPoints<'a> {
                 cloud,
                 indices: Some(indices),
                 step: 1,
+                white_balance: WhiteBalance::NEUTRAL,
             }),
         }
+    }
+
+    /// Same points, whose colours count after a white balance.
+    #[must_use]
+    pub fn balanced(self, white_balance: WhiteBalance) -> Self {
+        Self {
+            white_balance,
+            ..self
+        }
+    }
+
+    /// White balance of the colours.
+    pub(crate) fn white_balance(&self) -> &WhiteBalance {
+        &self.white_balance
     }
 
     /// Evenly thinned points, at most `n_max` of them: every second, every third, and so

@@ -1,6 +1,7 @@
 //! Measurement of a detection candidate from its points.
 
 use crate::{Config, Error, FramePose};
+use description::WhiteBalance;
 use detection::{Candidate, Support};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Translation3, Unit, Vector3};
@@ -24,8 +25,10 @@ pub struct CandidateMeasurement {
     pub frame: FramePose,
     /// Coarse appearance of the candidate for data association.
     pub appearance: CoarseAppearance,
-    /// Mean red, green and blue, 0 to 255.
+    /// Mean red, green and blue, 0 to 255, as the camera sees them.
     pub mean_rgb: [f32; 3],
+    /// White balance of the frame, by which colours are compared with those of other times.
+    pub white_balance: WhiteBalance,
     /// Number of points of the candidate.
     pub n_points: usize,
     /// `true` when the candidate lies in the space of a person or the robot.
@@ -40,7 +43,8 @@ pub struct CandidateMeasurement {
 }
 
 impl CandidateMeasurement {
-    /// Measurement of a candidate from its points, with the depth noise law of the camera.
+    /// Measurement of a candidate from its points, with the depth noise law of the camera. Its
+    /// white balance is neutral.
     ///
     /// # Errors
     /// When the candidate's box is not a valid measurement.
@@ -83,6 +87,7 @@ impl CandidateMeasurement {
                 is_truncated,
             },
             mean_rgb: candidate.mean_rgb,
+            white_balance: WhiteBalance::NEUTRAL,
             n_points: candidate.n_points(),
             overlaps_body,
             evidence: SightingEvidence::Separate,

@@ -52,6 +52,7 @@ mod error;
 mod frame_pipeline;
 mod frame_pose;
 mod key_view_selector;
+mod light_estimate;
 mod lost_track_gallery;
 mod object_state;
 mod sequential_executor;

@@ -235,7 +235,7 @@ fn describe<'a>(
     let world_from_box = measured.measurement.box_in_world().frame_from_box.rotation;
     let up = camera_from_world * world_from_box * Vector3::z_axis();
     appearance
-        .describe(points, Some(&up))
+        .describe(points.balanced(measured.white_balance), Some(&up))
         .map_err(Error::Description)
 }
 

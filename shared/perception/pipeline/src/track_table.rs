@@ -4,6 +4,7 @@ use crate::candidate_measurement::CandidateMeasurement;
 use crate::depth_noise_estimate::DepthNoiseEstimate;
 use crate::duplicate_tracks::end_duplicates;
 use crate::frame_pose::FramePose;
+use crate::light_estimate::LightEstimate;
 use crate::lost_track_gallery::LostTrackGallery;
 use crate::shared_shift::{SharedShift, pose_sigma_m};
 use crate::sighting_evidence::sighting_evidence;
@@ -109,6 +110,7 @@ pub struct TrackTable {
     recovery: TrackRecovery,
     shared_shift: SharedShift,
     depth_noise: DepthNoiseEstimate,
+    light: LightEstimate,
     other_table: OtherTable,
 }
 
@@ -130,6 +132,7 @@ impl TrackTable {
             recovery: TrackRecovery::default(),
             shared_shift: SharedShift::default(),
             depth_noise: DepthNoiseEstimate::default(),
+            light: LightEstimate::default(),
             other_table: OtherTable::default(),
         }
     }
@@ -151,11 +154,12 @@ impl TrackTable {
     }
 
     /// Ends all tracks, appends their ids to `gone`, empties the lost-track gallery and forgets
-    /// the measured noise and the other surfaces.
+    /// the measured noise, the light and the other surfaces.
     pub fn clear(&mut self, gone: &mut Vec<u64>) {
         gone.extend(self.tracks.drain(..).map(|track| track.id));
         self.lost_tracks.clear();
         self.depth_noise = DepthNoiseEstimate::default();
+        self.light = LightEstimate::default();
         self.other_table.clear();
     }
 
@@ -210,6 +214,7 @@ impl TrackTable {
         });
         self.watch_other_table(surface, frame);
         self.measured.clear();
+        self.light.add(cloud, frame.capture_ns);
         if is_elsewhere {
             self.measured.resize(detection.candidates.len(), None);
         } else {
@@ -309,6 +314,7 @@ impl TrackTable {
 
     fn measure(&mut self, detection: &Detection, cloud: &[Point], frame: &FramePose) {
         let noise = self.depth_noise.law();
+        let white_balance = self.light.white_balance();
         for candidate in &detection.candidates {
             let indices = detection.points_of(candidate);
             let measured = candidate
@@ -322,6 +328,7 @@ impl TrackTable {
             self.measured
                 .push(measured.map(|measured| CandidateMeasurement {
                     evidence,
+                    white_balance,
                     ..measured
                 }));
         }

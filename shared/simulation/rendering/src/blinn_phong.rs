@@ -49,7 +49,7 @@ pub(crate) struct CameraLights {
 impl CameraLights {
     pub(crate) fn new(lights: &Lights, camera_from_world: &RigidTransformF32) -> Self {
         Self {
-            ambient: lights.ambient.linear_rgb(),
+            ambient: lights.ambient_rgb(),
             up: camera_from_world.direction([0.0, 0.0, 1.0]),
             main: CameraLight::new(&lights.main, camera_from_world),
             fill: lights

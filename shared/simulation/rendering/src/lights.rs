@@ -36,6 +36,9 @@ pub struct ShadowRegion {
 pub struct Lights {
     /// Ambient hemisphere light: full from above, half from below.
     pub ambient: Illuminant,
+    /// Colour that the walls give to the ambient light: factors on its linear sRGB; 1 for white
+    /// walls. Negative and non-finite factors count as 0.
+    pub ambient_tint: [f32; 3],
     /// Main light, which casts shadows.
     pub main: Light,
     /// Fill light, which casts no shadows.
@@ -45,6 +48,19 @@ pub struct Lights {
 }
 
 impl Lights {
+    /// Ambient light with the colour of the walls, linear sRGB.
+    pub(crate) fn ambient_rgb(&self) -> [f32; 3] {
+        let tint = |factor: f32| {
+            if factor.is_finite() {
+                factor.max(0.0)
+            } else {
+                0.0
+            }
+        };
+        let rgb = self.ambient.linear_rgb();
+        [0, 1, 2].map(|channel| rgb[channel] * tint(self.ambient_tint[channel]))
+    }
+
     /// Indoor room: a neutral ceiling lamp 2 m above the origin and a weak cooler light from the
     /// side; shadows within 1.2 m of the origin.
     pub const ROOM: Self = Self {
@@ -52,6 +68,7 @@ impl Lights {
             temperature_k: 5500.0,
             intensity: 0.45,
         },
+        ambient_tint: [1.0; 3],
         main: Light {
             illuminant: Illuminant {
                 temperature_k: 4300.0,

@@ -24,8 +24,8 @@ const BIN_WALL_M: f64 = 0.008;
 pub(crate) enum Material {
     /// Tiles of the floor.
     Tiles,
-    /// Plaster of the back wall.
-    Plaster,
+    /// Plaster of the back wall, sRGB.
+    Plaster([u8; 3]),
     /// Finish of the table top and legs.
     Table(TableFinish),
     /// Cardboard of the bin.
@@ -64,7 +64,7 @@ pub(crate) fn room_boxes(scene: &Scene) -> Vec<RoomBox> {
         RoomBox::between(
             [-r, WALL_Y_M, 0.0],
             [r, WALL_Y_M + 0.1, WALL_HEIGHT_M],
-            Material::Plaster,
+            Material::Plaster(scene.lighting.wall_color()),
         ),
     ];
     boxes.extend(table(&scene.table, scene.table_finish));

@@ -4,6 +4,7 @@ use crate::action::PersonPlan;
 use crate::arm_mount::ArmMount;
 use crate::camera_mount::CameraMount;
 use crate::furniture::{Bin, TableDimensions, TableFinish};
+use crate::lighting::Lighting;
 use crate::model_choice::ModelChoice;
 use geometry::RigidTransform;
 use nalgebra::UnitQuaternion;
@@ -115,6 +116,8 @@ pub struct Scene {
     pub table: TableDimensions,
     /// Colour and pattern of the table.
     pub table_finish: TableFinish,
+    /// Lamps and walls of the room.
+    pub lighting: Lighting,
     /// Bin on the table, if any.
     pub bin: Option<Bin>,
     /// Mounting pose of the camera.
@@ -138,6 +141,7 @@ impl Default for Scene {
             seed: 1,
             table: TableDimensions::default(),
             table_finish: TableFinish::default(),
+            lighting: Lighting::default(),
             bin: None,
             camera: CameraMount::default(),
             objects: Vec::new(),

@@ -82,7 +82,7 @@ impl SimulatedKinect {
                     center_in_world: Point3::from(middle),
                     radius_m: SHADOW_REACH_M,
                 }),
-                ..Lights::ROOM
+                ..world.scene().lighting.lights()
             },
             room: room_pieces(world.boxes()),
             person: PersonMeshes::new(),

@@ -15,6 +15,7 @@
 use geometry::RigidTransform;
 use nalgebra::Point3;
 use point_cloud::{Point, Rgba};
+use std::borrow::Borrow;
 
 /// Maximum number of points of a packed cloud, so that a view fits into one request.
 pub const MAX_CLOUD_POINTS: usize = 30_000;
@@ -31,12 +32,13 @@ const RESOLUTION_M: f64 = 1e-4;
 /// The quantisation error is at most 0.05 mm plus the rounding of the origin. More than
 /// [`MAX_CLOUD_POINTS`] points are subsampled evenly. Points without depth are dropped, and
 /// those more than 3.27 m from the centre along an axis.
-pub fn pack_cloud<'a>(
-    points: impl Iterator<Item = &'a Point>,
+pub fn pack_cloud(
+    points: impl Iterator<Item = impl Borrow<Point>>,
     frame_from_points: &RigidTransform,
 ) -> Vec<u8> {
     let mut transformed: Vec<(Point3<f64>, Rgba)> = points
-        .filter(|point| point.is_finite())
+        .map(|point| *point.borrow())
+        .filter(Point::is_finite)
         .map(|point| (frame_from_points * point.position(), point.color))
         .collect();
     subsample_evenly(&mut transformed);

@@ -1,10 +1,11 @@
 //! `tabula-lab simulate views`: training views of single objects in the layout of the Washington
 //! RGB-D Object Dataset.
 
-use super::turntable::{ELEVATIONS, SegmentedView, Turntable};
+use super::turntable::{ELEVATIONS, SegmentedView, Turntable, TurntableRoom};
 use crate::arguments::ViewsArguments;
 use command_line::{Output, progress_bar};
 use dataset::washington::{CAMERA, CroppedView, ViewName, write_view};
+use description::{LightColor, WhiteBalance};
 use indicatif::ProgressBar;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
@@ -163,7 +164,11 @@ fn record_object(
 ) -> Result<ViewsReport, Failure> {
     let mut report = ViewsReport::default();
     let seed = (arguments.seed, job.number());
-    match Turntable::new(&job.model, library.clone(), CAMERA, seed) {
+    let room = TurntableRoom {
+        lighting: arguments.lighting,
+        ..TurntableRoom::default()
+    };
+    match Turntable::new(&job.model, library.clone(), CAMERA, room, seed) {
         Ok(mut turntable) => {
             report.notes = turntable.take_notes();
             record(&mut turntable, job, arguments, &mut report, bar)?;
@@ -208,8 +213,10 @@ fn record(
 }
 
 /// Converts a segmented view to a Washington-dataset view: crop to the bounding rectangle of the
-/// segmented points.
+/// segmented points, with the white balance that perception finds in the whole frame.
 fn washington_view(cut_out: &SegmentedView<'_>) -> CroppedView {
+    let light = LightColor::of_frame(cut_out.cloud).unwrap_or_default();
+    let white_balance = WhiteBalance::from(light);
     let width = CAMERA.width;
     let columns = cut_out.point_indices.iter().map(|index| index % width);
     let rows = cut_out.point_indices.iter().map(|index| index / width);
@@ -227,7 +234,8 @@ fn washington_view(cut_out: &SegmentedView<'_>) -> CroppedView {
     for row in top..=bottom {
         for column in left..=right {
             let point = &cut_out.cloud[(row * width + column) as usize];
-            view.color.extend_from_slice(&point.color.rgb());
+            view.color
+                .extend_from_slice(&white_balance.color(point.color).rgb());
             // A pixel without depth is NaN, which becomes 0.
             view.depth_mm.push((point.z * 1000.0).round() as u16);
         }

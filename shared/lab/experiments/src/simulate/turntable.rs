@@ -2,8 +2,8 @@
 //! detection.
 //!
 //! As in the Washington RGB-D Object Dataset (Lai et al. 2011) the camera looks down at 30, 45
-//! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on. Distance, colour and strength
-//! of the lamps are drawn for every view.
+//! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on. The distance, and unless a
+//! lighting is given the colour and strength of the lamps, are drawn for every view.
 
 use detection::{
     Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
@@ -18,10 +18,12 @@ use simulated_world::ModelLibrary;
 use simulated_world::SimulatedKinect;
 use simulated_world::World;
 use simulated_world::random_stream;
-use simulated_world::{CameraMount, ModelChoice, ObjectPlacement, ObjectPlan, Scene};
+use simulated_world::{
+    CameraMount, Lighting, ModelChoice, ObjectPlacement, ObjectPlan, Scene, TableFinish,
+};
 
 /// Sequence numbers of the Washington dataset with their camera elevations, degrees.
-pub(super) const ELEVATIONS: [(u32, f64); 3] = [(1, 30.0), (2, 45.0), (4, 60.0)];
+pub(crate) const ELEVATIONS: [(u32, f64); 3] = [(1, 30.0), (2, 45.0), (4, 60.0)];
 
 /// Range of the camera's distance from the object, metres.
 const DISTANCES_M: [f64; 2] = [0.7, 1.3];
@@ -34,10 +36,20 @@ const CENTRE_DISTANCE_MAX_M: f64 = 0.12;
 /// Random stream of camera distances and lamps.
 const VIEW_STREAM: u64 = 5;
 
+/// Room around the turntable.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct TurntableRoom {
+    /// Lamps and walls; `None` for lamps that are drawn for every view.
+    pub(crate) lighting: Option<Lighting>,
+    /// Colour and pattern of the table.
+    pub(crate) table_finish: TableFinish,
+}
+
 /// Simulated turntable: an object on the table, seen by a camera on a circle around it.
 #[derive(Debug)]
-pub(super) struct Turntable {
+pub(crate) struct Turntable {
     world: World,
+    lighting: Option<Lighting>,
     kinect: SimulatedKinect,
     /// Seed of this object's camera distances and lamps.
     seed: u64,
@@ -49,13 +61,15 @@ pub(super) struct Turntable {
 
 /// View of the object as segmented by detection.
 #[derive(Debug)]
-pub(super) struct SegmentedView<'a> {
+pub(crate) struct SegmentedView<'a> {
     /// Points of the whole frame, camera frame, row-major.
-    pub(super) cloud: &'a [Point],
+    pub(crate) cloud: &'a [Point],
     /// Indices of the object's points in `cloud`, ascending.
-    pub(super) point_indices: &'a [u32],
+    pub(crate) point_indices: &'a [u32],
+    /// Direction against gravity, camera frame.
+    pub(crate) up_in_camera: Unit<Vector3<f64>>,
     /// Intersection over union of segmented and true pixels, 0 to 1.
-    pub(super) overlap: f64,
+    pub(crate) overlap: f64,
 }
 
 impl Turntable {
@@ -64,10 +78,11 @@ impl Turntable {
     ///
     /// # Errors
     /// If the model cannot be used or the intrinsics are invalid.
-    pub(super) fn new(
+    pub(crate) fn new(
         model: &ModelChoice,
         library: ModelLibrary,
         camera: PinholeCamera,
+        room: TurntableRoom,
         (seed, object): (u64, u64),
     ) -> Result<Self, Error> {
         let plan = ObjectPlan {
@@ -80,12 +95,15 @@ impl Turntable {
         let scene = Scene {
             seed,
             objects: vec![plan],
+            table_finish: room.table_finish,
+            lighting: room.lighting.unwrap_or_default(),
             ..Scene::default()
         };
         let world = World::new(scene, library)?;
         Ok(Self {
             kinect: SimulatedKinect::new(&world, camera)?,
             world,
+            lighting: room.lighting,
             seed: Random::substream(seed, object).next_u64(),
             config: Config::default(),
             workspace: Workspace::default(),
@@ -95,7 +113,7 @@ impl Turntable {
     }
 
     /// Notes on the loaded model, one sentence each; each call returns only new ones.
-    pub(super) fn take_notes(&mut self) -> Vec<String> {
+    pub(crate) fn take_notes(&mut self) -> Vec<String> {
         self.world.take_notes()
     }
 
@@ -104,7 +122,7 @@ impl Turntable {
     ///
     /// # Errors
     /// If the camera cannot render the scene.
-    pub(super) fn view(
+    pub(crate) fn view(
         &mut self,
         height: usize,
         turn: f64,
@@ -120,7 +138,9 @@ impl Turntable {
             azimuth_deg: 360.0 * turn,
             orbit_deg_s: 0.0,
         });
-        self.kinect.set_lights(random_lamps(&mut random));
+        if self.lighting.is_none() {
+            self.kinect.set_lights(random_lamps(&mut random));
+        }
         self.kinect.look(&self.world, frame, &mut self.points)?;
         let up_in_camera = self.up_in_camera();
         self.detect(up_in_camera, frame);
@@ -131,6 +151,7 @@ impl Turntable {
         let point_indices = self.detection.points_of(found);
         Ok(Some(SegmentedView {
             cloud: &self.points,
+            up_in_camera,
             overlap: overlap(point_indices, self.kinect.mask(), &self.points),
             point_indices,
         }))

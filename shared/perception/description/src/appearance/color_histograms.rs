@@ -59,7 +59,7 @@ impl ColorHistograms {
             if !point.is_finite() {
                 return;
             }
-            let [red, green, blue] = point.color.rgb().map(f32::from);
+            let [red, green, blue] = points.white_balance().rgb(point.color);
             let sum = red + green + blue;
             let place = |channel: f32| {
                 let share = (channel + CHANNEL_OFFSET) / (sum + 3.0 * CHANNEL_OFFSET);

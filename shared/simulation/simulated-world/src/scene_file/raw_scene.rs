@@ -8,6 +8,7 @@ use crate::arrangement::SceneSetting;
 use crate::camera_mount::CameraMount;
 use crate::error::Error;
 use crate::furniture::{Bin, TableDimensions};
+use crate::lighting::Lighting;
 use crate::model_choice::{ModelChoice, ModelSource};
 use crate::model_library::ModelLibrary;
 use crate::scene::{ObjectPlacement, ObjectPlan, Scene, SceneKind};
@@ -27,6 +28,7 @@ struct RawScene {
     objects: Option<usize>,
     models: Option<String>,
     duration_s: Option<f64>,
+    lighting: Option<String>,
     vary: Option<RawVariation>,
     arm: Option<RawArm>,
     #[serde(default)]
@@ -177,6 +179,7 @@ pub(super) fn scene(
         seed,
         table,
         table_finish: setting.table_finish(),
+        lighting: lighting(raw.lighting.as_deref())?,
         bin: bin(raw.bin.as_ref(), kind)?,
         camera: camera(&raw.camera, setting.camera(&table, n_objects))?,
         objects: Vec::new(),
@@ -209,6 +212,11 @@ pub(super) fn scene(
         ));
     }
     Ok((scene, library))
+}
+
+fn lighting(word: Option<&str>) -> Result<Lighting, Error> {
+    let known = word.map_or(Ok(Lighting::default()), str::parse);
+    known.map_err(|rule| wrong("lighting", rule))
 }
 
 fn duration_s(raw: Option<f64>) -> Result<Option<f64>, Error> {

@@ -73,8 +73,8 @@ fn look(material: Material) -> ([u8; 3], f32, Texture) {
                 joint_m: 0.006,
             },
         ),
-        Material::Plaster => (
-            [214, 208, 196],
+        Material::Plaster(color) => (
+            color,
             0.0,
             Texture::Mottle {
                 scale_m: 0.35,
