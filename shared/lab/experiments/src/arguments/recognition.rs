@@ -93,7 +93,7 @@ pub struct OpenEndedArguments {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Number of runs with different seeds
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     pub(crate) runs: u64,
     /// Seed of the first run; the next run has the next seed
     #[arg(long, value_name = "S", default_value_t = 1)]
@@ -101,9 +101,10 @@ pub struct OpenEndedArguments {
     /// Accuracy at which a category is learned
     #[arg(long, value_name = "A", default_value_t = 0.67)]
     pub(crate) tau: f64,
-    /// Split of the views into training and test views
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = ViewProtocol::View)]
-    pub(crate) protocol: ViewProtocol,
+    /// Split of the views into training and test views [default: instance-disjoint where at least
+    /// half of the categories have two objects that are known]
+    #[arg(long, value_name = "NAME", value_enum)]
+    pub(crate) protocol: Option<ViewProtocol>,
     /// Share of the questions that show a category which was not taught yet, 0 to 0.9
     #[arg(long, value_name = "P", default_value_t = 0.0)]
     pub(crate) open_set_share: f64,
@@ -152,7 +153,7 @@ pub struct AblationArguments {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Number of runs of each variant
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(2..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(2..=10_000))]
     pub(crate) runs: u64,
     /// Seed of the first run; the next run has the next seed
     #[arg(long, value_name = "S", default_value_t = 1)]
@@ -160,9 +161,10 @@ pub struct AblationArguments {
     /// Accuracy at which a category is learned
     #[arg(long, value_name = "A", default_value_t = 0.67)]
     pub(crate) tau: f64,
-    /// Split of the views into training and test views
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = ViewProtocol::View)]
-    pub(crate) protocol: ViewProtocol,
+    /// Split of the views into training and test views [default: instance-disjoint where at least
+    /// half of the categories have two objects that are known]
+    #[arg(long, value_name = "NAME", value_enum)]
+    pub(crate) protocol: Option<ViewProtocol>,
     /// Number of bins of GOOD along each side
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = bins)]
     pub(crate) bins: usize,

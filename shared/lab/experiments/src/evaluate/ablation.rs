@@ -31,17 +31,17 @@ struct VariantRuns {
 /// Runs the study; writes figure, page and JSON report.
 pub(super) fn run(arguments: &AblationArguments, output: &Output) -> Result<ExitCode, Failure> {
     let variants = chosen(&arguments.variants);
-    let protocol = Protocol {
-        tau: arguments.tau,
-        split: lesson_split(arguments.protocol),
-        ..Protocol::default()
-    };
     let methods: Vec<RecognitionMethod> = variants
         .iter()
         .map(|&variant| RecognitionMethod::of_ablation(variant, arguments.bins))
         .collect();
     let catalogue = ViewSelection::open(&arguments.dataset, arguments.views_max)?;
     let (mut views, descriptions) = catalogue.describe_by(&methods, output)?;
+    let protocol = Protocol {
+        tau: arguments.tau,
+        split: lesson_split(arguments.protocol, &views.labels),
+        ..Protocol::default()
+    };
     record_exclusions(&protocol, &mut views)?;
     create_folder(&arguments.out)?;
     let factories = methods.iter().zip(descriptions);

@@ -14,8 +14,10 @@ use command_line::{Output, progress_bar};
 use evaluation::open_ended::{
     self as teacher, LessonSplit, OpenEndedRun, Protocol, overview_svg, run_svg,
 };
+use evaluation::recogniser::LabelledView;
 use report::OpenEndedReport;
 use service::Failure;
+use std::collections::{BTreeMap, BTreeSet};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -30,9 +32,9 @@ struct TimedRun {
 
 /// Runs the protocol for all seeds; writes figures, log, page and JSON report.
 pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let protocol = protocol(arguments);
     let (mut views, factory) =
         read_and_describe(&arguments.dataset, &arguments.description, output)?;
+    let protocol = protocol(arguments, &views);
     record_exclusions(&protocol, &mut views)?;
     create_folder(&arguments.out.join(PICTURES))?;
     let played = play_all(arguments, &protocol, &views, factory.as_ref(), output)?;
@@ -53,20 +55,44 @@ pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<Exi
     Ok(ExitCode::SUCCESS)
 }
 
-fn protocol(arguments: &OpenEndedArguments) -> Protocol {
+fn protocol(arguments: &OpenEndedArguments, views: &ViewTable) -> Protocol {
     Protocol {
         tau: arguments.tau,
         open_set_share: arguments.open_set_share,
-        split: lesson_split(arguments.protocol),
+        split: lesson_split(arguments.protocol, &views.labels),
         ..Protocol::default()
     }
 }
 
-/// Lesson split that a view protocol implies.
-pub(super) fn lesson_split(protocol: ViewProtocol) -> LessonSplit {
+/// Lesson split of the given protocol; without one, objects apart where at least half of the
+/// categories have two known objects.
+pub(super) fn lesson_split(protocol: Option<ViewProtocol>, labels: &[LabelledView]) -> LessonSplit {
     match protocol {
-        ViewProtocol::View => LessonSplit::ByView,
-        ViewProtocol::InstanceDisjoint => LessonSplit::InstanceDisjoint,
+        Some(ViewProtocol::View) => LessonSplit::ByView,
+        Some(ViewProtocol::InstanceDisjoint) => LessonSplit::InstanceDisjoint,
+        None => {
+            let mut objects: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
+            for view in labels {
+                objects
+                    .entry(view.category)
+                    .or_default()
+                    .extend(view.instance);
+            }
+            let n_grouped = objects.values().filter(|known| known.len() > 1).count();
+            if n_grouped > 0 && 2 * n_grouped >= objects.len() {
+                LessonSplit::InstanceDisjoint
+            } else {
+                LessonSplit::ByView
+            }
+        }
+    }
+}
+
+/// Name of a lesson split in reports, as on the command line.
+pub(super) fn split_name(split: LessonSplit) -> &'static str {
+    match split {
+        LessonSplit::ByView => ViewProtocol::View.name(),
+        LessonSplit::InstanceDisjoint => ViewProtocol::InstanceDisjoint.name(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{REFERENCE, VariantRuns};
 use crate::arguments::AblationArguments;
+use crate::evaluate::open_ended::split_name;
 use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
 use crate::evaluate::view_table::ViewTable;
 use evaluation::open_ended::{Metrics, Protocol};
@@ -76,7 +77,7 @@ impl AblationReport {
             variants: played.iter().map(figures).collect(),
             settings: Settings {
                 reference: REFERENCE.name(),
-                protocol: arguments.protocol.name(),
+                protocol: split_name(protocol.split),
                 tau: protocol.tau,
                 n_runs: arguments.runs,
                 seed: arguments.seed,

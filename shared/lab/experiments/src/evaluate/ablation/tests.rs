@@ -17,7 +17,7 @@ fn arguments(dataset: &Path, out: &Path) -> AblationArguments {
         runs: 4,
         seed: 3,
         tau: 0.67,
-        protocol: ViewProtocol::View,
+        protocol: Some(ViewProtocol::View),
         bins: 15,
         views_max: None,
     }

@@ -1,6 +1,6 @@
 //! Report of the open-ended evaluation.
 
-use super::picture;
+use super::{picture, split_name};
 use crate::arguments::OpenEndedArguments;
 use crate::evaluate::recognition::DescriptionSettings;
 use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
@@ -144,7 +144,7 @@ impl Settings {
     fn of(arguments: &OpenEndedArguments, protocol: &Protocol) -> Self {
         Self {
             description: DescriptionSettings::of(&arguments.description),
-            protocol: arguments.protocol.name(),
+            protocol: split_name(protocol.split),
             tau: protocol.tau,
             views_at_start: protocol.n_views_at_start,
             window: protocol.window,

@@ -28,7 +28,7 @@ fn arguments(dataset: &Path, out: &Path) -> OpenEndedArguments {
         runs: 3,
         seed: 5,
         tau: 0.67,
-        protocol: ViewProtocol::View,
+        protocol: Some(ViewProtocol::View),
         open_set_share: 0.0,
         log: Some(out.join("log.csv")),
     }
@@ -222,7 +222,7 @@ fn unusable_data_sets_are_refused_with_reasons() {
     check(&data, |a| a.open_set_share = 0.95, "0.95");
     check(
         &data,
-        |a| a.protocol = ViewProtocol::InstanceDisjoint,
+        |a| a.protocol = Some(ViewProtocol::InstanceDisjoint),
         "0 of the categories",
     );
     let broken = folder.path().join("broken");
@@ -253,5 +253,27 @@ fn real_views_are_learned_reproducibly() {
     assert_eq!(
         (&document["n_categories"], &document["n_views"]),
         (&20.into(), &1200.into())
+    );
+}
+
+#[test]
+fn lesson_split_keeps_objects_apart_where_most_categories_have_two() {
+    let view = |(category, instance): (u32, Option<u32>)| LabelledView { category, instance };
+    let split = |views: &[(u32, Option<u32>)]| {
+        let labels: Vec<LabelledView> = views.iter().copied().map(view).collect();
+        lesson_split(None, &labels)
+    };
+    let apart = [(0, Some(1)), (0, Some(2)), (1, Some(1)), (1, Some(1))];
+    assert_eq!(split(&apart), LessonSplit::InstanceDisjoint);
+    assert_eq!(split(&apart[1..]), LessonSplit::ByView);
+    assert_eq!(
+        split(&[(0, None), (0, None), (1, None)]),
+        LessonSplit::ByView
+    );
+    assert_eq!(split(&[]), LessonSplit::ByView);
+    let labels = apart.map(view);
+    assert_eq!(
+        lesson_split(Some(ViewProtocol::View), &labels),
+        LessonSplit::ByView
     );
 }
