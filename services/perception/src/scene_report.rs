@@ -60,6 +60,15 @@ fn mean_rgb(measured: &CandidateMeasurement) -> [u8; 3] {
     balanced.map(|channel| channel as u8)
 }
 
+/// Shares of the basic colour terms on the wire.
+fn color_percents(measured: &CandidateMeasurement) -> [u8; 16] {
+    let mut percents = [0; 16];
+    for (percent, share) in percents.iter_mut().zip(measured.color_shares.values()) {
+        *percent = (100.0 * share).round() as u8;
+    }
+    percents
+}
+
 /// Writes a label estimate into an object of the scene.
 pub(crate) fn set_label(object: &mut SceneObject, recognised: &LabelEstimate) {
     let label = recognised.label.as_ref();
@@ -99,6 +108,7 @@ fn unrecognised_object(track: &Track) -> SceneObject {
         n_points: track.measured.n_points as u32,
         n_views: track.n_views,
         mean_argb: Rgba::opaque(red, green, blue).0,
+        color_percents: color_percents(&track.measured),
         distance: f32::NAN,
         probability: f32::NAN,
         linked_to: track.reidentified_as.unwrap_or(0),
@@ -146,8 +156,8 @@ pub(crate) fn summary(received: &ReceivedFrame) -> SceneSummary {
     }
 }
 
-/// Adds the result of detection: the table plane, the assumptions, and the rejected
-/// candidates.
+/// Adds the result of detection: the camera pose, the table plane, the assumptions, and the
+/// rejected candidates.
 pub(crate) fn add_detection(
     summary: &mut SceneSummary,
     detection: &Detection,
@@ -160,6 +170,7 @@ pub(crate) fn add_detection(
     }
     summary.assumptions = assumptions.bits();
     let pose = world_from_camera.copied().unwrap_or_default();
+    summary.world_from_camera = WirePose::from(&pose);
     if let Some(table) = &detection.table {
         let plane = table.plane.transformed(&pose);
         let normal = plane.normal.into_inner();

@@ -42,8 +42,9 @@ pub use refusal::{Refusal, RefusalKind};
 pub use rejected::{AssumptionReport, FindingReport, RejectedCandidateReport};
 pub use reload::{KeyChange, ReloadReport};
 pub use report::{
-    ActorStampsReport, CategoryReport, CovarianceReport, DepthNoiseReport, LearningReport,
-    NearCategoryReport, ObjectReport, ObjectsReport, ProcessReport,
+    ActorStampsReport, CameraPoseReport, CategoryReport, ColorShareReport, CovarianceReport,
+    DepthNoiseReport, LearningReport, NearCategoryReport, ObjectReport, ObjectsReport,
+    ProcessReport,
 };
 pub use user_role::UserRole;
 pub use world::{

@@ -100,7 +100,7 @@ pub struct ActorStamps {
 
 /// Tracked object of a scene summary.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneObject.v5")]
+#[type_name("tabula.SceneObject.v6")]
 #[repr(C)]
 pub struct SceneObject {
     /// Track-id of the object; never reused.
@@ -123,6 +123,9 @@ pub struct SceneObject {
     pub n_views: u32,
     /// Mean colour of the object, packed as in `CloudPoint::argb`.
     pub mean_argb: u32,
+    /// Shares of the basic colour terms, percent, in the order of
+    /// [`ColorTerm::ALL`](point_cloud::ColorTerm::ALL); the rest is 0.
+    pub color_percents: [u8; 16],
     /// Distance in descriptor space to the nearest stored view of the best category, mean over the
     /// sides; NaN when nothing is stored.
     pub distance: f32,
@@ -164,7 +167,7 @@ pub struct SceneObject {
 
 /// Scene summary after one frame. The payload is the tracked objects, by track-id.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneSummary.v6")]
+#[type_name("tabula.SceneSummary.v7")]
 #[repr(C)]
 pub struct SceneSummary {
     /// [`SCHEMA_VERSION`] of the sending program.
@@ -194,6 +197,9 @@ pub struct SceneSummary {
     pub n_rejected: u32,
     /// Plane of the table in the world frame: unit normal and offset, metres.
     pub table_plane: [f64; 4],
+    /// Pose of the camera, `world_from_camera`: the identity when it is not known, invalid
+    /// before the first frame.
+    pub world_from_camera: WirePose,
     /// Name of the camera or recording of the frame.
     pub source_name: Text,
     /// Bits of the [`Assumptions`](constraint::Assumptions) made for absent inputs.
@@ -209,9 +215,9 @@ pub struct SceneSummary {
 const _: () = assert!(
     size_of::<StageStamps>() == 56
         && size_of::<ActorStamps>() == 40
-        && size_of::<SceneObject>() == 968
+        && size_of::<SceneObject>() == 984
 );
-const _: () = assert!(size_of::<SceneSummary>() == 288 + 136 + MAX_REJECTED_CANDIDATES * 176);
+const _: () = assert!(size_of::<SceneSummary>() == 344 + 136 + MAX_REJECTED_CANDIDATES * 176);
 
 impl Default for SceneObject {
     fn default() -> Self {
@@ -226,6 +232,7 @@ impl Default for SceneObject {
             n_points: 0,
             n_views: 0,
             mean_argb: 0,
+            color_percents: [0; 16],
             distance: f32::NAN,
             is_labelled: 0,
             label: Text::default(),
@@ -263,6 +270,7 @@ impl Default for SceneSummary {
             n_late: 0,
             n_rejected: 0,
             table_plane: [0.0; 4],
+            world_from_camera: WirePose::default(),
             source_name: Text::default(),
             assumptions: 0,
             rule: Text::default(),

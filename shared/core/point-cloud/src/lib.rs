@@ -25,11 +25,13 @@
 //! ```
 
 mod color_histogram;
+mod color_term;
 mod organized_cloud;
 mod point;
 mod principal_axes;
 
 pub use color_histogram::ColorHistogram;
+pub use color_term::{ColorShares, ColorTerm};
 pub use organized_cloud::{OrganizedCloud, SizeMismatch};
 pub use point::{Point, Rgba};
 pub use principal_axes::{Moments, PrincipalAxes};

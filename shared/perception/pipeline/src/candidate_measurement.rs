@@ -5,7 +5,7 @@ use description::WhiteBalance;
 use detection::{Candidate, Support};
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Translation3, Unit, Vector3};
-use point_cloud::{ColorHistogram, Moments, Point};
+use point_cloud::{ColorHistogram, ColorShares, Moments, Point};
 use sensor_noise::DepthNoise;
 use tracking::{
     CoarseAppearance, HandContact, Measurement, ObservedCandidate, SightingEvidence,
@@ -27,6 +27,8 @@ pub struct CandidateMeasurement {
     pub appearance: CoarseAppearance,
     /// Mean red, green and blue, 0 to 255, as the camera sees them.
     pub mean_rgb: [f32; 3],
+    /// Shares of the basic colour terms, after the white balance.
+    pub color_shares: ColorShares,
     /// White balance of the frame, by which colours are compared with those of other times.
     pub white_balance: WhiteBalance,
     /// Number of points of the candidate.
@@ -43,17 +45,17 @@ pub struct CandidateMeasurement {
 }
 
 impl CandidateMeasurement {
-    /// Measurement of a candidate from its points, with the depth noise law of the camera. Its
-    /// white balance is neutral.
+    /// Measurement of a candidate from its points, given as indices into the cloud, with the depth noise law of the camera
+    /// and the white balance of the frame.
     ///
     /// # Errors
     /// When the candidate's box is not a valid measurement.
     pub fn from_candidate(
         candidate: &Candidate,
-        indices: &[u32],
-        cloud: &[Point],
+        (indices, cloud): (&[u32], &[Point]),
         frame: &FramePose,
         depth_noise: DepthNoise,
+        white_balance: WhiteBalance,
     ) -> Result<Self, Error> {
         let box_in_camera = visible_box(candidate);
         let box_in_world = box_in_camera.transformed(&frame.world_from_camera);
@@ -78,6 +80,7 @@ impl CandidateMeasurement {
         let measurement =
             Measurement::new(frame.capture_ns, box_in_world, seen).map_err(Error::Tracking)?;
         let colors = sampled(indices, cloud).map(|point| point.color);
+        let balanced = colors.clone().map(|color| white_balance.color(color));
         Ok(Self {
             measurement,
             frame: *frame,
@@ -87,7 +90,8 @@ impl CandidateMeasurement {
                 is_truncated,
             },
             mean_rgb: candidate.mean_rgb,
-            white_balance: WhiteBalance::NEUTRAL,
+            color_shares: ColorShares::of(balanced),
+            white_balance,
             n_points: candidate.n_points(),
             overlaps_body,
             evidence: SightingEvidence::Separate,
@@ -128,7 +132,7 @@ fn stands_on_table(candidate: &Candidate) -> bool {
 }
 
 /// Evenly strided sample of an object's points.
-fn sampled<'a>(indices: &'a [u32], cloud: &'a [Point]) -> impl Iterator<Item = &'a Point> {
+fn sampled<'a>(indices: &'a [u32], cloud: &'a [Point]) -> impl Iterator<Item = &'a Point> + Clone {
     let stride = indices.len().div_ceil(N_SAMPLES).max(1);
     let index = indices.iter().step_by(stride);
     index.filter_map(|index| cloud.get(*index as usize))

@@ -314,13 +314,14 @@ impl TrackTable {
 
     fn measure(&mut self, detection: &Detection, cloud: &[Point], frame: &FramePose) {
         let noise = self.depth_noise.law();
-        let white_balance = self.light.white_balance();
+        let balance = self.light.white_balance();
         for candidate in &detection.candidates {
             let indices = detection.points_of(candidate);
             let measured = candidate
                 .is_object_sized
                 .then(|| {
-                    CandidateMeasurement::from_candidate(candidate, indices, cloud, frame, noise)
+                    let points = (indices, cloud);
+                    CandidateMeasurement::from_candidate(candidate, points, frame, noise, balance)
                         .ok()
                 })
                 .flatten();
@@ -328,7 +329,6 @@ impl TrackTable {
             self.measured
                 .push(measured.map(|measured| CandidateMeasurement {
                     evidence,
-                    white_balance,
                     ..measured
                 }));
         }

@@ -5,9 +5,10 @@ use crate::control::rounding::rounded;
 use crate::pose::is_covariance;
 use crate::{
     ActorStamps, Health, ProcessKind, ProcessState, SceneObject, SceneSummary, SceneTime,
-    TrackState,
+    TrackState, WirePose,
 };
 use constraint::Assumptions;
+use point_cloud::ColorTerm;
 use serde::{Deserialize, Serialize};
 
 /// Report of all tracked objects.
@@ -39,6 +40,13 @@ pub struct ObjectsReport {
     pub has_table: bool,
     /// True if the camera pose is known; otherwise the world frame is the camera frame.
     pub has_world_pose: bool,
+    /// Pose of the camera in the world, `world_from_camera`; null before the first frame.
+    #[serde(default)]
+    pub camera: Option<CameraPoseReport>,
+    /// Direction against gravity in the world: z with a camera pose, otherwise the normal of the
+    /// table; null without both.
+    #[serde(default)]
+    pub up: Option<[f64; 3]>,
     /// Rule by which a candidate starts a track.
     #[serde(default)]
     pub rule: String,
@@ -51,6 +59,16 @@ pub struct ObjectsReport {
     /// Number of rejected candidates that did not fit into the summary.
     #[serde(default)]
     pub n_more_ignored: u32,
+}
+
+/// Pose of the camera.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CameraPoseReport {
+    /// Position in the world, metres.
+    pub position_m: [f64; 3],
+    /// Orientation in the world, quaternion: x, y, z, w. The camera looks along its z axis, and
+    /// its x axis is to the right.
+    pub orientation_xyzw: [f64; 4],
 }
 
 /// Report of one tracked object.
@@ -90,6 +108,9 @@ pub struct ObjectReport {
     pub n_views: u32,
     /// Mean colour of the object: red, green, blue.
     pub mean_rgb: [u8; 3],
+    /// Basic colour terms of the object, greatest share first.
+    #[serde(default)]
+    pub colors: Vec<ColorShareReport>,
     /// True if the image border cuts the object.
     pub cut_by_image: bool,
     /// History sequence of the memory with which the label was recognised.
@@ -135,6 +156,16 @@ pub struct CovarianceReport {
     pub rotation_rad2: [f64; 6],
 }
 
+/// Basic colour term with its share of an object.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ColorShareReport {
+    /// Colour term: `black`, `white`, `grey`, `red`, `green`, `yellow`, `blue`, `brown`, `orange`,
+    /// `pink` or `purple`.
+    pub color: String,
+    /// Share of the object's measured points, 0 to 1, in hundredths.
+    pub share: f64,
+}
+
 /// Candidate category of an object with its descriptor distance and probability.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NearCategoryReport {
@@ -173,6 +204,16 @@ impl From<&ActorStamps> for ActorStampsReport {
             recognised_ns: stamp(stamps.recognised_ns),
             answered_ns: stamp(stamps.answered_ns),
         }
+    }
+}
+
+impl CameraPoseReport {
+    /// Report of a camera pose; `None` for one that is no pose.
+    fn of(world_from_camera: &WirePose) -> Option<Self> {
+        world_from_camera.checked().map(|_| Self {
+            position_m: world_from_camera.position_m,
+            orientation_xyzw: world_from_camera.orientation_xyzw,
+        })
     }
 }
 
@@ -283,7 +324,9 @@ impl ObjectsReport {
             frame_sequence: scene.sequence,
             source_name: scene.source_name.as_str().unwrap_or_default().to_owned(),
             has_table: scene.has_table == 1,
-            has_world_pose: scene.frame_flags & crate::frame_flag::HAS_WORLD_POSE != 0,
+            has_world_pose: has_world_pose(scene),
+            camera: CameraPoseReport::of(&scene.world_from_camera),
+            up: up(scene),
             rule: scene.rule.as_str().unwrap_or_default().to_owned(),
             assumptions: Assumptions::from_bits(scene.assumptions)
                 .iter()
@@ -335,6 +378,7 @@ impl ObjectReport {
             n_points: object.n_points,
             n_views: object.n_views,
             mean_rgb: [red, green, blue],
+            colors: color_shares(object),
             cut_by_image: object.cut_by_image == 1,
             memory_sequence: object.memory_sequence,
             covariance: CovarianceReport::of(object),
@@ -356,6 +400,32 @@ impl ObjectReport {
             stamps: (&object.stamps).into(),
         }
     }
+}
+
+fn has_world_pose(scene: &SceneSummary) -> bool {
+    scene.frame_flags & crate::frame_flag::HAS_WORLD_POSE != 0
+}
+
+/// Direction against gravity in the world, as far as it is known.
+fn up(scene: &SceneSummary) -> Option<[f64; 3]> {
+    let [x, y, z, _] = scene.table_plane;
+    if has_world_pose(scene) {
+        Some([0.0, 0.0, 1.0])
+    } else {
+        (scene.has_table == 1).then_some([x, y, z])
+    }
+}
+
+/// Colour terms of an object with a share, greatest first.
+fn color_shares(object: &SceneObject) -> Vec<ColorShareReport> {
+    let shares = ColorTerm::ALL.into_iter().zip(object.color_percents);
+    let mut shares: Vec<_> = shares.filter(|(_, percent)| *percent > 0).collect();
+    shares.sort_by_key(|(_, percent)| std::cmp::Reverse(*percent));
+    let report = |(term, percent): (ColorTerm, u8)| ColorShareReport {
+        color: term.word().to_owned(),
+        share: f64::from(percent) / 100.0,
+    };
+    shares.into_iter().map(report).collect()
 }
 
 /// Sentence about a scene that no longer shows the present.
