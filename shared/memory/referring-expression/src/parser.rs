@@ -1,0 +1,287 @@
+//! Recursive-descent parser from words to a [`ReferringExpression`].
+//!
+//! It never fails: words that fit nowhere are left over, and the rest is used. Restrictions attach
+//! to the nearest noun.
+
+mod clauses;
+mod modifiers;
+mod nouns;
+
+use crate::expression::{
+    Noun, NounPhrase, Quantity, Ranking, RankingKey, ReferringExpression, Restriction,
+    RestrictionKind,
+};
+use crate::names::NameIndex;
+use crate::tokens::{SpokenWord, WordSpan};
+use crate::vocabulary::{self, ACKNOWLEDGEMENTS, JOINTS, WRAPPERS};
+
+/// Deepest nesting of landmarks.
+const DEPTH_MAX: usize = 6;
+
+/// Words that are never a noun.
+const CLOSED_WORDS: [&str; 30] = [
+    "and", "or", "the", "a", "an", "of", "to", "at", "for", "from", "with", "without", "than", "i",
+    "you", "me", "we", "it", "my", "your", "is", "are", "do", "does", "no", "not", "very", "so",
+    "ago", "there",
+];
+
+/// Syntax tree of a query with the meaning of its words.
+#[derive(Debug, Default)]
+pub(crate) struct Parse {
+    pub(crate) expression: ReferringExpression,
+    /// Meanings of words other than nouns; they do not overlap.
+    pub(crate) uses: Vec<(WordSpan, String)>,
+    /// Words that were accepted but not used, as sentences.
+    pub(crate) remarks: Vec<String>,
+}
+
+/// Parser at a position of the query.
+struct Parser<'a> {
+    words: &'a [SpokenWord],
+    names: &'a NameIndex,
+    position: usize,
+    depth: usize,
+    uses: Vec<(WordSpan, String)>,
+    remarks: Vec<String>,
+}
+
+/// State to which the parser can return.
+struct Checkpoint {
+    position: usize,
+    n_uses: usize,
+    n_remarks: usize,
+}
+
+/// Noun phrase that is being read.
+#[derive(Default)]
+struct Draft {
+    phrase: NounPhrase,
+    has_determiner: bool,
+    /// True if a known name or a generic noun was read.
+    has_known_noun: bool,
+    /// True after a relation, a place or a clause: the noun cannot come any more.
+    has_postmodifier: bool,
+    /// True after "not": it holds for the next restriction.
+    is_negated: bool,
+    /// Rank of "second", until it is known from which side.
+    ordinal: Option<(usize, WordSpan)>,
+}
+
+/// Parses the words of a query.
+pub(crate) fn parse(words: &[SpokenWord], names: &NameIndex) -> Parse {
+    let mut parser = Parser {
+        words,
+        names,
+        position: 0,
+        depth: 0,
+        uses: Vec::new(),
+        remarks: Vec::new(),
+    };
+    parser.wrappers();
+    let expression = parser.expression();
+    parser.uses.sort_by_key(|(span, _)| span.start);
+    Parse {
+        expression,
+        uses: parser.uses,
+        remarks: parser.remarks,
+    }
+}
+
+impl<'a> Parser<'a> {
+    fn rest(&self) -> &'a [SpokenWord] {
+        self.words.get(self.position..).unwrap_or_default()
+    }
+
+    fn next_word(&self) -> &'a str {
+        self.rest().first().map_or("", |word| word.word.as_str())
+    }
+
+    fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
+            position: self.position,
+            n_uses: self.uses.len(),
+            n_remarks: self.remarks.len(),
+        }
+    }
+
+    /// Returns to a checkpoint; for the end of an attempt that failed.
+    fn restore(&mut self, checkpoint: &Checkpoint) -> bool {
+        self.position = checkpoint.position;
+        self.uses.truncate(checkpoint.n_uses);
+        self.remarks.truncate(checkpoint.n_remarks);
+        false
+    }
+
+    /// Passes words with a meaning.
+    fn pass(&mut self, n_words: usize, meaning: impl Into<String>) -> WordSpan {
+        let span = self.pass_silently(n_words);
+        if !span.is_empty() {
+            self.uses.push((span, meaning.into()));
+        }
+        span
+    }
+
+    /// Passes words whose meaning is found later.
+    fn pass_silently(&mut self, n_words: usize) -> WordSpan {
+        let start = self.position;
+        self.position = (start + n_words).min(self.words.len());
+        WordSpan {
+            start,
+            end: self.position,
+        }
+    }
+
+    /// Passes the longest phrase of a table, if one stands here.
+    fn take<T: Clone>(&mut self, table: &[(&str, T)], meaning: &str) -> Option<(T, WordSpan)> {
+        let (value, n_words) = vocabulary::longest(table, self.rest())?;
+        let value = value.clone();
+        Some((value, self.pass(n_words, meaning)))
+    }
+
+    fn has<T>(&self, table: &[(&str, T)]) -> bool {
+        vocabulary::longest(table, self.rest()).is_some()
+    }
+
+    /// Passes "please, can you find".
+    fn wrappers(&mut self) {
+        while self.names.longest_at_start(self.rest()).is_none() && !self.is_teaching_ahead() {
+            let is_request = self.take(&WRAPPERS, "a request").is_some();
+            if !is_request && self.take(&ACKNOWLEDGEMENTS, "politeness").is_none() {
+                break;
+            }
+        }
+    }
+
+    /// Reads noun phrases joined by "and" or "or", up to the end of the query.
+    fn expression(&mut self) -> ReferringExpression {
+        let mut expression = ReferringExpression::default();
+        loop {
+            expression.phrases.push(self.noun_phrase(true));
+            match self.next_word() {
+                "" => return expression,
+                "or" => {
+                    expression.is_alternative = true;
+                    self.pass(1, "an alternative");
+                }
+                _ => {
+                    self.pass(1, "a further object");
+                }
+            }
+        }
+    }
+
+    /// Reads a noun phrase. The outermost one passes over what it does not understand.
+    fn noun_phrase(&mut self, is_outermost: bool) -> NounPhrase {
+        let mut draft = Draft::default();
+        self.determiner(&mut draft);
+        while self.position < self.words.len() {
+            let is_read = if is_outermost {
+                self.part(&mut draft)
+            } else {
+                self.landmark_part(&mut draft)
+            };
+            if is_read {
+                continue;
+            }
+            if !is_outermost || self.is_phrase_joined() {
+                break;
+            }
+            self.skip_word(&mut draft);
+        }
+        self.finish(draft)
+    }
+
+    /// Passes a word that fits nowhere; an article in the middle has a use.
+    fn skip_word(&mut self, draft: &mut Draft) {
+        draft.is_negated = false;
+        if matches!(self.next_word(), "the" | "a" | "an") {
+            self.pass(1, "an article");
+        } else {
+            self.position += 1;
+        }
+    }
+
+    /// Reads one part of the outermost phrase.
+    fn part(&mut self, draft: &mut Draft) -> bool {
+        self.modifier(draft)
+            || self.known_noun(draft)
+            || self.take(&ACKNOWLEDGEMENTS, "politeness").is_some()
+            || self.take(&JOINTS, "a joint").is_some()
+            || self.open_noun(draft)
+            || self.joined_modifier(draft)
+    }
+
+    /// Reads one part of a landmark: joints only before a modifier, so that "and" stays outside.
+    fn landmark_part(&mut self, draft: &mut Draft) -> bool {
+        if self.modifier(draft) || self.known_noun(draft) {
+            return true;
+        }
+        let checkpoint = self.checkpoint();
+        if self.take(&JOINTS, "a joint").is_some() {
+            return self.modifier(draft) || self.restore(&checkpoint);
+        }
+        self.open_noun(draft)
+    }
+
+    /// Reads "and left of the box" after another modifier.
+    fn joined_modifier(&mut self, draft: &mut Draft) -> bool {
+        let checkpoint = self.checkpoint();
+        if self.next_word() != "and" {
+            return false;
+        }
+        self.pass(1, "both");
+        self.take(&JOINTS, "a joint");
+        self.modifier(draft) || self.restore(&checkpoint)
+    }
+
+    /// True before "and the box".
+    fn is_phrase_joined(&self) -> bool {
+        let after = self.rest().get(1..).unwrap_or_default();
+        matches!(self.next_word(), "and" | "or")
+            && (vocabulary::longest(&vocabulary::DETERMINERS, after).is_some()
+                || vocabulary::longest(&vocabulary::NUMERALS, after).is_some()
+                || vocabulary::longest(&vocabulary::GENERIC_NOUNS, after).is_some()
+                || self.names.longest_at_start(after).is_some())
+    }
+
+    /// Reads the noun phrase of a landmark; None if nothing stands here or it is nested too deep.
+    fn landmark(&mut self) -> Option<NounPhrase> {
+        if self.depth >= DEPTH_MAX {
+            return None;
+        }
+        let start = self.position;
+        self.depth += 1;
+        let phrase = self.noun_phrase(false);
+        self.depth -= 1;
+        let has_content = phrase.noun != Noun::Anything
+            || !phrase.restrictions.is_empty()
+            || !phrase.rankings.is_empty()
+            || phrase.quantity != Quantity::Open;
+        (self.position > start && has_content).then_some(phrase)
+    }
+
+    fn restrict(draft: &mut Draft, span: WordSpan, kind: RestrictionKind) -> bool {
+        draft.phrase.restrictions.push(Restriction {
+            span,
+            is_negated: std::mem::take(&mut draft.is_negated),
+            kind,
+        });
+        true
+    }
+
+    /// Completes a phrase: an ordinal without a side counts from the left.
+    fn finish(&mut self, draft: Draft) -> NounPhrase {
+        let mut phrase = draft.phrase;
+        if let Some((rank, span)) = draft.ordinal {
+            let word = span.text(self.words);
+            self.remarks
+                .push(format!("`{word}` was counted from the left"));
+            phrase.rankings.push(Ranking {
+                span,
+                key: RankingKey::Leftmost,
+                rank,
+            });
+        }
+        phrase
+    }
+}

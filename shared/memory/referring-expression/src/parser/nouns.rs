@@ -1,0 +1,154 @@
+//! Determiners, numerals and nouns of a phrase.
+
+use super::{CLOSED_WORDS, Draft, Parser};
+use crate::color_term::shade;
+use crate::expression::{Noun, Quantity};
+use crate::names;
+use crate::tokens::WordSpan;
+use crate::vocabulary::{
+    self, ADJECTIVES, DETERMINERS, GENERIC_NOUNS, LENGTH_UNITS, NUMERALS, POSSESSIVES, TIME_UNITS,
+};
+
+/// Most objects that a number in digits may ask for.
+const COUNT_MAX: usize = 1000;
+
+impl Parser<'_> {
+    /// Reads "the", "all", "two" at the start of a phrase.
+    pub(super) fn determiner(&mut self, draft: &mut Draft) {
+        if self.names.longest_at_start(self.rest()) > Some(1) {
+            return;
+        }
+        let word = self.next_word();
+        if !self.is_clause_ahead()
+            && let Some((quantity, span)) = self.take(&DETERMINERS, "a determiner")
+        {
+            draft.has_determiner = true;
+            draft.phrase.quantity = quantity;
+            if POSSESSIVES.contains(&word) {
+                let words = span.text(self.words);
+                self.remarks.push(format!(
+                    "`{words}` was not used: who owns an object is not known"
+                ));
+            }
+        }
+        if let Some(count) = self.numeral(draft) {
+            draft.has_determiner = true;
+            draft.phrase.quantity = match draft.phrase.quantity {
+                Quantity::All(_) => Quantity::All(Some(count)),
+                _ => Quantity::Exactly(count),
+            };
+            self.take(&[("of the", ()), ("of", ())], "a determiner");
+        }
+    }
+
+    /// True before "that is": a clause without a noun, and no determiner.
+    fn is_clause_ahead(&self) -> bool {
+        let second = self.rest().get(1).map_or("", |word| word.word.as_str());
+        self.next_word() == "that" && matches!(second, "is" | "are" | "was" | "has" | "i" | "you")
+    }
+
+    fn numeral(&mut self, draft: &Draft) -> Option<usize> {
+        let (count, n_words) = self.number_here()?;
+        let after = self.rest().get(n_words..).unwrap_or_default();
+        let is_measure = vocabulary::longest(&LENGTH_UNITS, after).is_some()
+            || vocabulary::longest(&TIME_UNITS, after).is_some();
+        if is_measure || after.is_empty() {
+            return None;
+        }
+        let is_noun = self.next_word() == "one" && (draft.has_determiner || !self.noun_follows(1));
+        if is_noun {
+            return None;
+        }
+        self.pass(n_words, format!("a number: {count}"));
+        Some(count)
+    }
+
+    fn number_here(&self) -> Option<(usize, usize)> {
+        if let Some((count, n_words)) = vocabulary::longest(&NUMERALS, self.rest()) {
+            return Some((*count, n_words));
+        }
+        let count: usize = self.next_word().parse().ok()?;
+        (1..=COUNT_MAX).contains(&count).then_some((count, 1))
+    }
+
+    /// True if a noun, or an adjective before it, stands some words ahead.
+    fn noun_follows(&self, n_words: usize) -> bool {
+        let after = self.rest().get(n_words..).unwrap_or_default();
+        let is_color = after.first().is_some_and(|w| shade(&w.word).is_some());
+        is_color
+            || self.names.longest_at_start(after).is_some()
+            || vocabulary::longest(&GENERIC_NOUNS, after).is_some()
+            || vocabulary::longest(&ADJECTIVES, after).is_some()
+    }
+
+    /// Reads a known name or a generic noun.
+    pub(super) fn known_noun(&mut self, draft: &mut Draft) -> bool {
+        if let Some(n_words) = self.names.longest_at_start(self.rest()) {
+            let is_adjacent = matches!(
+                draft.phrase.noun,
+                Noun::Category(noun) if noun.end == self.position
+            );
+            let is_free = !draft.has_known_noun && !draft.has_postmodifier
+                || draft.phrase.noun == Noun::Anything && !draft.has_known_noun
+                || is_adjacent;
+            if is_free && !self.is_color_here(n_words, draft) {
+                self.set_noun(draft, n_words);
+                draft.has_known_noun = true;
+                return true;
+            }
+            return false;
+        }
+        if draft.has_known_noun && draft.phrase.noun == Noun::Anything {
+            return false;
+        }
+        let Some((is_plural, _)) = self.take(&GENERIC_NOUNS, "any object") else {
+            return false;
+        };
+        if !draft.has_known_noun && !draft.has_postmodifier {
+            draft.phrase.noun = Noun::Anything;
+            draft.phrase.is_plural = is_plural;
+        }
+        draft.has_known_noun = true;
+        true
+    }
+
+    /// True if a name here is the colour of a noun: "orange mug" where `orange` is a category, too.
+    fn is_color_here(&self, n_words: usize, draft: &Draft) -> bool {
+        let is_color = n_words == 1 && shade(self.next_word()).is_some();
+        is_color && (draft.has_known_noun || self.noun_follows(1))
+    }
+
+    /// Reads a word that is no known name as a noun. A later noun takes its place.
+    pub(super) fn open_noun(&mut self, draft: &mut Draft) -> bool {
+        let word = self.next_word();
+        let is_closed = CLOSED_WORDS.contains(&word) || word.parse::<f64>().is_ok();
+        if is_closed || draft.has_known_noun || draft.has_postmodifier {
+            return false;
+        }
+        self.set_noun(draft, 1);
+        true
+    }
+
+    /// Sets the noun; words of a compound that is not known stay together.
+    fn set_noun(&mut self, draft: &mut Draft, n_words: usize) {
+        let is_name = self.names.has(&self.rest()[..n_words]);
+        let mut span = self.pass_silently(n_words);
+        if let Noun::Category(previous) = draft.phrase.noun
+            && previous.end == span.start
+            && !draft.has_known_noun
+            && !is_name
+        {
+            span = WordSpan {
+                start: previous.start,
+                end: span.end,
+            };
+        }
+        draft.phrase.noun = Noun::Category(span);
+        draft.phrase.is_plural = if is_name {
+            self.names.is_plural(span.of(self.words))
+        } else {
+            let last = span.of(self.words).last();
+            last.is_some_and(|last| names::is_plural(&last.word))
+        };
+    }
+}

@@ -1,0 +1,212 @@
+//! WordNet: synonyms and hypernyms of nouns, read from the files of Debian's `wordnet-base`.
+//!
+//! Fellbaum (1998); the format is that of wndb(5WN). A word is found by binary search in the sorted
+//! index file, and its synsets by their offset in the data file. Neither file is held in memory;
+//! what was read of them is kept in a cache of bounded size. A damaged line counts as no match.
+
+mod sorted_file;
+mod synset;
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use parking_lot::Mutex;
+
+use crate::error::Error;
+use crate::lexicon::{Kinship, Lexicon};
+use crate::names::singular;
+use sorted_file::SortedFile;
+use synset::{Synset, sense_offsets};
+
+/// Reader of WordNet's nouns.
+#[derive(Debug)]
+pub struct WordNet {
+    index: SortedFile,
+    data: SortedFile,
+    /// Irregular plurals.
+    exceptions: SortedFile,
+    /// Kin of a word, by the word.
+    cache: Mutex<HashMap<String, Arc<Kin>>>,
+}
+
+/// Synsets of a word and above, each with its least number of steps from the word.
+#[derive(Debug, Default)]
+struct Kin {
+    levels: HashMap<u64, u8>,
+}
+
+/// Most words whose kin is kept; the cache is emptied when it is full.
+const CACHED_WORDS_MAX: usize = 1024;
+
+/// Senses of a word that are used, most frequent first.
+const SENSES_MAX: usize = 3;
+
+/// Senses of a word among which those of physical objects are looked for.
+const SENSES_READ_MAX: usize = 12;
+
+/// Most steps from a word up to a more general one.
+const LEVELS_MAX: u8 = 4;
+
+/// Most steps up to a name from a more special word.
+const NARROWER_LEVELS_MAX: u8 = 2;
+
+/// Most synsets above a word; a guard against damaged files.
+const KIN_MAX: usize = 256;
+
+impl WordNet {
+    /// Opens `index.noun`, `data.noun` and `noun.exc` of a folder such as `/usr/share/wordnet`.
+    ///
+    /// # Errors
+    ///
+    /// If a file cannot be read, or is not a file of WordNet.
+    pub fn open(folder: &Path) -> Result<Self, Error> {
+        let wordnet = Self {
+            index: SortedFile::open(&folder.join("index.noun"))?,
+            data: SortedFile::open(&folder.join("data.noun"))?,
+            exceptions: SortedFile::open(&folder.join("noun.exc"))?,
+            cache: Mutex::new(HashMap::new()),
+        };
+        for (file, name) in [(&wordnet.index, "index.noun"), (&wordnet.data, "data.noun")] {
+            // The licence at the top is indented by two spaces.
+            if !file.line_at(0).is_some_and(|line| line.starts_with("  ")) {
+                return Err(Error::ForeignFile {
+                    path: folder.join(name),
+                });
+            }
+        }
+        Ok(wordnet)
+    }
+
+    /// Offsets of all senses of a phrase, or of its head noun if the compound has none.
+    fn senses(&self, words: &str) -> Vec<u64> {
+        let parts: Vec<&str> = words.split(['-', '_', ' ']).collect();
+        let compound = parts.join("_");
+        let found = self.senses_of_lemma(&compound);
+        if !found.is_empty() || parts.len() < 2 {
+            return found;
+        }
+        let hyphenated = self.senses_of_lemma(&parts.join("-"));
+        if !hyphenated.is_empty() {
+            return hyphenated;
+        }
+        let joined = self.senses_of_lemma(&parts.concat());
+        if !joined.is_empty() {
+            return joined;
+        }
+        parts
+            .last()
+            .map_or(Vec::new(), |head| self.senses_of_lemma(head))
+    }
+
+    /// Offsets of the senses of a lemma, in the singular or, failing that, in the plural.
+    fn senses_of_lemma(&self, lemma: &str) -> Vec<u64> {
+        let lemma = lemma.to_lowercase();
+        let exception = self.exceptions.find(&lemma);
+        let irregular = exception.as_deref().and_then(|line| line.split(' ').nth(1));
+        let forms = [
+            Some(lemma.clone()),
+            irregular.map(str::to_owned),
+            Some(singular(&lemma)),
+        ];
+        for form in forms.into_iter().flatten() {
+            let line = self.index.find(&form);
+            let offsets = line.map(|line| sense_offsets(&line)).unwrap_or_default();
+            if !offsets.is_empty() {
+                return offsets;
+            }
+        }
+        Vec::new()
+    }
+
+    fn synset(&self, offset: u64) -> Option<Synset> {
+        Synset::parse(&self.data.line_at(offset)?, offset)
+    }
+
+    /// Kin of a word, from the cache or the files.
+    fn kin(&self, words: &str) -> Arc<Kin> {
+        if let Some(kin) = self.cache.lock().get(words) {
+            return Arc::clone(kin);
+        }
+        let kin = Arc::new(self.read_kin(words));
+        let mut cache = self.cache.lock();
+        if cache.len() >= CACHED_WORDS_MAX {
+            cache.clear();
+        }
+        cache.insert(words.to_owned(), Arc::clone(&kin));
+        kin
+    }
+
+    /// Breadth-first search from the senses of a word up to its hypernyms.
+    fn read_kin(&self, words: &str) -> Kin {
+        let offsets = self.senses(words);
+        let read = offsets.iter().take(SENSES_READ_MAX);
+        let senses: Vec<(u64, Synset)> = read
+            .filter_map(|offset| Some((*offset, self.synset(*offset)?)))
+            .collect();
+        let has_physical = senses.iter().any(|(_, synset)| synset.is_physical());
+        let mut frontier: Vec<(u64, Synset)> = senses
+            .into_iter()
+            .filter(|(_, synset)| synset.is_physical() || !has_physical)
+            .take(SENSES_MAX)
+            .collect();
+        let mut kin = Kin::default();
+        for level in 0..=LEVELS_MAX {
+            frontier.retain(|(offset, _)| {
+                let is_new = kin.levels.len() < KIN_MAX && !kin.levels.contains_key(offset);
+                if is_new {
+                    kin.levels.insert(*offset, level);
+                }
+                is_new
+            });
+            if level == LEVELS_MAX {
+                break;
+            }
+            let above = frontier.iter().flat_map(|(_, synset)| &synset.hypernyms);
+            frontier = above
+                .filter_map(|offset| Some((*offset, self.synset(*offset)?)))
+                .collect();
+        }
+        kin
+    }
+}
+
+impl Kin {
+    fn at(&self, level: u8) -> impl Iterator<Item = u64> {
+        let levels = self.levels.iter();
+        levels.filter_map(move |(offset, at)| (*at == level).then_some(*offset))
+    }
+
+    /// Least steps from this word up to a sense of another.
+    fn steps_up_to(&self, other: &Self) -> Option<u8> {
+        let steps = |offset| self.levels.get(&offset).copied();
+        other.at(0).filter_map(steps).min()
+    }
+}
+
+impl Lexicon for WordNet {
+    fn kinship(&self, words: &str, name: &str) -> Option<Kinship> {
+        let (spoken, named) = (self.kin(words), self.kin(name));
+        match named.steps_up_to(&spoken) {
+            Some(0) => return Some(Kinship::Synonym),
+            Some(n_levels) => return Some(Kinship::Broader { n_levels }),
+            None => {}
+        }
+        if let Some(n_levels) = spoken.steps_up_to(&named)
+            && n_levels <= NARROWER_LEVELS_MAX
+        {
+            return Some(Kinship::Narrower { n_levels });
+        }
+        let is_sister = spoken
+            .at(1)
+            .any(|offset| named.levels.get(&offset) == Some(&1));
+        is_sister.then_some(Kinship::Sister)
+    }
+
+    fn is_noun(&self, words: &str) -> bool {
+        !self.kin(words).levels.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests;
