@@ -17,6 +17,8 @@ pub(crate) struct ReferringExpression {
 /// Noun phrase: "the two red mugs left of the box".
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct NounPhrase {
+    /// All words of the phrase.
+    pub(crate) span: WordSpan,
     pub(crate) quantity: Quantity,
     pub(crate) noun: Noun,
     /// True for "mugs", but not for a category that is taught as "pop-tarts".

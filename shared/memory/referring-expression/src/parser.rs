@@ -18,6 +18,9 @@ use crate::vocabulary::{self, ACKNOWLEDGEMENTS, JOINTS, WRAPPERS};
 /// Deepest nesting of landmarks.
 const DEPTH_MAX: usize = 6;
 
+/// Most attempts to read a landmark, so that the time of a query is bounded.
+const LANDMARK_ATTEMPTS_MAX: usize = 64;
+
 /// Words that are never a noun.
 const CLOSED_WORDS: [&str; 30] = [
     "and", "or", "the", "a", "an", "of", "to", "at", "for", "from", "with", "without", "than", "i",
@@ -41,6 +44,7 @@ struct Parser<'a> {
     names: &'a NameIndex,
     position: usize,
     depth: usize,
+    n_landmark_attempts: usize,
     uses: Vec<(WordSpan, String)>,
     remarks: Vec<String>,
 }
@@ -54,6 +58,10 @@ struct Checkpoint {
 
 /// Noun phrase that is being read.
 #[derive(Default)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "independent facts about what was read, not states of one machine"
+)]
 struct Draft {
     phrase: NounPhrase,
     has_determiner: bool,
@@ -74,6 +82,7 @@ pub(crate) fn parse(words: &[SpokenWord], names: &NameIndex) -> Parse {
         names,
         position: 0,
         depth: 0,
+        n_landmark_attempts: 0,
         uses: Vec::new(),
         remarks: Vec::new(),
     };
@@ -173,6 +182,7 @@ impl<'a> Parser<'a> {
     /// Reads a noun phrase. The outermost one passes over what it does not understand.
     fn noun_phrase(&mut self, is_outermost: bool) -> NounPhrase {
         let mut draft = Draft::default();
+        let start = self.position;
         self.determiner(&mut draft);
         while self.position < self.words.len() {
             let is_read = if is_outermost {
@@ -188,6 +198,10 @@ impl<'a> Parser<'a> {
             }
             self.skip_word(&mut draft);
         }
+        draft.phrase.span = WordSpan {
+            start,
+            end: self.position,
+        };
         self.finish(draft)
     }
 
@@ -246,9 +260,10 @@ impl<'a> Parser<'a> {
 
     /// Reads the noun phrase of a landmark; None if nothing stands here or it is nested too deep.
     fn landmark(&mut self) -> Option<NounPhrase> {
-        if self.depth >= DEPTH_MAX {
+        if self.depth >= DEPTH_MAX || self.n_landmark_attempts >= LANDMARK_ATTEMPTS_MAX {
             return None;
         }
+        self.n_landmark_attempts += 1;
         let start = self.position;
         self.depth += 1;
         let phrase = self.noun_phrase(false);

@@ -197,7 +197,7 @@ pub(crate) fn between_score(object: &BoxGeometry, ends: [&BoxGeometry; 2]) -> f6
     let line = flat(ends[1].centre - ends[0].centre);
     let offset = flat(object.centre - ends[0].centre);
     let length_m = line.norm();
-    if !(length_m > 1e-3) {
+    if length_m < 1e-3 {
         return 0.0;
     }
     let fraction = offset.dot(&line) / (length_m * length_m);

@@ -77,6 +77,18 @@ impl Dimension {
         }
     }
 
+    /// Comparative of the adjective for a dimension and a degree.
+    pub(crate) fn comparative(self, degree: Degree) -> String {
+        match self.adjective(degree) {
+            "big" => "bigger".to_owned(),
+            "thin" => "thinner".to_owned(),
+            "flat" => "flatter".to_owned(),
+            "wide" => "wider".to_owned(),
+            "upright" => "less flat".to_owned(),
+            adjective => format!("{adjective}er"),
+        }
+    }
+
     /// Adjective for a dimension and a degree.
     pub(crate) fn adjective(self, degree: Degree) -> &'static str {
         let [more, less] = match self {
@@ -101,7 +113,7 @@ pub(crate) fn relative_score(value: f64, all: &[f64], degree: Degree) -> Option<
     let smallest = all.iter().copied().fold(f64::INFINITY, f64::min).max(1e-6);
     let biggest = all.iter().copied().fold(1e-6, f64::max);
     let range = (biggest / smallest).ln();
-    if !(range > VISIBLE_RATIO.ln()) {
+    if range.is_nan() || range <= VISIBLE_RATIO.ln() {
         return None;
     }
     let position = ((value.max(1e-6) / smallest).ln() / range).clamp(0.0, 1.0);

@@ -40,7 +40,7 @@ struct Kin {
 const CACHED_WORDS_MAX: usize = 1024;
 
 /// Senses of a word that are used, most frequent first.
-const SENSES_MAX: usize = 3;
+const SENSES_MAX: usize = 4;
 
 /// Senses of a word among which those of physical objects are looked for.
 const SENSES_READ_MAX: usize = 12;

@@ -56,7 +56,7 @@ impl Parser<'_> {
     pub(super) fn is_teaching_ahead(&self) -> bool {
         self.author_and_verb().is_some_and(|(_, _, n_words)| {
             let verb = self.rest().get(n_words..).unwrap_or_default();
-            vocabulary::longest(&TEACHING_VERBS, verb).is_some_and(|(_, n_words)| n_words > 1)
+            vocabulary::longest(&TEACHING_VERBS, verb).is_some_and(|((), n_words)| n_words > 1)
         })
     }
 
@@ -94,7 +94,7 @@ impl Parser<'_> {
             return false;
         };
         let verb = self.rest().get(n_before_verb..).unwrap_or_default();
-        let n_verb = vocabulary::longest(&TEACHING_VERBS, verb).map_or(0, |(_, n)| n);
+        let n_verb = vocabulary::longest(&TEACHING_VERBS, verb).map_or(0, |((), n)| n);
         let after = verb.get(n_verb..).unwrap_or_default();
         let is_passive = after.first().is_some_and(|word| word.word == "by");
         // "The toy taught yesterday" has no author.
@@ -150,7 +150,7 @@ impl Parser<'_> {
         kind: fn(TimePhrase) -> RestrictionKind,
     ) -> bool {
         let checkpoint = self.checkpoint();
-        let Some((_, span)) = self.take(verbs, "a view") else {
+        let Some(((), span)) = self.take(verbs, "a view") else {
             return false;
         };
         let Some(time) = self.time() else {

@@ -44,7 +44,7 @@ impl Parser<'_> {
     /// Reads "except the mug".
     fn exception(&mut self, draft: &mut Draft) -> bool {
         let checkpoint = self.checkpoint();
-        let Some((_, span)) = self.take(&EXCEPTIONS, "an exception") else {
+        let Some(((), span)) = self.take(&EXCEPTIONS, "an exception") else {
             return false;
         };
         let Some(phrase) = self.landmark() else {
@@ -71,7 +71,7 @@ impl Parser<'_> {
 
     /// Reads "light red", "red and white", "red or blue", "colourful".
     fn color(&mut self, draft: &mut Draft) -> bool {
-        if let Some((_, span)) = self.take(&MANY_COLORS, "of many colours") {
+        if let Some(((), span)) = self.take(&MANY_COLORS, "of many colours") {
             return Self::restrict(draft, span, RestrictionKind::Color(ColorPhrase::Many));
         }
         let start = self.position;
@@ -274,7 +274,7 @@ impl Parser<'_> {
     fn between(&mut self, draft: &mut Draft) -> bool {
         let checkpoint = self.checkpoint();
         let is_negated = draft.is_negated;
-        let Some((_, span)) = self.take(&[("between", ()), ("in between", ())], "a relation")
+        let Some(((), span)) = self.take(&[("between", ()), ("in between", ())], "a relation")
         else {
             return false;
         };

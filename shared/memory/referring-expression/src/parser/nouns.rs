@@ -88,9 +88,8 @@ impl Parser<'_> {
                 draft.phrase.noun,
                 Noun::Category(noun) if noun.end == self.position
             );
-            let is_free = !draft.has_known_noun && !draft.has_postmodifier
-                || draft.phrase.noun == Noun::Anything && !draft.has_known_noun
-                || is_adjacent;
+            let is_first = draft.phrase.noun == Noun::Anything || !draft.has_postmodifier;
+            let is_free = !draft.has_known_noun && is_first || is_adjacent;
             if is_free && !self.is_color_here(n_words, draft) {
                 self.set_noun(draft, n_words);
                 draft.has_known_noun = true;

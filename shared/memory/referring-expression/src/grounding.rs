@@ -1,0 +1,212 @@
+//! Grounding: from a syntax tree to graded objects of a world.
+//!
+//! Each predicate gives a score from 0 to 1, and the scores of a phrase are multiplied, as
+//! probabilities of independent observations are. Landmarks are grounded first, by the same rules.
+
+mod colors;
+mod judgement;
+mod lessons;
+mod nouns;
+mod rankings;
+mod relations;
+mod sizes;
+
+use crate::box_geometry::BoxGeometry;
+use crate::expression::{NounPhrase, Restriction, RestrictionKind};
+use crate::lexicon::Lexicon;
+use crate::relation::ViewFrame;
+use crate::tokens::{SpokenWord, WordSpan};
+use crate::world::QueryWorld;
+pub(crate) use judgement::{Judgement, Rating};
+
+/// Least score of an object that fits. Chosen.
+pub(crate) const MATCH_MIN: f64 = 0.3;
+
+/// Share of the best score from which on another object competes with the best. Chosen.
+pub(crate) const COMPETING_SHARE: f64 = 0.8;
+
+/// Most landmarks of a phrase that are considered, best first.
+const LANDMARKS_MAX: usize = 16;
+
+/// World prepared for one query, and the notes about it.
+pub(crate) struct Grounder<'a> {
+    words: &'a [SpokenWord],
+    world: &'a QueryWorld<'a>,
+    lexicon: Option<&'a dyn Lexicon>,
+    view: Option<ViewFrame>,
+    geometries: Vec<BoxGeometry>,
+    notes: Notes,
+}
+
+/// Notes about the words of a query.
+#[derive(Debug, Default)]
+pub(crate) struct Notes {
+    /// Doubts that concern every answer.
+    pub(crate) doubts: Vec<String>,
+    /// Words that turned out not to be understood.
+    pub(crate) ignored: Vec<WordSpan>,
+    /// Meanings of nouns.
+    pub(crate) nouns: Vec<(WordSpan, String)>,
+    /// True if a noun found no name by itself, so that synonyms would help.
+    pub(crate) wants_synonyms: bool,
+}
+
+/// Object that may be a landmark.
+#[derive(Debug, Clone)]
+pub(crate) struct Landmark {
+    index: usize,
+    /// Score relative to that of the best landmark.
+    weight: f64,
+    doubts: Vec<String>,
+}
+
+impl<'a> Grounder<'a> {
+    pub(crate) fn new(
+        words: &'a [SpokenWord],
+        world: &'a QueryWorld<'a>,
+        lexicon: Option<&'a dyn Lexicon>,
+    ) -> Self {
+        Self {
+            words,
+            world,
+            lexicon,
+            view: world.viewpoint.as_ref().and_then(ViewFrame::new),
+            geometries: world.objects.iter().map(BoxGeometry::new).collect(),
+            notes: Notes::default(),
+        }
+    }
+
+    pub(crate) fn into_notes(self) -> Notes {
+        self.notes
+    }
+
+    /// Ratings of all objects, with the other attachment of a landmark if the nearest finds none.
+    pub(crate) fn rate_outermost(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
+        let ratings = self.rate(phrase);
+        let has_match = |ratings: &[Rating]| ratings.iter().any(|r| r.score >= MATCH_MIN);
+        if has_match(&ratings) {
+            return ratings;
+        }
+        let mut attached = phrase.reattached();
+        for _ in 0..3 {
+            let Some(other) = attached else {
+                break;
+            };
+            let others = self.rate(&other);
+            if has_match(&others) {
+                return others;
+            }
+            attached = other.reattached();
+        }
+        ratings
+    }
+
+    /// Ratings of all objects: properties, then relative sizes, then ranks.
+    pub(crate) fn rate(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
+        let mut ratings = self.rate_noun(phrase);
+        let is_relative =
+            |restriction: &&Restriction| matches!(restriction.kind, RestrictionKind::Size(..));
+        for restriction in phrase.restrictions.iter().filter(|r| !is_relative(r)) {
+            self.apply(restriction, &mut ratings);
+        }
+        for restriction in phrase.restrictions.iter().filter(is_relative) {
+            self.apply(restriction, &mut ratings);
+        }
+        for ranking in &phrase.rankings {
+            self.apply_ranking(ranking, &mut ratings);
+        }
+        ratings
+    }
+
+    fn apply(&mut self, restriction: &Restriction, ratings: &mut [Rating]) {
+        let Some(judgements) = self.judge(restriction, ratings) else {
+            return;
+        };
+        for (rating, judgement) in ratings.iter_mut().zip(judgements) {
+            rating.apply(if restriction.is_negated {
+                judgement.negated()
+            } else {
+                judgement
+            });
+        }
+    }
+
+    /// Judgements of all objects; None if the restriction cannot be judged, which is noted.
+    fn judge(&mut self, restriction: &Restriction, ratings: &[Rating]) -> Option<Vec<Judgement>> {
+        let span = restriction.span;
+        let world = self.world;
+        let objects = world.objects.iter();
+        Some(match &restriction.kind {
+            RestrictionKind::Color(color) => self.judge_color(color, span),
+            RestrictionKind::Size(dimension, degree) => {
+                self.judge_size(*dimension, *degree, ratings)
+            }
+            RestrictionKind::SizeThan(dimension, degree, other) => {
+                self.judge_size_than((*dimension, *degree), other, span)?
+            }
+            RestrictionKind::Measure(dimension, bound, measure_m) => {
+                self.judge_measure(*dimension, *bound, *measure_m)
+            }
+            RestrictionKind::Relation(relation, landmark) => {
+                self.judge_relation(*relation, landmark, span)?
+            }
+            RestrictionKind::Between(landmarks) => self.judge_between(landmarks, span)?,
+            RestrictionKind::Place(place) => self.judge_place(*place, span)?,
+            RestrictionKind::Labelled => objects
+                .map(|o| Judgement::of_fact(o.is_labelled, "is labelled", "is not labelled"))
+                .collect(),
+            RestrictionKind::InView => objects
+                .map(|o| Judgement::of_fact(o.is_in_view, "is in view", "is not in view"))
+                .collect(),
+            RestrictionKind::Taught(author, time) => self.judge_taught(*author, *time, span),
+            RestrictionKind::Seen(time) => self.judge_seen(*time, span),
+            RestrictionKind::Appeared(time) => self.judge_appeared(*time, span),
+            RestrictionKind::Is(phrase) => self.judge_identity(phrase, span)?,
+        })
+    }
+
+    /// Landmarks of a phrase, best first. None if its words are not understood.
+    fn landmarks(&mut self, phrase: &NounPhrase) -> Option<Vec<Landmark>> {
+        let ratings = self.rate(phrase);
+        if self.is_noun_ignored(phrase) && phrase.restrictions.is_empty() {
+            return None;
+        }
+        let best = ratings.iter().map(|r| r.score).fold(0.0, f64::max);
+        let mut landmarks: Vec<Landmark> = ratings
+            .into_iter()
+            .enumerate()
+            .filter(|(_, rating)| rating.score >= MATCH_MIN)
+            .map(|(index, rating)| Landmark {
+                index,
+                weight: rating.score / best,
+                doubts: rating.doubts,
+            })
+            .collect();
+        landmarks.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        landmarks.truncate(LANDMARKS_MAX);
+        Some(landmarks)
+    }
+
+    /// Notes that words are not used, with the reason.
+    fn ignore(&mut self, span: WordSpan, reason: &str) {
+        if !self.notes.ignored.contains(&span) {
+            self.notes.ignored.push(span);
+        }
+        let words = span.text(self.words);
+        self.doubt(format!("`{words}` was not used: {reason}"));
+    }
+
+    fn doubt(&mut self, doubt: String) {
+        if !self.notes.doubts.contains(&doubt) {
+            self.notes.doubts.push(doubt);
+        }
+    }
+
+    fn track(&self, index: usize) -> u64 {
+        self.world.objects[index].track_id
+    }
+
+    fn text(&self, span: WordSpan) -> String {
+        span.text(self.words)
+    }
+}

@@ -1,0 +1,214 @@
+//! Nouns: the categories that spoken words may name, and the objects of these categories.
+
+use std::collections::{BTreeSet, HashMap};
+
+use super::{Grounder, Judgement, Rating};
+use crate::expression::{Noun, NounPhrase};
+use crate::lexicon::{Kinship, are_everyday_synonyms};
+use crate::names::{NameAgreement, agreement, singular};
+use crate::tokens::{SpokenWord, WordSpan, tokenize};
+use crate::world::WorldObject;
+
+/// Score of an object for a noun that is not understood.
+const UNKNOWN_NOUN_SCORE: f64 = 0.5;
+
+/// Probability of a name from which on it is not doubtful.
+const SURE_PROBABILITY: f64 = 0.9;
+
+/// Fit of a category to a noun.
+#[derive(Debug, Clone, PartialEq)]
+struct CategoryFit {
+    score: f64,
+    /// Doubt of the fit, as a sentence.
+    doubt: Option<String>,
+}
+
+impl Grounder<'_> {
+    /// Ratings of all objects by the noun of a phrase.
+    pub(super) fn rate_noun(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
+        let mut ratings = vec![Rating::default(); self.world.objects.len()];
+        let Noun::Category(span) = phrase.noun else {
+            return ratings;
+        };
+        let fits = self.resolve(span);
+        let word = self.text(span);
+        if self.notes.ignored.contains(&span) {
+            for rating in &mut ratings {
+                rating.score = UNKNOWN_NOUN_SCORE;
+            }
+            return ratings;
+        }
+        for (rating, object) in ratings.iter_mut().zip(self.world.objects) {
+            rating.apply(judge_noun(object, &fits, &word));
+        }
+        ratings
+    }
+
+    /// True if the noun of a phrase was not understood.
+    pub(crate) fn is_noun_ignored(&self, phrase: &NounPhrase) -> bool {
+        matches!(phrase.noun, Noun::Category(span) if self.notes.ignored.contains(&span))
+    }
+
+    /// Categories that the words may name. Words that name none are noted as not understood.
+    fn resolve(&mut self, span: WordSpan) -> HashMap<String, CategoryFit> {
+        let known = self.known_names();
+        // "Shiny gadget": the whole compound, then its head.
+        for start in span.start..span.end {
+            let part = WordSpan { start, ..span };
+            let fits = self.fits(part, &known);
+            if !fits.is_empty() {
+                self.note_noun(span, part, &fits);
+                return fits;
+            }
+        }
+        self.notes.wants_synonyms = true;
+        let words = normalised(span.of(self.words));
+        let is_noun = self.lexicon.is_some_and(|lexicon| lexicon.is_noun(&words));
+        if is_noun {
+            let meaning = "a noun; no name that was taught is related".to_owned();
+            self.note_meaning(span, meaning);
+        } else if !self.notes.ignored.contains(&span) {
+            self.notes.ignored.push(span);
+        }
+        HashMap::new()
+    }
+
+    fn known_names(&self) -> BTreeSet<String> {
+        let of_objects = self.world.objects.iter().flat_map(|object| &object.names);
+        let taught = self.world.taught_names.iter();
+        of_objects
+            .map(|(name, _)| name)
+            .chain(taught)
+            .cloned()
+            .collect()
+    }
+
+    fn note_noun(&mut self, span: WordSpan, part: WordSpan, fits: &HashMap<String, CategoryFit>) {
+        let before = WordSpan {
+            start: span.start,
+            end: part.start,
+        };
+        if !before.is_empty() && !self.notes.ignored.contains(&before) {
+            self.notes.ignored.push(before);
+        }
+        let mut names: Vec<_> = fits.iter().collect();
+        names.sort_by(|a, b| b.1.score.total_cmp(&a.1.score).then(a.0.cmp(b.0)));
+        let is_direct = names.first().is_some_and(|(_, fit)| fit.doubt.is_none());
+        self.notes.wants_synonyms |= !is_direct;
+        let names: Vec<_> = names
+            .iter()
+            .take(4)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        self.note_meaning(part, format!("the category {}", names.join(" or ")));
+    }
+
+    fn note_meaning(&mut self, span: WordSpan, meaning: String) {
+        if !self.notes.nouns.iter().any(|(noted, _)| *noted == span) {
+            self.notes.nouns.push((span, meaning));
+        }
+    }
+
+    fn fits(&self, span: WordSpan, known: &BTreeSet<String>) -> HashMap<String, CategoryFit> {
+        let spoken = span.of(self.words);
+        let fit = |name: &String| Some((name.clone(), self.category_fit(spoken, name)?));
+        known.iter().filter_map(fit).collect()
+    }
+
+    fn category_fit(&self, spoken: &[SpokenWord], name: &str) -> Option<CategoryFit> {
+        let words = normalised(spoken);
+        let taken = |score: f64, doubt: String| {
+            Some(CategoryFit {
+                score,
+                doubt: Some(doubt),
+            })
+        };
+        let name_words = tokenize(name);
+        match agreement(spoken, &name_words) {
+            Some(NameAgreement::Same) => {
+                return Some(CategoryFit {
+                    score: 1.0,
+                    doubt: None,
+                });
+            }
+            Some(NameAgreement::Head) => {
+                return taken(0.75, format!("`{words}` was taken as {name}"));
+            }
+            None => {}
+        }
+        if are_everyday_synonyms(&singular_form(spoken), &singular_form(&name_words)) {
+            return taken(0.7, format!("`{words}` was taken as a synonym of {name}"));
+        }
+        match self.lexicon?.kinship(&words, name)? {
+            Kinship::Synonym => taken(0.7, format!("`{words}` was taken as a synonym of {name}")),
+            Kinship::Broader { n_levels } => taken(
+                0.78 - 0.03 * f64::from(n_levels),
+                format!("`{words}` was taken as a kind to which {name} belongs"),
+            ),
+            Kinship::Narrower { .. } => taken(
+                0.5,
+                format!("`{words}` is a kind of {name}; the kind is not known"),
+            ),
+            Kinship::Sister => taken(0.35, format!("`{words}` is only related to {name}")),
+        }
+    }
+}
+
+fn normalised(words: &[SpokenWord]) -> String {
+    let words: Vec<_> = words.iter().map(|word| word.word.as_str()).collect();
+    words.join(" ")
+}
+
+fn singular_form(words: &[SpokenWord]) -> String {
+    let mut words: Vec<String> = words.iter().map(|word| word.word.clone()).collect();
+    if let Some(last) = words.last_mut() {
+        *last = singular(last);
+    }
+    words.join(" ")
+}
+
+/// Judgement of an object by its names: the one that fits best.
+fn judge_noun(object: &WorldObject, fits: &HashMap<String, CategoryFit>, word: &str) -> Judgement {
+    let track = object.track_id;
+    // What a person said of this very object excludes the other names.
+    let n_names = if object.is_labelled {
+        1
+    } else {
+        object.names.len()
+    };
+    let scored = object
+        .names
+        .iter()
+        .take(n_names)
+        .filter_map(|(name, probability)| {
+            let fit = fits.get(name)?;
+            let is_sure = object.is_labelled || !probability.is_finite();
+            let probability = if is_sure {
+                1.0
+            } else {
+                probability.clamp(0.0, 1.0)
+            };
+            Some((name, probability, fit))
+        });
+    let best = scored.max_by(|a, b| (a.1 * a.2.score).total_cmp(&(b.1 * b.2.score)));
+    let label = object.best_name().unwrap_or("unknown object");
+    let Some((name, probability, fit)) = best else {
+        return Judgement::new(0.0, "", format!("is not `{word}`, but {label}"));
+    };
+    let mut judgement = Judgement::new(
+        probability * fit.score,
+        format!("is {name}"),
+        format!("is rather {label} than {name}"),
+    )
+    .doubt_if(probability < SURE_PROBABILITY, || {
+        format!(
+            "the label {name} of track {track} is only {:.0} % sure",
+            100.0 * probability
+        )
+    })
+    .doubt_if(name != label, || {
+        format!("track {track} is rather {label} than {name}")
+    });
+    judgement.doubts.extend(fit.doubt.clone());
+    judgement
+}
