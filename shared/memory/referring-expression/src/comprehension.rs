@@ -280,7 +280,7 @@ fn closest(ratings: &[Rating], world: &QueryWorld<'_>) -> Option<String> {
         candidates.filter(|(rating, _)| !rating.fits.is_empty() && !rating.lacks.is_empty());
     let (rating, object) = with_fit.max_by_key(|(rating, _)| {
         let n_lacks = std::cmp::Reverse(rating.lacks.len());
-        (n_lacks, rating.fits.len())
+        (rating.has_category, n_lacks, rating.fits.len())
     })?;
     let (fits, lacks) = (rating.fits.join(" and "), rating.lacks.join(" and "));
     Some(format!("track {} {fits}, but {lacks}", object.track_id))

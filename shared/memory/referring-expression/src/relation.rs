@@ -126,8 +126,9 @@ pub(crate) fn ramp(value: f64, from: f64, to: f64) -> f64 {
 
 /// Score of an object's offset to a landmark in a horizontal direction.
 ///
-/// Full if the extents are apart and the offset is within 45 degrees of the direction; 0 if the
-/// object overlaps by three quarters, or if the offset is nearly across.
+/// Full if the extents are apart and the offset is within 10 degrees of the direction; 0 if the
+/// object overlaps by three quarters, or if the offset is nearly across. People accept a projective
+/// relation the less, the more the offset deviates from its direction (Logan and Sadler, 1996).
 fn projective_score(object: &BoxGeometry, landmark: &BoxGeometry, direction: &Vector3<f64>) -> f64 {
     let mut offset = object.centre - landmark.centre;
     offset.z = 0.0;
@@ -136,12 +137,7 @@ fn projective_score(object: &BoxGeometry, landmark: &BoxGeometry, direction: &Ve
     let extents = object.half_extent_m(direction) + landmark.half_extent_m(direction);
     let apart = ramp(along / extents.max(1e-3), 0.25, 0.9);
     let angle_deg = across.atan2(along).to_degrees();
-    let aligned = if angle_deg <= 45.0 {
-        1.0
-    } else {
-        ramp(angle_deg, 85.0, 45.0)
-    };
-    apart * aligned
+    apart * ramp(angle_deg, 80.0, 10.0)
 }
 
 /// Gap relative to the sizes of both boxes.

@@ -43,7 +43,6 @@ fn object(
     }
 }
 
-const BLACK: usize = 0;
 const WHITE: usize = 1;
 const RED: usize = 3;
 const GREEN: usize = 4;

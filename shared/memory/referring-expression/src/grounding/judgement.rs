@@ -59,6 +59,8 @@ impl Judgement {
 pub(crate) struct Rating {
     /// Product of the scores.
     pub(crate) score: f64,
+    /// True if the object has the category of the noun, or if there is no noun.
+    pub(crate) has_category: bool,
     pub(crate) doubts: Vec<String>,
     /// Predicates that hold, for a sentence about the object.
     pub(crate) fits: Vec<String>,
@@ -70,6 +72,7 @@ impl Default for Rating {
     fn default() -> Self {
         Self {
             score: 1.0,
+            has_category: true,
             doubts: Vec::new(),
             fits: Vec::new(),
             lacks: Vec::new(),
@@ -78,6 +81,11 @@ impl Default for Rating {
 }
 
 impl Rating {
+    /// True if no predicate is missing so far.
+    pub(crate) fn lacks_nothing(&self) -> bool {
+        self.lacks.is_empty()
+    }
+
     pub(crate) fn apply(&mut self, judgement: Judgement) {
         self.score *= judgement.score;
         let (list, text) = if judgement.score >= HOLDS_MIN {

@@ -40,6 +40,7 @@ impl Grounder<'_> {
         }
         for (rating, object) in ratings.iter_mut().zip(self.world.objects) {
             rating.apply(judge_noun(object, &fits, &word));
+            rating.has_category = rating.lacks_nothing();
         }
         ratings
     }
@@ -193,12 +194,17 @@ fn judge_noun(object: &WorldObject, fits: &HashMap<String, CategoryFit>, word: &
     let best = scored.max_by(|a, b| (a.1 * a.2.score).total_cmp(&(b.1 * b.2.score)));
     let label = object.best_name().unwrap_or("unknown object");
     let Some((name, probability, fit)) = best else {
-        return Judgement::new(0.0, "", format!("is not `{word}`, but {label}"));
+        let label = with_article(label);
+        return Judgement::new(0.0, "", format!("is {label}, not `{word}`"));
     };
     let mut judgement = Judgement::new(
         probability * fit.score,
-        format!("is {name}"),
-        format!("is rather {label} than {name}"),
+        format!("is {}", with_article(name)),
+        format!(
+            "is rather {} than {}",
+            with_article(label),
+            with_article(name)
+        ),
     )
     .doubt_if(probability < SURE_PROBABILITY, || {
         format!(
@@ -207,8 +213,15 @@ fn judge_noun(object: &WorldObject, fits: &HashMap<String, CategoryFit>, word: &
         )
     })
     .doubt_if(name != label, || {
+        let [label, name] = [label, name].map(with_article);
         format!("track {track} is rather {label} than {name}")
     });
     judgement.doubts.extend(fit.doubt.clone());
     judgement
+}
+
+/// Name with "a" or "an".
+fn with_article(name: &str) -> String {
+    let is_vowel = name.starts_with(['a', 'e', 'i', 'o', 'u']);
+    format!("{} {name}", if is_vowel { "an" } else { "a" })
 }

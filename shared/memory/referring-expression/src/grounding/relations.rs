@@ -19,6 +19,8 @@ impl Grounder<'_> {
         span: WordSpan,
     ) -> Option<Vec<Judgement>> {
         if relation.needs_view() && self.view.is_none() {
+            // The noun of the landmark is understood all the same.
+            self.rate(landmark);
             self.ignore(span, NO_VIEW);
             return None;
         }
@@ -71,8 +73,10 @@ impl Grounder<'_> {
         phrases: &[NounPhrase; 2],
         span: WordSpan,
     ) -> Option<Vec<Judgement>> {
-        let first = self.landmarks_or_ignore(&phrases[0], span)?;
-        let second = self.landmarks_or_ignore(&phrases[1], span)?;
+        let [first, second] = phrases
+            .each_ref()
+            .map(|phrase| self.landmarks_or_ignore(phrase, span));
+        let (first, second) = (first?, second?);
         let text = phrases
             .each_ref()
             .map(|phrase| self.text(phrase.span))

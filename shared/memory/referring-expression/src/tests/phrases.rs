@@ -99,7 +99,8 @@ fn grounding_of_sizes() {
 fn grounding_of_relations() {
     check(&[
         ("the mug left of the box", &[1]),
-        ("the mug to the right of the box", &[2, 4]),
+        ("the mug to the right of the box", &[2]),
+        ("all mugs right of the box", &[2, 4]),
         ("the thing behind the blue mug", &[6]),
         ("the bottle behind the red mug", &[5]),
         ("the mug in front of the bottle", &[1]),
@@ -122,7 +123,7 @@ fn grounding_of_relations() {
         ("the thing at the back on the left", &[5]),
         ("the mug on the right side of the table", &[2, 4]),
         ("mugs not left of the box", &[2, 4]),
-        ("the mug not next to the box", &[1, 2, 4]),
+        ("the mug not next to the box", &[4]),
         ("all mugs except the red mug", &[2, 4]),
         ("the mugs other than the white one", &[1, 2]),
         ("the leftmost mug", &[1]),
@@ -222,7 +223,7 @@ fn grounding_states_doubts() {
 fn grounding_names_the_closest_object() {
     assert_eq!(
         ask("the green mug").sentence,
-        "Nothing here fits `the green mug`; track 4 is mug, but is white."
+        "Nothing here fits `the green mug`; track 4 is a mug, but is white."
     );
     assert!(
         ask("the fork")
