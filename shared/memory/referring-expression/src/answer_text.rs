@@ -61,8 +61,8 @@ fn selection_sentence(selection: &Selection, general_doubts: &[String]) -> Strin
     let n_others = selection.n_fitting - matches.len();
     let others = match n_others {
         0 => String::new(),
-        1 => " (one more fits less well or as well)".to_owned(),
-        n => format!(" ({n} more fit less well or as well)"),
+        1 => " (one other fits to some degree)".to_owned(),
+        n => format!(" ({n} others fit to some degree)"),
     };
     let doubts = distinct_doubts(selection);
     let end = if doubts.is_empty() {

@@ -11,11 +11,13 @@ mod rankings;
 mod relations;
 mod sizes;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::box_geometry::BoxGeometry;
 use crate::expression::{NounPhrase, Restriction, RestrictionKind};
 use crate::lexicon::Lexicon;
 use crate::relation::ViewFrame;
-use crate::tokens::{SpokenWord, WordSpan};
+use crate::tokens::{SpokenWord, WordSpan, tokenize};
 use crate::world::QueryWorld;
 pub(crate) use judgement::{Judgement, Rating};
 
@@ -35,6 +37,8 @@ pub(crate) struct Grounder<'a> {
     lexicon: Option<&'a dyn Lexicon>,
     view: Option<ViewFrame>,
     geometries: Vec<BoxGeometry>,
+    /// Names of all categories with their words.
+    known_names: BTreeMap<&'a str, Vec<SpokenWord>>,
     notes: Notes,
 }
 
@@ -72,6 +76,7 @@ impl<'a> Grounder<'a> {
             lexicon,
             view: world.viewpoint.as_ref().and_then(ViewFrame::new),
             geometries: world.objects.iter().map(BoxGeometry::new).collect(),
+            known_names: known_names(world),
             notes: Notes::default(),
         }
     }
@@ -209,4 +214,14 @@ impl<'a> Grounder<'a> {
     fn text(&self, span: WordSpan) -> String {
         span.text(self.words)
     }
+}
+
+fn known_names<'a>(world: &QueryWorld<'a>) -> BTreeMap<&'a str, Vec<SpokenWord>> {
+    let of_objects = world.objects.iter().flat_map(|object| &object.names);
+    let names = of_objects.map(|(name, _)| name).chain(world.taught_names);
+    let distinct: BTreeSet<&str> = names.map(String::as_str).collect();
+    distinct
+        .into_iter()
+        .map(|name| (name, tokenize(name)))
+        .collect()
 }

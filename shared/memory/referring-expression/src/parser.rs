@@ -19,7 +19,7 @@ use crate::vocabulary::{self, ACKNOWLEDGEMENTS, JOINTS, WRAPPERS};
 const DEPTH_MAX: usize = 6;
 
 /// Most attempts to read a landmark, so that the time of a query is bounded.
-const LANDMARK_ATTEMPTS_MAX: usize = 64;
+const LANDMARK_ATTEMPTS_MAX: usize = 32;
 
 /// Words that are never a noun.
 const CLOSED_WORDS: [&str; 30] = [

@@ -1,12 +1,12 @@
 //! Nouns: the categories that spoken words may name, and the objects of these categories.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 use super::{Grounder, Judgement, Rating};
 use crate::expression::{Noun, NounPhrase};
 use crate::lexicon::{Kinship, are_everyday_synonyms};
 use crate::names::{NameAgreement, agreement, singular};
-use crate::tokens::{SpokenWord, WordSpan, tokenize};
+use crate::tokens::{SpokenWord, WordSpan};
 use crate::world::WorldObject;
 
 /// Score of an object for a noun that is not understood.
@@ -52,11 +52,10 @@ impl Grounder<'_> {
 
     /// Categories that the words may name. Words that name none are noted as not understood.
     fn resolve(&mut self, span: WordSpan) -> HashMap<String, CategoryFit> {
-        let known = self.known_names();
         // "Shiny gadget": the whole compound, then its head.
         for start in span.start..span.end {
             let part = WordSpan { start, ..span };
-            let fits = self.fits(part, &known);
+            let fits = self.fits(part);
             if !fits.is_empty() {
                 self.note_noun(span, part, &fits);
                 return fits;
@@ -72,16 +71,6 @@ impl Grounder<'_> {
             self.notes.ignored.push(span);
         }
         HashMap::new()
-    }
-
-    fn known_names(&self) -> BTreeSet<String> {
-        let of_objects = self.world.objects.iter().flat_map(|object| &object.names);
-        let taught = self.world.taught_names.iter();
-        of_objects
-            .map(|(name, _)| name)
-            .chain(taught)
-            .cloned()
-            .collect()
     }
 
     fn note_noun(&mut self, span: WordSpan, part: WordSpan, fits: &HashMap<String, CategoryFit>) {
@@ -110,13 +99,20 @@ impl Grounder<'_> {
         }
     }
 
-    fn fits(&self, span: WordSpan, known: &BTreeSet<String>) -> HashMap<String, CategoryFit> {
+    fn fits(&self, span: WordSpan) -> HashMap<String, CategoryFit> {
         let spoken = span.of(self.words);
-        let fit = |name: &String| Some((name.clone(), self.category_fit(spoken, name)?));
-        known.iter().filter_map(fit).collect()
+        let fit = |(name, words): (&&str, &Vec<SpokenWord>)| {
+            Some(((*name).to_owned(), self.category_fit(spoken, name, words)?))
+        };
+        self.known_names.iter().filter_map(fit).collect()
     }
 
-    fn category_fit(&self, spoken: &[SpokenWord], name: &str) -> Option<CategoryFit> {
+    fn category_fit(
+        &self,
+        spoken: &[SpokenWord],
+        name: &str,
+        name_words: &[SpokenWord],
+    ) -> Option<CategoryFit> {
         let words = normalised(spoken);
         let taken = |score: f64, doubt: String| {
             Some(CategoryFit {
@@ -124,8 +120,7 @@ impl Grounder<'_> {
                 doubt: Some(doubt),
             })
         };
-        let name_words = tokenize(name);
-        match agreement(spoken, &name_words) {
+        match agreement(spoken, name_words) {
             Some(NameAgreement::Same) => {
                 return Some(CategoryFit {
                     score: 1.0,
@@ -137,7 +132,7 @@ impl Grounder<'_> {
             }
             None => {}
         }
-        if are_everyday_synonyms(&singular_form(spoken), &singular_form(&name_words)) {
+        if are_everyday_synonyms(&singular_form(spoken), &singular_form(name_words)) {
             return taken(0.7, format!("`{words}` was taken as a synonym of {name}"));
         }
         match self.lexicon?.kinship(&words, name)? {
