@@ -9,6 +9,10 @@ use crate::world::WorldObject;
 pub(crate) struct BoxGeometry {
     pub(crate) centre: Vector3<f64>,
     half_edges: [Vector3<f64>; 3],
+    /// Directions of the longest horizontal edge, and across it.
+    horizontal_axes: [Vector3<f64>; 2],
+    /// Extents along the horizontal axes, shorter first.
+    footprint_edges_m: [f64; 2],
 }
 
 impl BoxGeometry {
@@ -22,15 +26,20 @@ impl BoxGeometry {
             let half_m = 0.5 * finite(object.size_m[axis]).abs();
             rotation * Vector3::ith(axis, half_m)
         };
+        let half_edges = [edge(0), edge(1), edge(2)];
+        let horizontal_axes = horizontal_axes(&half_edges);
+        let edges = horizontal_axes.map(|axis| 2.0 * half_extent_m(&half_edges, &axis));
         Self {
             centre: Vector3::from(object.centre_in_world_m.map(finite)),
-            half_edges: [edge(0), edge(1), edge(2)],
+            half_edges,
+            horizontal_axes,
+            footprint_edges_m: [edges[0].min(edges[1]), edges[0].max(edges[1])],
         }
     }
 
     /// Half of the extent along a unit vector.
     pub(crate) fn half_extent_m(&self, direction: &Vector3<f64>) -> f64 {
-        self.half_edges.iter().map(|e| e.dot(direction).abs()).sum()
+        half_extent_m(&self.half_edges, direction)
     }
 
     pub(crate) fn height_m(&self) -> f64 {
@@ -47,9 +56,7 @@ impl BoxGeometry {
 
     /// Extents of the footprint along its own horizontal axes, shorter first.
     pub(crate) fn footprint_edges_m(&self) -> [f64; 2] {
-        let [along, across] = self.horizontal_axes();
-        let edges = [along, across].map(|axis| 2.0 * self.half_extent_m(&axis));
-        [edges[0].min(edges[1]), edges[0].max(edges[1])]
+        self.footprint_edges_m
     }
 
     /// Mean half edge of the footprint.
@@ -73,7 +80,7 @@ impl BoxGeometry {
 
     /// Share of this footprint that lies over the other's, 0 to 1, along the other's axes.
     pub(crate) fn footprint_overlap(&self, other: &Self) -> f64 {
-        let covered = other.horizontal_axes().map(|axis| {
+        let covered = other.horizontal_axes.map(|axis| {
             let half = self.half_extent_m(&axis).max(1e-6);
             let other_half = other.half_extent_m(&axis);
             let offset = (self.centre - other.centre).dot(&axis);
@@ -86,26 +93,28 @@ impl BoxGeometry {
 
     fn gap_in_frame_m(&self, other: &Self, frame: &Self) -> f64 {
         let offset = other.centre - self.centre;
-        let gaps = frame.horizontal_axes().map(|axis| {
+        let gaps = frame.horizontal_axes.map(|axis| {
             let extents = self.half_extent_m(&axis) + other.half_extent_m(&axis);
             (offset.dot(&axis).abs() - extents).max(0.0)
         });
         gaps[0].hypot(gaps[1])
     }
+}
 
-    /// Horizontal axes of the box: of its longest projected edge, and across it.
-    fn horizontal_axes(&self) -> [Vector3<f64>; 2] {
-        let flat = self
-            .half_edges
-            .map(|edge| Vector3::new(edge.x, edge.y, 0.0));
-        let longest = flat
-            .into_iter()
-            .max_by(|a, b| a.norm().total_cmp(&b.norm()));
-        let along = longest
-            .and_then(|edge| edge.try_normalize(1e-9))
-            .unwrap_or_else(Vector3::x);
-        [along, Vector3::new(-along.y, along.x, 0.0)]
-    }
+fn half_extent_m(half_edges: &[Vector3<f64>; 3], direction: &Vector3<f64>) -> f64 {
+    half_edges.iter().map(|e| e.dot(direction).abs()).sum()
+}
+
+/// Directions of the longest horizontal edge, and across it; x and y if all edges are vertical.
+fn horizontal_axes(half_edges: &[Vector3<f64>; 3]) -> [Vector3<f64>; 2] {
+    let flat = half_edges.map(|edge| Vector3::new(edge.x, edge.y, 0.0));
+    let longest = flat
+        .into_iter()
+        .max_by(|a, b| a.norm().total_cmp(&b.norm()));
+    let along = longest
+        .and_then(|edge| edge.try_normalize(1e-9))
+        .unwrap_or_else(Vector3::x);
+    [along, Vector3::new(-along.y, along.x, 0.0)]
 }
 
 fn finite(value: f64) -> f64 {
