@@ -6,6 +6,7 @@ mod configuration_change;
 mod control;
 mod daily_purge;
 mod event_report;
+mod find_request;
 mod health_conditions;
 mod offline;
 mod process_table;

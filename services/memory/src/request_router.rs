@@ -1,13 +1,14 @@
 //! Request router: answers from the stores, or forwards to the owning process.
 
 use crate::event_report;
+use crate::find_request::{KnownWorld, Synonyms};
 use crate::process_table::ProcessTable;
 use crate::working_memory::{WorkingMemory, now_ns};
 use channel::Domain;
 use channel::control::{Client, Peer};
 use memory_requests::MemoryRequestHandler;
 use message::ProcessKind;
-use message::control::{Command, Refusal, RefusalKind, Reply, UserRole};
+use message::control::{Command, FindQuery, Refusal, RefusalKind, Reply, UserRole};
 use perceptual_memory::{Position, Requester};
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,6 +25,7 @@ pub(crate) struct RequestRouter {
     pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
     pub(crate) world: Arc<WorkingMemory>,
+    pub(crate) synonyms: Arc<Synonyms>,
     /// Newest acknowledged position of the history.
     pub(crate) position: watch::Receiver<Position>,
 }
@@ -52,8 +54,31 @@ impl RequestRouter {
                 Ok(Reply::Reloaded(reports))
             }
             Command::World(command) => self.world.answer(command).await,
+            Command::Find(query) => self.find(query, peer).await,
             command => self.answer_from_memory(command, peer).await,
         }
+    }
+
+    /// Reply to a query in words, with the newest labels.
+    async fn find(&self, query: FindQuery, peer: Peer) -> Result<Reply, Refusal> {
+        let objects = read_after(*self.position.borrow(), Command::Objects);
+        let scene = match ask(&self.perception, objects).await? {
+            Reply::Objects(scene) => scene,
+            Reply::Refused(refusal) => return Err(refusal),
+            other => return Err(unexpected(&other)),
+        };
+        let categories = match self.answer_from_memory(Command::Categories, peer).await? {
+            Reply::Categories(categories) => categories,
+            other => return Err(unexpected(&other)),
+        };
+        let world = KnownWorld::new(scene, categories, &self.world);
+        let synonyms = self.synonyms.clone();
+        let answer = tokio::task::spawn_blocking(move || world.answer(&query, &synonyms)).await;
+        let report = answer.map_err(|error| {
+            let sentence = format!("the query failed: {error}; say it in other words");
+            Refusal::new(RefusalKind::Internal, sentence)
+        })??;
+        Ok(Reply::Found(Box::new(report)))
     }
 
     /// Reply of the perceptual memory; a change of labels is also recorded as a world
@@ -93,6 +118,11 @@ impl RequestRouter {
             _ => None,
         }
     }
+}
+
+/// Refusal for a reply that does not belong to its command.
+fn unexpected(reply: &Reply) -> Refusal {
+    Refusal::new(RefusalKind::Internal, format!("unexpected reply {reply:?}"))
 }
 
 /// Requester of a change, with its right to undo those of others.

@@ -53,6 +53,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
         arm: Client::new(domain, ProcessKind::Simulator)?,
         processes: processes.clone(),
         world: world.clone(),
+        synonyms: Arc::default(),
         position: positions.clone(),
     };
     let change_publisher = ChangePublisher::new(domain, positions)?;

@@ -52,6 +52,8 @@ pub(crate) enum Verb {
         /// Track-id of the object
         track_id: u64,
     },
+    /// Find objects by words: tabula find "the red mug left of the box"
+    Find(FindArguments),
     /// Teach the label of a tracked object
     Teach(LabelArguments),
     /// Correct the label of a tracked object
@@ -208,6 +210,17 @@ pub(crate) struct ArmWait {
     /// Return without waiting for the end of the motion
     #[arg(long)]
     pub(crate) no_wait: bool,
+}
+
+/// Arguments of `tabula find`.
+#[derive(Debug, Args)]
+pub(crate) struct FindArguments {
+    /// Words for the objects, in English
+    #[arg(required = true, value_name = "WORDS")]
+    pub(crate) words: Vec<String>,
+    /// Author name of the person who asks, whom "I" means [default: the user's name]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) author: Option<String>,
 }
 
 /// Arguments of `tabula teach` and `tabula correct`.

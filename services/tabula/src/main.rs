@@ -6,6 +6,7 @@ mod config_command;
 mod daemon;
 mod daemon_reload;
 mod doctor;
+mod find;
 mod knowledge;
 mod lab_program;
 mod learn;
@@ -35,6 +36,7 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Doctor => Ok(doctor::run(&arguments.common, output)),
         Verb::Objects { watch } => objects::objects(&arguments.common, *watch, output),
         Verb::Ask { track_id } => objects::ask(&arguments.common, *track_id, output),
+        Verb::Find(query) => find::run(&arguments.common, query, output),
         Verb::Config { verb } => config_command::run(&arguments.common, verb, output),
         Verb::Status => status::run(&arguments.common, output),
         Verb::Teach(label) => learn::teach(&arguments.common, label, output),

@@ -16,6 +16,7 @@
 //! ```
 
 mod arm;
+mod find;
 mod learning;
 mod memory;
 mod packed_cloud;
@@ -28,6 +29,7 @@ mod user_role;
 mod world;
 
 pub use arm::{ArmCommand, ArmReport};
+pub use find::{FindQuery, FindReport, FoundObjectReport, WordUseReport};
 pub use learning::{
     ChangesPage, LearnedChange, LearnedView, MutationId, RandomIdError, SnapshotCursor,
     SnapshotPage, StoredView, ViewId,
@@ -93,6 +95,8 @@ pub enum Command {
         /// Track-id of the object to report.
         track_id: u64,
     },
+    /// Find objects by words.
+    Find(FindQuery),
     /// Report the health of all processes.
     Health,
     /// Report the depth noise measured on the table.
@@ -189,6 +193,8 @@ pub enum Reply {
     Objects(ObjectsReport),
     /// Reply to [`Command::Ask`].
     Object(Box<ObjectReport>),
+    /// Reply to [`Command::Find`].
+    Found(Box<FindReport>),
     /// Reply to [`Command::Health`].
     Health(Vec<ProcessReport>),
     /// Reply to [`Command::DepthNoise`].

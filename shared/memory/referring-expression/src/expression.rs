@@ -1,7 +1,7 @@
 //! Referring expression as a syntax tree: noun phrases, their restrictions and rankings.
 
-use crate::color_term::Shade;
 use crate::relation::{Relation, TablePlace};
+use crate::shade::Shade;
 use crate::size::{Bound, Degree, Dimension};
 use crate::time_phrase::TimePhrase;
 use crate::tokens::WordSpan;

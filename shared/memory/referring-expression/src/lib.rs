@@ -43,7 +43,6 @@
 mod answer;
 mod answer_text;
 mod box_geometry;
-mod color_term;
 mod comprehension;
 mod error;
 mod expression;
@@ -52,6 +51,7 @@ mod lexicon;
 mod names;
 mod parser;
 mod relation;
+mod shade;
 mod size;
 mod time_phrase;
 mod tokens;
@@ -63,9 +63,9 @@ mod world;
 mod tests;
 
 pub use answer::{Answer, Match, WordUse};
-pub use color_term::ColorTerm;
 pub use comprehension::{QUERY_CHARACTERS_MAX, find};
 pub use error::Error;
 pub use lexicon::{Kinship, Lexicon};
+pub use point_cloud::ColorTerm;
 pub use wordnet::WordNet;
 pub use world::{Lesson, QueryWorld, Viewpoint, WorldObject};

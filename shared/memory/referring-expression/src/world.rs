@@ -1,5 +1,7 @@
 //! World of a query: objects, viewpoint, lessons and names, as the caller knows them.
 
+use nalgebra::{UnitQuaternion, Vector3};
+
 /// Object that an expression may refer to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldObject {
@@ -42,6 +44,27 @@ pub struct Viewpoint {
     pub right_in_world: [f64; 3],
     /// Horizontal direction away from the camera, world frame.
     pub forward_in_world: [f64; 3],
+}
+
+impl Viewpoint {
+    /// Viewpoint of a camera in a world whose z axis points up. The camera looks along its z
+    /// axis, and its y axis points down in the image. `None` for a pose that is not finite.
+    pub fn of_camera(
+        position_in_world_m: Vector3<f64>,
+        rotation: &UnitQuaternion<f64>,
+    ) -> Option<Self> {
+        // A camera that looks straight down has the upper edge of its image ahead.
+        let ahead = rotation * Vector3::z() - 1e-3 * (rotation * Vector3::y());
+        let forward = Vector3::new(ahead.x, ahead.y, 0.0).try_normalize(1e-6)?;
+        position_in_world_m
+            .iter()
+            .all(|value| value.is_finite())
+            .then_some(Self {
+                position_in_world_m: position_in_world_m.into(),
+                right_in_world: [forward.y, -forward.x, 0.0],
+                forward_in_world: forward.into(),
+            })
+    }
 }
 
 /// Teaching event: a person gave a category to an object.

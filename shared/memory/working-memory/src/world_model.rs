@@ -98,6 +98,12 @@ impl WorldModel {
         self.present.iter().map(|track_id| &self.objects[track_id])
     }
 
+    /// Objects that are gone, ordered by track-id.
+    pub fn past_objects(&self) -> impl Iterator<Item = &ObjectRecord> {
+        let all = self.objects.values();
+        all.filter(|object| object.gone_ns.is_some())
+    }
+
     /// Start of the current fact about a property of a subject, nanoseconds since 1970.
     pub fn since_ns(&self, subject: Subject, property: Property) -> Option<u64> {
         query::since_ns(&self.facts, subject, property)

@@ -1,9 +1,10 @@
 //! Colours: shares of the basic terms against the colours that were asked for.
 
 use super::{Grounder, Judgement};
-use crate::color_term::{ColorTerm, Shade};
+use crate::ColorTerm;
 use crate::expression::ColorPhrase;
 use crate::relation::ramp;
+use crate::shade::Shade;
 use crate::tokens::WordSpan;
 use crate::world::WorldObject;
 

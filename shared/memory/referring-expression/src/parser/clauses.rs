@@ -1,8 +1,8 @@
 //! Clauses of teaching and seeing, and their times: "that Anna taught you yesterday".
 
 use super::{CLOSED_WORDS, Draft, Parser};
-use crate::color_term::shade;
 use crate::expression::{LessonAuthor, RestrictionKind};
+use crate::shade::shade;
 use crate::time_phrase::TimePhrase;
 use crate::tokens::{SpokenWord, WordSpan};
 use crate::vocabulary::{

@@ -1,9 +1,9 @@
 //! Modifiers of a noun: colours, sizes, measures, ranks, relations, places and negation.
 
 use super::{Draft, Parser};
-use crate::color_term::{Shade, shade};
 use crate::expression::{ColorPhrase, Ranking, RankingKey, RestrictionKind};
 use crate::relation::{Relation, TablePlace};
+use crate::shade::{Shade, shade};
 use crate::size::{AdjectiveForm, Bound, Degree, Dimension};
 use crate::tokens::WordSpan;
 use crate::vocabulary::{

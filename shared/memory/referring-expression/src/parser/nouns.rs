@@ -1,9 +1,9 @@
 //! Determiners, numerals and nouns of a phrase.
 
 use super::{CLOSED_WORDS, Draft, Parser};
-use crate::color_term::shade;
 use crate::expression::{Noun, Quantity};
 use crate::names;
+use crate::shade::shade;
 use crate::tokens::WordSpan;
 use crate::vocabulary::{
     self, ADJECTIVES, DETERMINERS, GENERIC_NOUNS, LENGTH_UNITS, NUMERALS, POSSESSIVES, TIME_UNITS,

@@ -1,57 +1,8 @@
-//! Basic colour terms of Berlin and Kay, and shades that are mapped to them.
+//! Shades that are mapped to the basic colour terms.
 
-use ColorTerm::{Black, Blue, Brown, Green, Grey, Orange, Pink, Purple, Red, White, Yellow};
-
-/// Basic colour term of English (Berlin and Kay, 1969).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ColorTerm {
-    /// Black.
-    Black,
-    /// White.
-    White,
-    /// Grey.
-    Grey,
-    /// Red.
-    Red,
-    /// Green.
-    Green,
-    /// Yellow.
-    Yellow,
-    /// Blue.
-    Blue,
-    /// Brown.
-    Brown,
-    /// Orange.
-    Orange,
-    /// Pink.
-    Pink,
-    /// Purple.
-    Purple,
-}
-
-impl ColorTerm {
-    /// All terms, in the order of [`WorldObject::color_shares`](crate::WorldObject::color_shares).
-    pub const ALL: [Self; 11] = [
-        Black, White, Grey, Red, Green, Yellow, Blue, Brown, Orange, Pink, Purple,
-    ];
-
-    /// English word, in lower case and British spelling.
-    pub fn word(self) -> &'static str {
-        match self {
-            Black => "black",
-            White => "white",
-            Grey => "grey",
-            Red => "red",
-            Green => "green",
-            Yellow => "yellow",
-            Blue => "blue",
-            Brown => "brown",
-            Orange => "orange",
-            Pink => "pink",
-            Purple => "purple",
-        }
-    }
-}
+use point_cloud::ColorTerm::{
+    self, Black, Blue, Brown, Green, Grey, Orange, Pink, Purple, Red, White, Yellow,
+};
 
 /// Colour word with the terms that it may stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn color_term_maps_shades_to_basic_terms() {
+    fn shade_maps_words_to_basic_terms() {
         assert_eq!(shade("red").unwrap().terms, [Red]);
         assert!(!shade("red").unwrap().is_mapped);
         assert_eq!(shade("teal").unwrap().terms, [Green, Blue]);

@@ -1,0 +1,275 @@
+//! Queries in words: "the red mug left of the box" over the live objects, the lessons, and the
+//! objects that are gone.
+
+use crate::working_memory::{WorkingMemory, now_ns};
+use geometry::RigidTransform;
+use message::control::{
+    CategoryReport, FindQuery, FindReport, FoundObjectReport, ObjectReport, ObjectsReport, Refusal,
+    RefusalKind, WordUseReport,
+};
+use message::{TrackState, WirePose};
+use nalgebra::{UnitQuaternion, Vector3};
+use parking_lot::Mutex;
+use referring_expression::{
+    Answer, Lesson, Lexicon, Match, QueryWorld, Viewpoint, WordNet, WorldObject, find,
+};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+use working_memory::{EventKind, ObjectRecord, TeachingKind, WorldModel};
+
+/// Folder of the Debian package `wordnet-base`.
+const WORDNET: &str = "/usr/share/wordnet";
+
+/// Greatest number of lessons that a query knows, newest first. Chosen.
+const N_LESSONS_MAX: usize = 2000;
+
+/// State of an object that is not on the table any more.
+const GONE: &str = "gone";
+
+/// WordNet, which is opened at the first query that finds it installed.
+#[derive(Default)]
+pub(crate) struct Synonyms(Mutex<Option<Arc<WordNet>>>);
+
+impl Synonyms {
+    fn get(&self) -> Option<Arc<WordNet>> {
+        let mut opened = self.0.lock();
+        if opened.is_none() && Path::new(WORDNET).is_dir() {
+            match WordNet::open(Path::new(WORDNET)) {
+                Ok(wordnet) => *opened = Some(Arc::new(wordnet)),
+                Err(error) => tracing::warn!("synonyms are off: {error}"),
+            }
+        }
+        opened.clone()
+    }
+}
+
+/// Everything that a query is about.
+pub(crate) struct KnownWorld {
+    scene: ObjectsReport,
+    live: Vec<WorldObject>,
+    gone: Vec<WorldObject>,
+    viewpoint: Option<Viewpoint>,
+    lessons: Vec<Lesson>,
+    taught_names: Vec<String>,
+}
+
+impl KnownWorld {
+    /// World of the newest scene, the categories and the working memory.
+    pub(crate) fn new(
+        scene: ObjectsReport,
+        categories: Vec<CategoryReport>,
+        memory: &WorkingMemory,
+    ) -> Self {
+        let (lessons, gone) = memory.with(|model| (lessons(model), gone(model)));
+        let upright = upright_from_world(&scene);
+        let now_ns = now_ns() as i64;
+        let object = |object: &ObjectReport| live_object(object, &upright, &lessons, now_ns);
+        Self {
+            live: scene.objects.iter().map(object).collect(),
+            viewpoint: viewpoint(&scene, &upright),
+            taught_names: categories.into_iter().map(|one| one.category).collect(),
+            scene,
+            gone,
+            lessons,
+        }
+    }
+
+    /// Answer to a query; objects that are gone are looked at when no live one fits.
+    ///
+    /// # Errors
+    /// A refusal of a query without words, or one that is too long.
+    pub(crate) fn answer(
+        &self,
+        query: &FindQuery,
+        synonyms: &Synonyms,
+    ) -> Result<FindReport, Refusal> {
+        let wordnet = synonyms.get();
+        let lexicon = wordnet.as_deref().map(|wordnet| wordnet as &dyn Lexicon);
+        let find_among = |objects: &[WorldObject]| {
+            let world = QueryWorld {
+                objects,
+                viewpoint: self.viewpoint,
+                lessons: &self.lessons,
+                taught_names: &self.taught_names,
+                now_ns: now_ns() as i64,
+                utc_offset_s: query.utc_offset_s,
+                speaker: query.speaker.as_deref(),
+            };
+            find(&query.words, &world, lexicon)
+                .map_err(|error| Refusal::new(RefusalKind::Invalid, error.to_string()))
+        };
+        let live = find_among(&self.live)?;
+        if live.matches.is_empty() && !self.gone.is_empty() {
+            let gone = find_among(&self.gone)?;
+            if !gone.matches.is_empty() {
+                return Ok(self.report(query, gone));
+            }
+        }
+        Ok(self.report(query, live))
+    }
+
+    fn report(&self, query: &FindQuery, answer: Answer) -> FindReport {
+        let mut remarks = answer.remarks;
+        if self.scene.is_stale {
+            remarks.push(self.scene.note.clone());
+        }
+        let word_use = |used: referring_expression::WordUse| WordUseReport {
+            words: used.words,
+            meaning: used.meaning,
+        };
+        FindReport {
+            query: query.words.clone(),
+            sentence: answer.sentence,
+            matches: answer
+                .matches
+                .into_iter()
+                .map(|found| self.found(found))
+                .collect(),
+            wants_one: answer.wants_one,
+            understood: answer.understood.into_iter().map(word_use).collect(),
+            not_understood: answer.not_understood,
+            remarks,
+            scene_age_s: self.scene.scene_age_s,
+            is_stale: self.scene.is_stale,
+        }
+    }
+
+    fn found(&self, found: Match) -> FoundObjectReport {
+        let track_id = found.track_id;
+        let live = self.scene.objects.iter();
+        let live = live.clone().find(|object| object.track_id == track_id);
+        let gone = self.gone.iter().find(|object| object.track_id == track_id);
+        let gone_label = gone.and_then(WorldObject::best_name).map(str::to_owned);
+        FoundObjectReport {
+            track_id,
+            score: found.score,
+            doubts: found.doubts,
+            label: live.map_or(gone_label, |object| object.label.clone()),
+            state: live.map_or(GONE, |object| &object.state).to_owned(),
+            position_m: match (live, gone) {
+                (Some(object), _) => Some(object.position_m),
+                (None, gone) => gone.map(|object| object.centre_in_world_m),
+            },
+        }
+    }
+}
+
+/// Newest lessons of the working memory.
+fn lessons(model: &WorldModel) -> Vec<Lesson> {
+    let lesson = |event: &working_memory::Event| match &event.happening {
+        EventKind::TeachingEvent(taught) if taught.lesson != TeachingKind::Forgot => Some(Lesson {
+            track_id: taught.track_id,
+            category: taught.category.clone(),
+            author: taught.author.clone(),
+            wall_ns: event.wall_ns as i64,
+        }),
+        _ => None,
+    };
+    let newest_first = model.events_since(0).rev();
+    newest_first
+        .filter_map(lesson)
+        .take(N_LESSONS_MAX)
+        .collect()
+}
+
+/// Objects of the working memory that are gone.
+fn gone(model: &WorldModel) -> Vec<WorldObject> {
+    let object = |record: &ObjectRecord| WorldObject {
+        track_id: record.track_id,
+        names: record
+            .label
+            .iter()
+            .map(|name| (name.clone(), 1.0))
+            .collect(),
+        is_labelled: false,
+        color_shares: [0.0; 11],
+        centre_in_world_m: record.place.position_m,
+        orientation_xyzw: record.place.orientation_xyzw,
+        size_m: record.place.size_m,
+        is_in_view: false,
+        first_seen_ns: record.first_seen_ns as i64,
+        last_seen_ns: record.last_seen_ns as i64,
+    };
+    model.past_objects().map(object).collect()
+}
+
+/// Rotation of the world that points its up direction along z; the identity without one.
+fn upright_from_world(scene: &ObjectsReport) -> UnitQuaternion<f64> {
+    let up = scene.up.map_or_else(Vector3::z, Vector3::from);
+    UnitQuaternion::rotation_between(&up, &Vector3::z()).unwrap_or_else(|| {
+        // Up is straight down: any half turn about a horizontal axis.
+        UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+    })
+}
+
+/// Viewpoint of the camera; `None` without its pose.
+fn viewpoint(scene: &ObjectsReport, upright: &UnitQuaternion<f64>) -> Option<Viewpoint> {
+    let camera = scene.camera.as_ref()?;
+    scene.up?;
+    let world_from_camera = WirePose {
+        position_m: camera.position_m,
+        orientation_xyzw: camera.orientation_xyzw,
+    }
+    .checked()?;
+    let position = upright * world_from_camera.translation.vector;
+    Viewpoint::of_camera(position, &(upright * world_from_camera.rotation))
+}
+
+/// Object of the scene for a query, in a world whose z axis points up.
+fn live_object(
+    object: &ObjectReport,
+    upright: &UnitQuaternion<f64>,
+    lessons: &[Lesson],
+    now_ns: i64,
+) -> WorldObject {
+    let [x, y, z, w] = object.orientation_xyzw;
+    let rotation = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+    let turned = RigidTransform::from_parts(
+        (upright * Vector3::from(object.position_m)).into(),
+        upright * rotation,
+    );
+    let ago = |seconds: f64| now_ns.saturating_sub((seconds * 1e9) as i64);
+    let is_taught = |label: &String| {
+        let of_track = |lesson: &&Lesson| lesson.track_id == Some(object.track_id);
+        let newest = lessons.iter().find(of_track);
+        newest.is_some_and(|lesson| lesson.category == *label)
+    };
+    WorldObject {
+        track_id: object.track_id,
+        names: names(object),
+        is_labelled: object.label.as_ref().is_some_and(is_taught),
+        color_shares: color_shares(object),
+        centre_in_world_m: turned.translation.vector.into(),
+        orientation_xyzw: turned.rotation.coords.into(),
+        size_m: object.size_m,
+        is_in_view: object.state == TrackState::Tracked.word()
+            || object.state == TrackState::Tentative.word(),
+        first_seen_ns: ago(object.age_s),
+        last_seen_ns: ago(object.unseen_s),
+    }
+}
+
+/// Categories with their probabilities, the label first.
+fn names(object: &ObjectReport) -> Vec<(String, f64)> {
+    let probable = object.categories.iter();
+    let probable = probable.map(|near| (near.label.clone(), near.probability));
+    let label = object.label.clone();
+    let label = label.map(|label| (label, object.probability.unwrap_or(1.0)));
+    let mut names: Vec<(String, f64)> = label.into_iter().collect();
+    names.extend(probable.filter(|(name, _)| Some(name) != object.label.as_ref()));
+    names
+}
+
+fn color_shares(object: &ObjectReport) -> [f32; 11] {
+    let shares: BTreeMap<&str, f64> = object
+        .colors
+        .iter()
+        .map(|share| (share.color.as_str(), share.share))
+        .collect();
+    let share = |term: referring_expression::ColorTerm| shares.get(term.word()).copied();
+    referring_expression::ColorTerm::ALL.map(|term| share(term).unwrap_or(0.0) as f32)
+}
+
+#[cfg(test)]
+mod tests;

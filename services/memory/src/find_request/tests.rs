@@ -1,0 +1,144 @@
+use super::*;
+use message::control::{CameraPoseReport, ColorShareReport, NearCategoryReport};
+
+fn object(track_id: u64, label: Option<&str>, position_m: [f64; 3], color: &str) -> ObjectReport {
+    let json = serde_json::json!({
+        "track_id": track_id, "state": "tracked", "label": label, "distance": 0.2,
+        "probability": 0.9, "position_m": position_m, "orientation_xyzw": [0.0, 0.0, 0.0, 1.0],
+        "size_m": [0.1, 0.1, 0.1], "age_s": 5.0, "unseen_s": 0.0, "n_points": 500, "n_views": 3,
+        "mean_rgb": [1, 2, 3], "cut_by_image": false, "memory_sequence": 1,
+    });
+    let object: ObjectReport = serde_json::from_value(json).unwrap();
+    ObjectReport {
+        colors: vec![ColorShareReport {
+            color: color.into(),
+            share: 0.9,
+        }],
+        ..object
+    }
+}
+
+fn known(scene: ObjectsReport) -> KnownWorld {
+    let upright = upright_from_world(&scene);
+    let object = |object: &ObjectReport| live_object(object, &upright, &[], 0);
+    KnownWorld {
+        live: scene.objects.iter().map(object).collect(),
+        viewpoint: viewpoint(&scene, &upright),
+        taught_names: vec!["mug".into(), "box".into()],
+        scene,
+        gone: vec![],
+        lessons: vec![],
+    }
+}
+
+fn found(world: &KnownWorld, words: &str) -> Vec<u64> {
+    let query = FindQuery {
+        words: words.into(),
+        speaker: None,
+        utc_offset_s: 0,
+    };
+    let report = world.answer(&query, &Synonyms::default()).unwrap();
+    report.matches.iter().map(|found| found.track_id).collect()
+}
+
+/// Two mugs and a box in front of a camera without a pose: the world is the camera frame.
+fn scene_of_a_camera() -> ObjectsReport {
+    let up = Vector3::new(0.0, -1.0, -1.0).normalize();
+    ObjectsReport {
+        objects: vec![
+            object(1, Some("mug"), [-0.3, 0.1, 1.0], "red"),
+            object(2, Some("mug"), [0.3, 0.1, 1.0], "blue"),
+            object(3, Some("box"), [0.0, 0.1, 1.0], "brown"),
+        ],
+        has_table: true,
+        up: Some(up.into()),
+        camera: Some(CameraPoseReport {
+            position_m: [0.0; 3],
+            orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+        }),
+        ..ObjectsReport::default()
+    }
+}
+
+#[test]
+fn find_knows_left_and_right_without_a_camera_pose() {
+    let world = known(scene_of_a_camera());
+    assert_eq!(found(&world, "the mug left of the box"), [1]);
+    assert_eq!(found(&world, "the mug to the right of the box"), [2]);
+    assert_eq!(found(&world, "the blue mug"), [2]);
+}
+
+#[test]
+fn find_without_a_table_and_a_pose_has_no_viewpoint() {
+    let scene = ObjectsReport {
+        up: None,
+        ..scene_of_a_camera()
+    };
+    assert_eq!(known(scene).viewpoint, None);
+}
+
+#[test]
+fn find_uses_the_image_when_the_camera_looks_straight_down() {
+    let scene = ObjectsReport {
+        up: Some([0.0, 0.0, -1.0]),
+        ..scene_of_a_camera()
+    };
+    let viewpoint = known(scene).viewpoint.unwrap();
+    let right = Vector3::from(viewpoint.right_in_world);
+    let of_camera = upright_from_world(&ObjectsReport {
+        up: Some([0.0, 0.0, -1.0]),
+        ..scene_of_a_camera()
+    }) * Vector3::x();
+    assert!((right - of_camera).norm() < 1e-6, "{right} {of_camera}");
+}
+
+#[test]
+fn find_answers_from_gone_objects_when_no_live_one_fits() {
+    let mut world = known(scene_of_a_camera());
+    world.gone.push(WorldObject {
+        track_id: 9,
+        names: vec![("teapot".into(), 1.0)],
+        is_in_view: false,
+        ..world.live[0].clone()
+    });
+    world.taught_names.push("teapot".into());
+    let query = FindQuery {
+        words: "the teapot".into(),
+        speaker: None,
+        utc_offset_s: 0,
+    };
+    let report = world.answer(&query, &Synonyms::default()).unwrap();
+    assert_eq!(report.matches[0].track_id, 9);
+    assert_eq!(report.matches[0].state, GONE);
+    assert!(!report.matches[0].doubts.is_empty());
+}
+
+#[test]
+fn find_refuses_a_query_without_words() {
+    let query = FindQuery {
+        words: " ?! ".into(),
+        speaker: None,
+        utc_offset_s: 0,
+    };
+    let refusal = known(scene_of_a_camera())
+        .answer(&query, &Synonyms::default())
+        .unwrap_err();
+    assert_eq!(refusal.kind, RefusalKind::Invalid);
+}
+
+#[test]
+fn find_takes_the_label_before_the_probable_categories() {
+    let mut unknown = object(4, None, [0.0; 3], "red");
+    unknown.categories = vec![NearCategoryReport {
+        label: "mug".into(),
+        distance: 0.5,
+        probability: 0.3,
+    }];
+    assert_eq!(names(&unknown), [("mug".to_owned(), 0.3)]);
+    let labelled = ObjectReport {
+        label: Some("box".into()),
+        ..unknown
+    };
+    let expected = [("box".to_owned(), 0.9), ("mug".to_owned(), 0.3)];
+    assert_eq!(names(&labelled), expected);
+}
