@@ -1,4 +1,4 @@
-//! File formats: point clouds (PCD), meshes (PLY, OBJ), RGB-D sequences,
+//! File formats: point clouds (PCD), meshes (PLY, OBJ, STL), RGB-D sequences,
 //! registered RGB-D images, fakenect recordings and datasets of object views.
 //!
 //! Each format is a pure function over the bytes of a file, with a thin
@@ -37,6 +37,7 @@ mod atomic_file;
 mod bounded_file;
 mod image_error;
 mod lzf;
+mod model;
 mod natural_order;
 mod number_type;
 mod png_image;
@@ -52,11 +53,13 @@ pub mod recording_kind;
 pub mod registered_images;
 pub mod rgbd_sequence;
 pub mod scene_folder;
+pub mod stl;
 pub mod washington;
 
 pub use atomic_file::{create_folder, write_atomic};
 pub use bounded_file::FileError;
 pub use image_error::ImageError;
+pub use model::{Model, UpAxis};
 pub use natural_order::natural_order;
 pub use recording_kind::{RecordingKind, detect_recording_kind};
 

@@ -1,8 +1,7 @@
-//! Folders of PLY or OBJ models, such as a set of scanned objects.
+//! Folders of models in several formats, such as a set of scanned objects.
 
 use crate::bounded_file::{FileError, file_names};
-use crate::mesh::Mesh;
-use crate::{obj, ply};
+use crate::{Model, obj, ply, stl};
 use std::path::{Path, PathBuf};
 
 /// Model file found in a folder.
@@ -25,11 +24,11 @@ pub enum Error {
     #[error("{0}")]
     File(#[from] FileError),
     /// Folder without models.
-    #[error("the folder {} holds no models; their names end in .ply or .obj", .0.display())]
+    #[error("the folder {} holds no models; their names end in .ply, .obj or .stl", .0.display())]
     NoModels(PathBuf),
-    /// File whose extension is neither `.ply` nor `.obj`.
+    /// File whose extension is that of no known format.
     #[error(
-        "the model {} is neither PLY nor OBJ by its name; it must end in .ply or .obj",
+        "the model {} is neither PLY, OBJ nor STL by its name; it must end in .ply, .obj or .stl",
         .0.display()
     )]
     UnknownFormat(PathBuf),
@@ -48,6 +47,14 @@ pub enum Error {
         path: PathBuf,
         /// Error in the content of the OBJ file.
         source: obj::Error,
+    },
+    /// Invalid STL file.
+    #[error("the model {} cannot be used: {source}", .path.display())]
+    Stl {
+        /// Path of the STL file.
+        path: PathBuf,
+        /// Error in the content of the STL file.
+        source: stl::Error,
     },
 }
 
@@ -75,9 +82,8 @@ pub fn list(folder: &Path) -> Result<Vec<ModelFile>, Error> {
 }
 
 /// Extensions of formats of models that are not read.
-const UNREAD_EXTENSIONS: [&str; 14] = [
-    "stl", "dae", "glb", "gltf", "fbx", "off", "3ds", "x3d", "wrl", "step", "stp", "usd", "usdz",
-    "blend",
+const UNREAD_EXTENSIONS: [&str; 13] = [
+    "dae", "glb", "gltf", "fbx", "off", "3ds", "x3d", "wrl", "step", "stp", "usd", "usdz", "blend",
 ];
 
 /// Names of the models of a folder that are in a format that is not read, in natural order.
@@ -95,22 +101,27 @@ pub fn unread(folder: &Path) -> Result<Vec<String>, Error> {
     Ok(file_names(folder, is_unread)?)
 }
 
-/// Reads a model, PLY or OBJ by its extension.
+/// Reads a model; its extension tells the format.
 ///
 /// # Errors
 /// When the file has another extension, cannot be read, or is wrong; each
 /// error names it.
-pub fn open(path: &Path) -> Result<Mesh, Error> {
+pub fn open(path: &Path) -> Result<Model, Error> {
+    let to_owned = || path.to_owned();
     match Format::of(path) {
-        Some(Format::Ply) => ply::open(path).map_err(|source| Error::Ply {
-            path: path.to_owned(),
-            source,
+        Some(Format::Ply) => ply::open(path).map(Model::from).map_err(|source| {
+            let path = to_owned();
+            Error::Ply { path, source }
         }),
-        Some(Format::Obj) => obj::open(path).map_err(|source| Error::Obj {
-            path: path.to_owned(),
-            source,
+        Some(Format::Obj) => obj::open(path).map(Model::from).map_err(|source| {
+            let path = to_owned();
+            Error::Obj { path, source }
         }),
-        None => Err(Error::UnknownFormat(path.to_owned())),
+        Some(Format::Stl) => stl::open(path).map(Model::from).map_err(|source| {
+            let path = to_owned();
+            Error::Stl { path, source }
+        }),
+        None => Err(Error::UnknownFormat(to_owned())),
     }
 }
 
@@ -118,13 +129,14 @@ pub fn open(path: &Path) -> Result<Mesh, Error> {
 enum Format {
     Ply,
     Obj,
+    Stl,
 }
 
 impl Format {
     /// Format by the file extension, in upper or lower case.
     fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?;
-        [("ply", Self::Ply), ("obj", Self::Obj)]
+        [("ply", Self::Ply), ("obj", Self::Obj), ("stl", Self::Stl)]
             .into_iter()
             .find_map(|(known, format)| extension.eq_ignore_ascii_case(known).then_some(format))
     }
@@ -158,6 +170,9 @@ mod tests {
     const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n\
         property float y\nproperty float z\nend_header\n1 2 3\n";
+
+    const STL: &str = "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+        endloop\nendfacet\nendsolid\n";
 
     #[test]
     fn models_come_in_natural_order_with_number_and_name() {
@@ -206,10 +221,16 @@ mod tests {
     #[test]
     fn the_extension_chooses_the_format() {
         let folder = tempfile::tempdir().unwrap();
-        for (name, content, n_triangles) in [("a.obj", OBJ, 1), ("b.PLY", PLY, 0)] {
+        for (name, content, n_triangles) in
+            [("a.obj", OBJ, 1), ("b.PLY", PLY, 0), ("c.Stl", STL, 1)]
+        {
             let path = folder.path().join(name);
             std::fs::write(&path, content).unwrap();
-            assert_eq!(open(&path).unwrap().triangles.len(), n_triangles, "{name}");
+            assert_eq!(
+                open(&path).unwrap().mesh.triangles.len(),
+                n_triangles,
+                "{name}"
+            );
         }
     }
 
@@ -217,7 +238,12 @@ mod tests {
     fn an_unreadable_model_is_named_with_the_reason() {
         let folder = tempfile::tempdir().unwrap();
         let none = list(folder.path()).unwrap_err();
-        for (name, content) in [("a.obj", PLY), ("b.ply", OBJ), ("c.stl", OBJ)] {
+        for (name, content) in [
+            ("a.obj", PLY),
+            ("b.ply", OBJ),
+            ("c.stl", OBJ),
+            ("d.glb", OBJ),
+        ] {
             let path = folder.path().join(name);
             std::fs::write(&path, content).unwrap();
             let error = open(&path).unwrap_err();

@@ -271,7 +271,7 @@ fn household_models_are_listed_with_number_and_name() {
     let mug = mug.unwrap();
     assert_eq!(mug.name, "mug");
     assert_eq!(
-        model_folder::open(&mug.path).unwrap(),
+        model_folder::open(&mug.path).unwrap().mesh,
         ply::open(&mug.path).unwrap()
     );
 }

@@ -1,4 +1,4 @@
-//! Import of PLY and OBJ models: validation, scaling and convex decomposition.
+//! Import of model files: validation, scaling and convex decomposition.
 
 use crate::error::Error;
 use crate::glam_conversion::point_to_glam;
@@ -54,7 +54,7 @@ pub(crate) fn unread_note(folder: &Path) -> Result<Option<String>, Error> {
         n => format!("and {} others are", n - 1),
     };
     Ok(Some(format!(
-        "the model {first} {and_others} left out: only PLY and OBJ are read; convert the others"
+        "the model {first} {and_others} left out: only PLY, OBJ and STL are read; convert the others"
     )))
 }
 
@@ -68,10 +68,11 @@ pub(crate) fn open(
     import: ModelImport,
     notes: &mut Vec<String>,
 ) -> Result<ObjectModel, Error> {
-    let read = dataset::model_folder::open(path).map_err(|error| Error::Unreadable {
+    let model = dataset::model_folder::open(path).map_err(|error| Error::Unreadable {
         path: path.to_owned(),
         cause: error.to_string(),
     })?;
+    let read = model.mesh;
     let (category, name) = category_and_name(path);
     let wrong = |cause: String| Error::Model {
         name: path.display().to_string(),

@@ -17,6 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "pcd",
         "ply",
         "obj",
+        "stl",
         "rgbd_sequence",
         "fakenect_index",
         "washington",
@@ -38,6 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let model = "mtllib a.mtl\nv 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1\nvt 0 0\nusemtl a\n\
         f 1/1 2//1 -1\nusemtl b\nf 1 2 \\\n3 2\n\0newmtl a\nKd 1 0 0\nnewmtl b\nKd 0.5\n";
     std::fs::write(corpus.join("obj/triangles"), model)?;
+    write_triangles(&corpus.join("stl"))?;
     write_matrices(&corpus.join("rgbd_sequence"))?;
     write_images(&corpus.join("rgbd_sequence"))?;
     write_views(&corpus.join("washington"), &points)
@@ -81,6 +83,17 @@ fn write_meshes(folder: &Path, vertices: &[Point]) -> Result<(), Box<dyn Error>>
         std::fs::write(folder.join(name), ply::write(view, encoding)?)?;
     }
     Ok(())
+}
+
+/// Writes one triangle as binary and as text STL.
+fn write_triangles(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let mut binary = vec![0; 134];
+    binary[80] = 1;
+    binary[100..104].copy_from_slice(&1.5_f32.to_le_bytes());
+    std::fs::write(folder.join("binary"), binary)?;
+    let text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
+        vertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+    Ok(std::fs::write(folder.join("text"), text)?)
 }
 
 /// Writes poses, intrinsics and gravity as text; the first byte selects the parser.
