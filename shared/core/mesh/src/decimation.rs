@@ -104,7 +104,7 @@ impl TriangleMesh {
 }
 
 /// Rotation of a face's corners to a canonical start, orientation kept.
-fn canonical_order([a, b, c]: [u32; 3]) -> [u32; 3] {
+pub(crate) fn canonical_order([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a < b && a < c {
         [a, b, c]
     } else if b < c {

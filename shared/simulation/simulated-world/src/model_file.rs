@@ -79,17 +79,18 @@ pub(crate) fn open(
         cause,
     };
     let note = |text: String| format!("the model {name}: {text}");
-    let mesh = valid_faces(&read);
+    let mut mesh = valid_faces(&read);
     if mesh.triangles.is_empty() {
         return Err(wrong(
             "it has no faces; export it as a triangle mesh".into(),
         ));
     }
+    notes.extend(clean(&mut mesh).into_iter().map(note));
+    let n_whole = mesh.triangles.len();
     let mut mesh = mesh.decimate(TRIANGLES_MAX);
-    if read.triangles.len() > TRIANGLES_MAX {
+    if n_whole > TRIANGLES_MAX {
         notes.push(note(format!(
-            "its {} triangles were reduced to {}",
-            read.triangles.len(),
+            "its {n_whole} triangles were reduced to {}",
             mesh.triangles.len()
         )));
     }
@@ -119,6 +120,26 @@ pub(crate) fn open(
         mesh,
         shape,
     })
+}
+
+/// Welds the vertices and drops doubled faces; one sentence for each kind that was found.
+fn clean(mesh: &mut TriangleMesh) -> Vec<String> {
+    mesh.weld();
+    let found = mesh.drop_doubled_faces();
+    let mut sentences = Vec::new();
+    if found.n_dropped > 0 {
+        sentences.push(format!(
+            "its {} doubled faces were dropped",
+            found.n_dropped
+        ));
+    }
+    if found.n_two_sided > 0 {
+        sentences.push(format!(
+            "its surface is open where {} faces are doubled; they keep both sides, which have no              thickness",
+            found.n_two_sided
+        ));
+    }
+    sentences
 }
 
 /// Surface defects: open and non-manifold edges, one sentence each.

@@ -175,6 +175,72 @@ fn model_from_an_obj_file_is_read() {
     assert!((model.half_sides_m.z - 0.05).abs() < 1e-6);
 }
 
+/// Binary STL of these triangles.
+fn stl_bytes((vertices, triangles): &(Vec<Point>, Vec<[u32; 3]>)) -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    bytes.extend((triangles.len() as u32).to_le_bytes());
+    for corners in triangles {
+        bytes.extend([0; 12]);
+        let corners = corners.map(|i| vertices[i as usize]);
+        let numbers = corners.iter().flat_map(|v| [v.x, v.y, v.z]);
+        bytes.extend(numbers.flat_map(f32::to_le_bytes));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn model_from_an_stl_file_is_closed_and_grey() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(
+        &folder,
+        "brick.stl",
+        stl_bytes(&cuboid([50.0, 70.0, 100.0])),
+    );
+    let (model, notes) = load(&path).unwrap();
+    assert!(
+        notes.contains("millimetres") && notes.lines().count() == 1,
+        "{notes}"
+    );
+    assert!(model.mesh.diagnostics().is_sound());
+    assert!(model.mesh.vertices.iter().all(|v| v.color == [128; 3]));
+}
+
+#[test]
+fn model_of_doubled_faces_is_reduced_with_a_note() {
+    let folder = tempfile::tempdir().unwrap();
+    let (vertices, triangles) = ball(0.05, 160, 128);
+    let n = triangles.len();
+    assert!(n > 40_000);
+    let both_sides = triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [[c, b, a], [a, b, c]]);
+    let soup = (vertices.clone(), both_sides.collect());
+    let (model, notes) = load(&file(&folder, "both.stl", stl_bytes(&soup))).unwrap();
+    assert!(
+        notes.contains(&format!("its {n} doubled faces were dropped")),
+        "{notes}"
+    );
+    let (single, expected) = load(&file(
+        &folder,
+        "once.stl",
+        stl_bytes(&(vertices, triangles)),
+    ))
+    .unwrap();
+    // Apart from the doubled faces there is nothing to tell but what there is of the single ones.
+    let rest = notes
+        .lines()
+        .skip(1)
+        .map(|line| line.replace("both", "once"));
+    assert_eq!(rest.collect::<Vec<_>>().join("\n"), expected);
+    assert_eq!(model.mesh.triangles.len(), single.mesh.triangles.len());
+    let [volume, expected] = [&model, &single].map(|model| model.mesh.signed_volume());
+    assert!(
+        (volume / expected - 1.0).abs() < 1e-3,
+        "{volume} {expected}"
+    );
+}
+
 #[test]
 fn model_with_a_million_triangles_is_decimated_with_a_note() {
     let folder = tempfile::tempdir().unwrap();
