@@ -35,12 +35,17 @@
 
 mod atomic_file;
 mod bounded_file;
+mod folder_path;
 mod image_error;
+mod jpeg_image;
 mod lzf;
 mod model;
 mod natural_order;
 mod number_type;
 mod png_image;
+mod texture;
+mod texture_folder;
+mod textured_mesh;
 
 pub mod fakenect_folder;
 pub mod mesh;

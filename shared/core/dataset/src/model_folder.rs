@@ -113,7 +113,7 @@ pub fn open(path: &Path) -> Result<Model, Error> {
             let path = to_owned();
             Error::Ply { path, source }
         }),
-        Some(Format::Obj) => obj::open(path).map(Model::from).map_err(|source| {
+        Some(Format::Obj) => obj::open(path).map_err(|source| {
             let path = to_owned();
             Error::Obj { path, source }
         }),

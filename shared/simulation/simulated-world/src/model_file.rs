@@ -85,6 +85,7 @@ pub(crate) fn open(
             "it has no faces; export it as a triangle mesh".into(),
         ));
     }
+    notes.extend(model.notes.into_iter().map(note));
     notes.extend(clean(&mut mesh).into_iter().map(note));
     let n_whole = mesh.triangles.len();
     let mut mesh = mesh.decimate(TRIANGLES_MAX);

@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let index = "a-1290000000.000000-7.dump\nd-1290000000.033000-9.pgm\nr-1290000000.05-9.ppm\n";
     std::fs::write(corpus.join("fakenect_index/recorded"), index)?;
     let model = "mtllib a.mtl\nv 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1\nvt 0 0\nusemtl a\n\
-        f 1/1 2//1 -1\nusemtl b\nf 1 2 \\\n3 2\n\0newmtl a\nKd 1 0 0\nnewmtl b\nKd 0.5\n";
+        f 1/1 2//1 -1\nusemtl b\nf 1 2 \\\n3 2\n\0newmtl a\nKd 1 0 0\nmap_Kd -s 1 1 a.png\nnewmtl b\nKd 0.5\n";
     std::fs::write(corpus.join("obj/triangles"), model)?;
     write_triangles(&corpus.join("stl"))?;
     write_matrices(&corpus.join("rgbd_sequence"))?;

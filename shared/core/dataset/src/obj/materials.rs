@@ -1,7 +1,8 @@
-//! Material libraries: diffuse colours by name.
+//! Material libraries: diffuse colours and textures by name.
 
 use super::Error;
 use super::lines::{Line, lines};
+use crate::texture_folder::{MAX_TEXTURES, TextureName};
 use point_cloud::Rgba;
 use std::collections::HashMap;
 
@@ -11,39 +12,81 @@ const MAX_MATERIALS: usize = 1 << 16;
 /// Maximum number of libraries of one model.
 const MAX_LIBRARIES: usize = 64;
 
-/// Diffuse colours of materials by name.
+/// Diffuse colours and textures of materials by name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Materials {
     colors: HashMap<String, Rgba>,
+    /// Number of the texture of each material.
+    textures: HashMap<String, u32>,
+    texture_names: Vec<TextureName>,
 }
 
 impl Materials {
-    /// Adds the materials of a library from its bytes: the lines `newmtl` and `Kd r g b`. The
-    /// numbers are taken as display colours and clamped to 0 to 1. Other lines are skipped.
+    /// Adds the materials of a library from its bytes: the lines `newmtl`, `Kd r g b` and
+    /// `map_Kd FILE`. The numbers are taken as display colours and clamped to 0 to 1. Other lines
+    /// are skipped.
     ///
     /// # Errors
     /// When such a line is wrong, or there are more than 65536 materials.
     pub fn read(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.read_in("", bytes)
+    }
+
+    /// Adds the materials of a library in this subfolder of the model's folder, as
+    /// [`read`](Self::read).
+    pub(super) fn read_in(&mut self, base: &str, bytes: &[u8]) -> Result<(), Error> {
         let mut name = None;
         for line in lines(bytes) {
+            let too_early =
+                || line.error("a colour or texture comes before the first material".to_owned());
             match line.keyword {
                 b"newmtl" => name = Some(line.text()?),
                 b"Kd" => {
                     let color = diffuse_color(&line)?;
-                    let name = name.ok_or_else(|| {
-                        line.error("a colour comes before the first material".to_owned())
-                    })?;
+                    let name = name.ok_or_else(too_early)?;
                     if let Some(color) = color {
                         self.colors.insert(name.to_owned(), color);
                     }
                 }
+                b"map_Kd" => {
+                    let texture = texture_file(line.text()?);
+                    let name = name.ok_or_else(too_early)?;
+                    self.insert_texture(name, base, texture);
+                }
                 _ => {}
             }
-            if self.colors.len() > MAX_MATERIALS {
+            if self.colors.len().max(self.textures.len()) > MAX_MATERIALS {
                 return Err(Error::TooManyMaterials);
             }
         }
         Ok(())
+    }
+
+    fn insert_texture(&mut self, material: &str, base: &str, file: &str) {
+        let texture = TextureName {
+            base: base.to_owned(),
+            name: file.to_owned(),
+        };
+        let mut known = self.texture_names.iter();
+        let number = known.position(|known| *known == texture);
+        let number = number.unwrap_or_else(|| {
+            // One more than are loaded tells that there are too many.
+            if self.texture_names.len() <= MAX_TEXTURES {
+                self.texture_names.push(texture);
+            }
+            self.texture_names.len() - 1
+        });
+        self.textures.insert(material.to_owned(), number as u32);
+    }
+
+    /// Number of a material's texture, if it has one.
+    pub(super) fn texture(&self, name: &str) -> Option<u32> {
+        self.textures.get(name).copied()
+    }
+
+    /// Names of the textures by their numbers.
+    pub(super) fn texture_names(&self) -> &[TextureName] {
+        &self.texture_names
     }
 
     /// Colour of a material, if known.
@@ -68,13 +111,49 @@ fn diffuse_color(line: &Line<'_>) -> Result<Option<Rgba>, Error> {
     Ok(Some(Rgba::opaque(red, green, blue)))
 }
 
+/// File name of a texture, behind its options. Names may contain spaces.
+fn texture_file(text: &str) -> &str {
+    let mut rest = text;
+    while rest.starts_with('-') {
+        let (option, behind) = split_word(rest);
+        // Numbers at most, or words, that follow the option.
+        let (n_numbers, n_words) = match option {
+            "-o" | "-s" | "-t" => (3, 0),
+            "-mm" => (2, 0),
+            "-bm" | "-boost" | "-texres" => (1, 0),
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-type" => (0, 1),
+            _ => break,
+        };
+        rest = behind;
+        for _ in 0..n_words {
+            rest = split_word(rest).1;
+        }
+        for _ in 0..n_numbers {
+            let (word, behind) = split_word(rest);
+            if word.parse::<f32>().is_err() || behind.is_empty() {
+                break;
+            }
+            rest = behind;
+        }
+    }
+    rest
+}
+
+/// Splits off the first word.
+fn split_word(text: &str) -> (&str, &str) {
+    let (word, rest) = text
+        .split_once(|character: char| character.is_ascii_whitespace())
+        .unwrap_or((text, ""));
+    (word, rest.trim_ascii_start())
+}
+
 /// Converts a number from 0 to 1 to a byte, clamped.
 pub(super) fn byte(value: f32) -> u8 {
     (value * 255.0).round() as u8
 }
 
-/// Names of the material libraries of an OBJ file, without duplicates and without those in
-/// other folders.
+/// Names of the material libraries of an OBJ file, without duplicates. They may lead out of its
+/// folder.
 ///
 /// # Errors
 /// When a line `mtllib` is not UTF-8 text, or there are more than 64 libraries.
@@ -90,8 +169,7 @@ pub fn material_libraries(bytes: &[u8]) -> Result<Vec<&str>, Error> {
             line.words()?.take(MAX_LIBRARIES + 1).collect()
         };
         for name in found {
-            let name = name.strip_prefix("./").unwrap_or(name);
-            if is_plain_name(name) && !names.contains(&name) {
+            if !name.is_empty() && !names.contains(&name) {
                 names.push(name);
             }
         }
@@ -100,9 +178,4 @@ pub fn material_libraries(bytes: &[u8]) -> Result<Vec<&str>, Error> {
         }
     }
     Ok(names)
-}
-
-/// True if a name can only refer to a file in the same folder.
-fn is_plain_name(name: &str) -> bool {
-    !matches!(name, "" | "." | "..") && !name.contains(['/', '\\', ':', '\0'])
 }

@@ -6,9 +6,13 @@ use super::vertex_colors::{MaterialRun, assign_vertex_colors};
 use super::{Error, MAX_TRIANGLES, MAX_VERTICES, Mesh};
 use crate::NEUTRAL_GREY;
 use crate::number_type::excerpt;
+use crate::textured_mesh::{FaceTexture, TexturedMesh};
 use point_cloud::{Point, Rgba};
 
-/// Decodes an OBJ file from its bytes, with the colours of the given materials.
+/// Number of the texture coordinates of a corner that has none.
+const NO_COORDINATES: u32 = u32::MAX;
+
+/// Decodes an OBJ file from its bytes, with the colours of the given materials, without textures.
 ///
 /// *Allocation*: the vertices and triangles; less than 64 bytes for each byte
 /// of the file.
@@ -16,23 +20,41 @@ use point_cloud::{Point, Rgba};
 /// # Errors
 /// When there is no vertex, or a line is wrong; says which and why.
 pub fn read(bytes: &[u8], materials: &Materials) -> Result<Mesh, Error> {
+    Ok(read_textured(bytes, materials)?.mesh)
+}
+
+/// Decodes an OBJ file as [`read`], with the places of its faces in the textures.
+pub(super) fn read_textured(bytes: &[u8], materials: &Materials) -> Result<TexturedMesh, Error> {
     let mut reader = Reader::default();
     reader.runs.push(MaterialRun {
         first_triangle: 0,
         color: NEUTRAL_GREY,
+        texture: None,
     });
     for line in lines(bytes) {
         match line.keyword {
             b"v" => reader.push_vertex(&line)?,
+            b"vt" => reader.push_coordinates(&line)?,
             b"f" => reader.push_face(&line)?,
-            b"usemtl" => reader.runs.push(MaterialRun {
-                first_triangle: reader.mesh.triangles.len(),
-                color: materials.color(line.text()?).unwrap_or(NEUTRAL_GREY),
-            }),
+            b"usemtl" => {
+                let material = line.text()?;
+                reader.runs.push(MaterialRun {
+                    first_triangle: reader.mesh.triangles.len(),
+                    color: materials.color(material).unwrap_or(NEUTRAL_GREY),
+                    texture: materials.texture(material),
+                });
+            }
             _ => {}
         }
     }
     reader.finish()
+}
+
+/// Corner of a face: numbers of its vertex and of its texture coordinates.
+#[derive(Clone, Copy)]
+struct Corner {
+    vertex: u32,
+    coordinates: u32,
 }
 
 #[derive(Default)]
@@ -40,6 +62,10 @@ struct Reader {
     mesh: Mesh,
     has_own_color: Vec<bool>,
     runs: Vec<MaterialRun>,
+    /// Texture coordinates; NaN for those of a line that is wrong.
+    coordinates: Vec<[f32; 2]>,
+    /// Numbers of the texture coordinates of each triangle's corners.
+    corner_coordinates: Vec<[u32; 3]>,
     /// Highest vertex index of a face, and its line.
     highest: Option<(u32, usize)>,
 }
@@ -68,6 +94,21 @@ impl Reader {
         Ok(())
     }
 
+    /// Reads texture coordinates. Some programs write "nan" where a face has no texture, and only
+    /// the texture needs them.
+    fn push_coordinates(&mut self, line: &Line<'_>) -> Result<(), Error> {
+        if self.coordinates.len() == MAX_VERTICES {
+            return Err(Error::TooLarge);
+        }
+        let mut numbers = [0.0; 3];
+        let coordinates = match line.numbers(&mut numbers) {
+            Ok(1..) => [numbers[0], numbers[1]],
+            _ => [f32::NAN; 2],
+        };
+        self.coordinates.push(coordinates);
+        Ok(())
+    }
+
     /// Splits a polygon into a triangle fan around its first vertex.
     fn push_face(&mut self, line: &Line<'_>) -> Result<(), Error> {
         let mut words = line.words()?;
@@ -85,12 +126,15 @@ impl Reader {
             if self.mesh.triangles.len() == MAX_TRIANGLES {
                 return Err(Error::TooLarge);
             }
-            let triangle = [first, previous, current];
+            let corners: [Corner; 3] = [first, previous, current];
+            let triangle = corners.map(|corner| corner.vertex);
             let highest = triangle.into_iter().max().unwrap_or_default();
             if self.highest.is_none_or(|(index, _)| index < highest) {
                 self.highest = Some((highest, line.number));
             }
             self.mesh.triangles.push(triangle);
+            let coordinates = corners.map(|corner| corner.coordinates);
+            self.corner_coordinates.push(coordinates);
             previous = current;
             let Some(word) = words.next() else {
                 return Ok(());
@@ -99,10 +143,11 @@ impl Reader {
         }
     }
 
-    /// Vertex index of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. It may refer to a later vertex.
-    fn corner(&self, word: &str, line: &Line<'_>) -> Result<u32, Error> {
+    /// Corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. It may refer to a later vertex.
+    fn corner(&self, word: &str, line: &Line<'_>) -> Result<Corner, Error> {
         let n_vertices = self.mesh.vertices.len() as i64;
-        let number = word.split_once('/').map_or(word, |(number, _)| number);
+        let mut numbers = word.split('/');
+        let number = numbers.next().unwrap_or_default();
         let index = match number.parse::<i64>() {
             Ok(number @ 1..) => number - 1,
             Ok(number) if number < 0 => n_vertices.saturating_add(number),
@@ -112,12 +157,46 @@ impl Reader {
             }
         };
         let known = u32::try_from(index).ok();
-        known
+        let vertex = known
             .filter(|&index| (index as usize) < MAX_VERTICES)
-            .ok_or_else(|| line.error(format!("there is no vertex {number}")))
+            .ok_or_else(|| line.error(format!("there is no vertex {number}")))?;
+        let n_coordinates = self.coordinates.len() as i64;
+        let coordinates = match numbers.next().unwrap_or_default().parse::<i64>() {
+            Ok(number @ 1..) => Some(number - 1),
+            Ok(number) if number < 0 => Some(n_coordinates.saturating_add(number)),
+            _ => None,
+        };
+        let coordinates = coordinates.and_then(|index| u32::try_from(index).ok());
+        Ok(Corner {
+            vertex,
+            coordinates: coordinates.unwrap_or(NO_COORDINATES),
+        })
     }
 
-    fn finish(mut self) -> Result<Mesh, Error> {
+    /// Place of each triangle in the texture of its material.
+    fn face_textures(&self) -> Vec<Option<FaceTexture>> {
+        if self.runs.iter().all(|run| run.texture.is_none()) {
+            return Vec::new();
+        }
+        let mut faces = Vec::with_capacity(self.corner_coordinates.len());
+        let ends = self.runs.iter().skip(1).map(|run| run.first_triangle);
+        let at = |number: u32| {
+            let uv = self.coordinates.get(number as usize).copied()?;
+            uv.iter().all(|x| x.is_finite()).then_some(uv)
+        };
+        for (run, end) in self.runs.iter().zip(ends.chain([usize::MAX])) {
+            let end = end.min(self.corner_coordinates.len());
+            let corners = self.corner_coordinates[run.first_triangle..end].iter();
+            faces.extend(corners.map(|&[a, b, c]| {
+                let texture = run.texture?;
+                let uv = [at(a)?, at(b)?, at(c)?];
+                Some(FaceTexture { texture, uv })
+            }));
+        }
+        faces
+    }
+
+    fn finish(mut self) -> Result<TexturedMesh, Error> {
         let n_vertices = self.mesh.vertices.len();
         if n_vertices == 0 {
             return Err(Error::NoVertices);
@@ -129,6 +208,9 @@ impl Reader {
             return Err(Error::Line { line, problem });
         }
         assign_vertex_colors(&mut self.mesh, &self.has_own_color, &self.runs)?;
-        Ok(self.mesh)
+        Ok(TexturedMesh {
+            faces: self.face_textures(),
+            mesh: self.mesh,
+        })
     }
 }

@@ -239,12 +239,9 @@ fn a_wrong_library_is_refused_with_its_reason() {
 
 #[test]
 fn libraries_are_sought_in_the_same_folder_only() {
-    let text = b"mtllib ./a b.mtl\nmtllib ../c.mtl\nmtllib /etc/passwd\nmtllib d.mtl e.mtl\n\
-        mtllib a b.mtl\nmtllib ..\nmtllib f\\g.mtl\nmtllib\n";
-    assert_eq!(
-        material_libraries(text).unwrap(),
-        ["a b.mtl", "d.mtl", "e.mtl"]
-    );
+    let text = b"mtllib a b.mtl\nmtllib d.mtl e.mtl\nmtllib a b.mtl\nmtllib ..\nmtllib\n";
+    let names = material_libraries(text).unwrap();
+    assert_eq!(names, ["a b.mtl", "d.mtl", "e.mtl", ".."]);
     let many = (0..65).fold(String::new(), |many, idx| {
         many + &format!("mtllib {idx}.mtl\n")
     });
@@ -252,12 +249,125 @@ fn libraries_are_sought_in_the_same_folder_only() {
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.obj");
-    std::fs::write(&path, "mtllib a b.mtl\nv 0 0 0\nusemtl m\nf 1 1 1\n").unwrap();
-    assert_eq!(open(&path).unwrap().vertices[0].color, NEUTRAL_GREY);
-    std::fs::write(folder.path().join("a b.mtl"), "newmtl m\nKd 0 0 1\n").unwrap();
-    assert_eq!(open(&path).unwrap().vertices[0].color, BLUE);
-    std::fs::write(folder.path().join("a b.mtl"), "newmtl m\nKd blue\n").unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("a.obj", "mtllib ./a b.mtl\nv 0 0 0\nusemtl m\nf 1 1 1\n");
+    let model = open(&path).unwrap();
+    assert_eq!(model.mesh.vertices[0].color, NEUTRAL_GREY);
+    assert!(model.notes[0].contains("a b.mtl") && model.notes[0].contains("missing"));
+    write("a b.mtl", "newmtl m\nKd 0 0 1\n");
+    let model = open(&path).unwrap();
+    assert_eq!(model.mesh.vertices[0].color, BLUE);
+    assert!(model.notes.is_empty());
+    write("a b.mtl", "newmtl m\nKd blue\n");
     let error = open(&path).unwrap_err();
     assert_sentence(&error);
     assert!(error.to_string().contains("a b.mtl"), "{error}");
+    for outside in ["../c.mtl", "/etc/passwd", "C:\\a.mtl", "a/../../b.mtl"] {
+        write(
+            "a.obj",
+            &format!("mtllib {outside}\nv 0 0 0\nusemtl m\nf 1 1 1\n"),
+        );
+        let notes = open(&path).unwrap().notes;
+        assert!(notes[0].contains("leads out of"), "{notes:?}");
+    }
+}
+
+/// Square with one triangle pair and the whole texture, in the xy plane, 2 x 2.
+const SQUARE: &str = "mtllib maps/a.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\n\
+    vt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n";
+
+/// Opens a square whose material has this line, beside a texture of four quarters.
+fn textured_square(line: &str) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    std::fs::create_dir(folder.path().join("maps")).unwrap();
+    let side = 64;
+    let quarters = (0..side * side).map(|i| match (i % side < side / 2, i / side < side / 2) {
+        (true, true) => [255, 0, 0],
+        (false, true) => [0, 255, 0],
+        (true, false) => [0, 0, 255],
+        (false, false) => [255; 3],
+    });
+    let samples: Vec<u8> = quarters.flatten().collect();
+    let png = crate::texture::test_png(64, png::ColorType::Rgb, &samples);
+    write("maps/four quarters.png", &png);
+    write("broken.png", &png[..60]);
+    write("old.tga", b"\0\0\x02");
+    write("a.obj", SQUARE.as_bytes());
+    write(
+        "maps/a.mtl",
+        format!("newmtl m\nKd 0 0 1\n{line}\n").as_bytes(),
+    );
+    open(&folder.path().join("a.obj")).unwrap()
+}
+
+#[test]
+fn textures_are_seen_on_large_triangles() {
+    for line in [
+        "map_Kd four quarters.png",
+        "map_Kd -clamp on -s 1 1 -o 0 0 0 ../maps\\four quarters.png",
+    ] {
+        let model = textured_square(line);
+        assert!(model.notes.is_empty(), "{:?}", model.notes);
+        let mesh = model.mesh;
+        let n_triangles = mesh.triangles.len();
+        assert!((2_000..=20_000).contains(&n_triangles), "{n_triangles}");
+        let mut area = 0.0;
+        for corners in &mesh.triangles {
+            let [a, b, c] = corners.map(|i| mesh.vertices[i as usize].position());
+            let normal = (b - a).cross(&(c - a));
+            assert!(normal.z > 0.0);
+            area += normal.z / 2.0;
+        }
+        assert!((area - 4.0).abs() < 1e-3, "{area}");
+        for vertex in &mesh.vertices {
+            let color = match (vertex.x, vertex.y) {
+                (x, y) if (x - 1.0).abs() < 0.1 || (y - 1.0).abs() < 0.1 => continue,
+                (x, y) if x.min(y) < 0.1 || x.max(y) > 1.9 => continue,
+                (x, y) => match (x < 1.0, y > 1.0) {
+                    (true, true) => RED,
+                    (false, true) => Rgba::opaque(0, 255, 0),
+                    (true, false) => BLUE,
+                    (false, false) => Rgba::opaque(255, 255, 255),
+                },
+            };
+            assert_eq!(vertex.color, color, "{vertex:?}");
+        }
+    }
+}
+
+#[test]
+fn textures_that_cannot_be_used_are_told() {
+    for (line, reason) in [
+        ("map_Kd missing.png", "missing"),
+        ("map_Kd", "leads out"),
+        ("map_Kd ../old.tga", "neither PNG nor JPEG"),
+        ("map_Kd ../broken.png", "PNG image"),
+        ("map_Kd ../../outside.png", "leads out"),
+        ("map_Kd /etc/passwd", "leads out"),
+        ("map_Kd -s 1 C:\\maps\\a.png", "leads out"),
+    ] {
+        let model = textured_square(line);
+        assert_eq!(model.notes.len(), 1);
+        assert!(
+            model.notes[0].contains(reason),
+            "{:?} / {reason}",
+            model.notes
+        );
+        assert_eq!(model.mesh.triangles.len(), 2);
+        assert!(
+            model
+                .mesh
+                .vertices
+                .iter()
+                .all(|vertex| vertex.color == BLUE)
+        );
+    }
+}
+
+#[test]
+fn fuzz_obj_files() {
+    let seeds = [FOREIGN.as_bytes().to_vec(), SQUARE.as_bytes().to_vec()];
+    let library = materials("newmtl m\nmap_Kd -o 1 a.png\nnewmtl gold\nKd 1 0.5 0\n").unwrap();
+    mutation_fuzzing::fuzz(&seeds, |bytes| check_read_or_explained(bytes, &library));
 }

@@ -9,6 +9,8 @@ use std::collections::HashMap;
 pub(super) struct MaterialRun {
     pub(super) first_triangle: usize,
     pub(super) color: Rgba,
+    /// Number of the texture, if there is one.
+    pub(super) texture: Option<u32>,
 }
 
 /// Assigns the material colour of its faces to each vertex without an own colour; a vertex of

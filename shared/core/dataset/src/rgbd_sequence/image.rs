@@ -2,15 +2,8 @@
 
 use super::ContentError;
 use crate::ImageError;
-use crate::png_image::{MAX_SIDE, PixelKind, PngImage, SIGNATURE, check_size};
-use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::bytestream::ZCursor;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
-
-/// Maximum number of scans of a progressive JPEG image. Cameras and libraries write about ten;
-/// a crafted file of a few megabytes could ask for a million.
-const MAX_JPEG_SCANS: usize = 64;
+use crate::jpeg_image;
+use crate::png_image::{PixelKind, PngImage, SIGNATURE, check_size};
 
 /// Image that gives all images of a sequence their size, as named in errors.
 const REFERENCE: &str = "the sequence's first depth image";
@@ -64,37 +57,19 @@ pub fn decode_color(bytes: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ContentEr
     Ok(decode_jpeg(bytes, size)?)
 }
 
-/// Decodes a JPEG image in colour. The size is checked before memory is reserved for pixels.
+/// Decodes a JPEG image in colour.
 fn decode_jpeg(jpeg: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ImageError> {
-    let n_scans = jpeg.windows(2).filter(|pair| *pair == [0xff, 0xda]).count();
-    if n_scans > MAX_JPEG_SCANS {
-        return Err(ImageError::Format(
-            "a colour image must not have more than 64 scans",
-        ));
-    }
-    // Strict: a truncated image is an error, not an image with a grey rest.
-    let options = DecoderOptions::default()
-        .set_strict_mode(true)
-        .set_max_width(MAX_SIDE as usize)
-        .set_max_height(MAX_SIDE as usize)
-        .jpeg_set_max_scans(MAX_JPEG_SCANS)
-        .jpeg_set_out_colorspace(ColorSpace::RGB);
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(jpeg), options);
-    decoder.decode_headers()?;
-    let Some(info) = decoder.info() else {
-        return Err(ImageError::Format("the colour image has no header"));
-    };
-    check_size(
-        (u32::from(info.width), u32::from(info.height)),
-        size,
-        REFERENCE,
-    )?;
-    if info.components != 3 {
-        return Err(ImageError::Format(
-            "a colour image must have 24 bits a pixel",
-        ));
-    }
-    Ok(decoder.decode()?)
+    let (_, color) = jpeg_image::decode(jpeg, |header| {
+        check_size(header.size, size, REFERENCE)?;
+        if header.n_channels == 3 {
+            Ok(())
+        } else {
+            Err(ImageError::Format(
+                "a colour image must have 24 bits a pixel",
+            ))
+        }
+    })?;
+    Ok(color)
 }
 
 /// Opens a PNG image that must have the size of the sequence.
