@@ -1,4 +1,5 @@
-//! File formats: point clouds (PCD), meshes (PLY, OBJ, STL), RGB-D sequences,
+//! File formats: point clouds (PCD), meshes (PLY, OBJ, STL,
+//! DAE), RGB-D sequences,
 //! registered RGB-D images, fakenect recordings and datasets of object views.
 //!
 //! Each format is a pure function over the bytes of a file, with a thin
@@ -47,6 +48,7 @@ mod texture;
 mod texture_folder;
 mod textured_mesh;
 
+pub mod dae;
 pub mod fakenect_folder;
 pub mod mesh;
 pub mod model_folder;

@@ -1,7 +1,7 @@
 //! Folders of models in several formats, such as a set of scanned objects.
 
 use crate::bounded_file::{FileError, file_names};
-use crate::{Model, obj, ply, stl};
+use crate::{Model, dae, obj, ply, stl};
 use std::path::{Path, PathBuf};
 
 /// Model file found in a folder.
@@ -24,11 +24,12 @@ pub enum Error {
     #[error("{0}")]
     File(#[from] FileError),
     /// Folder without models.
-    #[error("the folder {} holds no models; their names end in .ply, .obj or .stl", .0.display())]
+    #[error("the folder {} holds no models; their names end in .ply, .obj, .stl or .dae", .0.display())]
     NoModels(PathBuf),
     /// File whose extension is that of no known format.
     #[error(
-        "the model {} is neither PLY, OBJ nor STL by its name; it must end in .ply, .obj or .stl",
+        "the model {} is neither PLY, OBJ, STL nor DAE by its name; it must end in .ply, .obj, \
+         .stl or .dae",
         .0.display()
     )]
     UnknownFormat(PathBuf),
@@ -56,6 +57,14 @@ pub enum Error {
         /// Error in the content of the STL file.
         source: stl::Error,
     },
+    /// Invalid DAE file.
+    #[error("the model {} cannot be used: {source}", .path.display())]
+    Dae {
+        /// Path of the DAE file.
+        path: PathBuf,
+        /// Error in the content of the DAE file.
+        source: dae::Error,
+    },
 }
 
 /// Lists the models of a folder, at least one, in natural order of their file names. The files
@@ -71,7 +80,7 @@ pub fn list(folder: &Path) -> Result<Vec<ModelFile>, Error> {
     }
     let model = |file_name: &String| {
         // A model's name has an extension of four bytes.
-        let (number, name) = parse_stem(&file_name[..file_name.len() - 4]);
+        let (number, name) = number_and_name(&file_name[..file_name.len() - 4]);
         ModelFile {
             path: folder.join(file_name),
             number,
@@ -82,8 +91,8 @@ pub fn list(folder: &Path) -> Result<Vec<ModelFile>, Error> {
 }
 
 /// Extensions of formats of models that are not read.
-const UNREAD_EXTENSIONS: [&str; 13] = [
-    "dae", "glb", "gltf", "fbx", "off", "3ds", "x3d", "wrl", "step", "stp", "usd", "usdz", "blend",
+const UNREAD_EXTENSIONS: [&str; 12] = [
+    "glb", "gltf", "fbx", "off", "3ds", "x3d", "wrl", "step", "stp", "usd", "usdz", "blend",
 ];
 
 /// Names of the models of a folder that are in a format that is not read, in natural order.
@@ -121,6 +130,10 @@ pub fn open(path: &Path) -> Result<Model, Error> {
             let path = to_owned();
             Error::Stl { path, source }
         }),
+        Some(Format::Dae) => dae::open(path).map_err(|source| {
+            let path = to_owned();
+            Error::Dae { path, source }
+        }),
         None => Err(Error::UnknownFormat(to_owned())),
     }
 }
@@ -130,36 +143,36 @@ enum Format {
     Ply,
     Obj,
     Stl,
+    Dae,
 }
 
 impl Format {
     /// Format by the file extension, in upper or lower case.
     fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?;
-        [("ply", Self::Ply), ("obj", Self::Obj), ("stl", Self::Stl)]
-            .into_iter()
-            .find_map(|(known, format)| extension.eq_ignore_ascii_case(known).then_some(format))
+        [
+            ("ply", Self::Ply),
+            ("obj", Self::Obj),
+            ("stl", Self::Stl),
+            ("dae", Self::Dae),
+        ]
+        .into_iter()
+        .find_map(|(known, format)| extension.eq_ignore_ascii_case(known).then_some(format))
     }
 }
 
-/// Splits `025_mug` into number and name, and `065-a_cups` into `065` and `a_cups`; any other stem
-/// is a name without number.
-fn parse_stem(stem: &str) -> (Option<u32>, &str) {
-    let parsed = stem.split_once('_').and_then(|(number, name)| {
-        let (digits, rest) = match number.split_once('-') {
-            Some((digits, variant)) if is_letter(variant) => (digits, &stem[digits.len() + 1..]),
-            Some(_) => return None,
-            None => (number, name),
-        };
-        let is_number = digits.bytes().all(|byte| byte.is_ascii_digit());
-        let number = digits.parse().ok().filter(|_| is_number)?;
-        (!name.is_empty()).then_some((Some(number), rest))
-    });
-    parsed.unwrap_or((None, stem))
-}
-
-fn is_letter(text: &str) -> bool {
-    matches!(text.as_bytes(), [byte] if byte.is_ascii_alphabetic())
+/// Splits the stem of a file name into the number at its start and the name behind `_` or `-`:
+/// `025_mug` into 25 and `mug`, `065-a_cups` into 65 and `a_cups`; any other stem is a name without
+/// number. A number beyond 32 bits is left out.
+pub fn number_and_name(stem: &str) -> (Option<u32>, &str) {
+    let rest = stem.trim_start_matches(|c: char| c.is_ascii_digit());
+    let digits = &stem[..stem.len() - rest.len()];
+    let name = rest.strip_prefix(['_', '-']).unwrap_or_default();
+    if digits.is_empty() || name.is_empty() {
+        (None, stem)
+    } else {
+        (digits.parse().ok(), name)
+    }
 }
 
 #[cfg(test)]
@@ -211,10 +224,12 @@ mod tests {
             ("12_", None, "12_"),
             ("_mug", None, "_mug"),
             ("+1_mug", None, "+1_mug"),
-            ("065-ab_cups", None, "065-ab_cups"),
-            ("99999999999_mug", None, "99999999999_mug"),
+            ("065-ab_cups", Some(65), "ab_cups"),
+            ("12-mug", Some(12), "mug"),
+            ("3d_puzzle", None, "3d_puzzle"),
+            ("99999999999_mug", None, "mug"),
         ] {
-            assert_eq!(parse_stem(stem), (number, name), "{stem}");
+            assert_eq!(number_and_name(stem), (number, name), "{stem}");
         }
     }
 
