@@ -1,4 +1,4 @@
-//! DAE, the XML format COLLADA 1.4 of the Khronos Group, read as a [`Model`].
+//! DAE, the XML format COLLADA 1.4 of the Khronos Group, read as a [`FileModel`].
 //!
 //! Read: geometries of `triangles`, `polylist` and `polygons`, each polygon cut
 //! into a fan; the nodes of the visual scene with `matrix`, `translate`,
@@ -20,7 +20,7 @@ pub use error::Error;
 
 use crate::bounded_file::read_file;
 use crate::textured_mesh::TexturedMesh;
-use crate::{Model, UpAxis, texture_folder};
+use crate::{FileModel, UpAxis, texture_folder};
 use appearance::Appearances;
 use document::{Document, child};
 use std::path::Path;
@@ -38,7 +38,7 @@ const MAX_NODES: u32 = 1 << 22;
 ///
 /// # Errors
 /// When the file cannot be read, or as [`read`]. An image that cannot be used is a note.
-pub fn open(path: &Path) -> Result<Model, Error> {
+pub fn open(path: &Path) -> Result<FileModel, Error> {
     let mut bytes = Vec::new();
     read_file(path, MAX_BYTES, &mut bytes)?;
     let (mut model, textured, appearances) = read_textured(&bytes)?;
@@ -54,15 +54,15 @@ pub fn open(path: &Path) -> Result<Model, Error> {
 ///
 /// # Errors
 /// When the bytes are not a DAE file with triangles, or an element is wrong; says which and why.
-pub fn read(bytes: &[u8]) -> Result<Model, Error> {
+pub fn read(bytes: &[u8]) -> Result<FileModel, Error> {
     let (model, textured, _) = read_textured(bytes)?;
-    Ok(Model {
+    Ok(FileModel {
         mesh: textured.mesh,
         ..model
     })
 }
 
-fn read_textured(bytes: &[u8]) -> Result<(Model, TexturedMesh, Appearances), Error> {
+fn read_textured(bytes: &[u8]) -> Result<(FileModel, TexturedMesh, Appearances), Error> {
     let text = std::str::from_utf8(bytes).map_err(|_| Error::NotText)?;
     // Without a document type there are no entities that could expand.
     let options = roxmltree::ParsingOptions {
@@ -83,7 +83,7 @@ fn read_textured(bytes: &[u8]) -> Result<(Model, TexturedMesh, Appearances), Err
     let unit = asset.and_then(|asset| child(asset, "unit"));
     let unit_m = unit.and_then(|unit| unit.attribute("meter")?.trim().parse().ok());
     let up = asset.and_then(|asset| child(asset, "up_axis"));
-    let model = Model {
+    let model = FileModel {
         unit_m: unit_m.filter(|unit_m: &f32| (1e-9..1e9).contains(unit_m)),
         up: Some(match up.and_then(|up| up.text()).map(str::trim) {
             Some("X_UP") => UpAxis::X,
@@ -91,7 +91,7 @@ fn read_textured(bytes: &[u8]) -> Result<(Model, TexturedMesh, Appearances), Err
             _ => UpAxis::Y,
         }),
         notes,
-        ..Model::default()
+        ..FileModel::default()
     };
     Ok((model, mesh, appearances))
 }

@@ -1,6 +1,6 @@
-//! File formats: point clouds (PCD), meshes (PLY, OBJ, STL,
-//! DAE), RGB-D sequences,
-//! registered RGB-D images, fakenect recordings and datasets of object views.
+//! File formats: point clouds (PCD), meshes (PLY, OBJ, STL, DAE), RGB-D
+//! sequences, registered RGB-D images, fakenect recordings and datasets of
+//! object views.
 //!
 //! Each format is a pure function over the bytes of a file, with a thin
 //! wrapper that reads the file. A size that a file announces is compared with
@@ -66,7 +66,7 @@ pub mod washington;
 pub use atomic_file::{create_folder, write_atomic};
 pub use bounded_file::FileError;
 pub use image_error::ImageError;
-pub use model::{Model, UpAxis};
+pub use model::{FileModel, UpAxis};
 pub use natural_order::natural_order;
 pub use recording_kind::{RecordingKind, detect_recording_kind};
 

@@ -4,7 +4,7 @@ use crate::mesh::Mesh;
 
 /// Object model of a file, with what the file says about its frame.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Model {
+pub struct FileModel {
     /// Coloured mesh in the units and frame of the file.
     pub mesh: Mesh,
     /// Length of the unit, metres, if the file tells it: positive and finite.
@@ -26,7 +26,7 @@ pub enum UpAxis {
     Z,
 }
 
-impl From<Mesh> for Model {
+impl From<Mesh> for FileModel {
     /// Model of a file that has a mesh and no more.
     fn from(mesh: Mesh) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! Folders of models in several formats, such as a set of scanned objects.
 
 use crate::bounded_file::{FileError, file_names};
-use crate::{Model, dae, obj, ply, stl};
+use crate::{FileModel, dae, obj, ply, stl};
 use std::path::{Path, PathBuf};
 
 /// Model file found in a folder.
@@ -115,10 +115,10 @@ pub fn unread(folder: &Path) -> Result<Vec<String>, Error> {
 /// # Errors
 /// When the file has another extension, cannot be read, or is wrong; each
 /// error names it.
-pub fn open(path: &Path) -> Result<Model, Error> {
+pub fn open(path: &Path) -> Result<FileModel, Error> {
     let to_owned = || path.to_owned();
     match Format::of(path) {
-        Some(Format::Ply) => ply::open(path).map(Model::from).map_err(|source| {
+        Some(Format::Ply) => ply::open(path).map(FileModel::from).map_err(|source| {
             let path = to_owned();
             Error::Ply { path, source }
         }),
@@ -126,7 +126,7 @@ pub fn open(path: &Path) -> Result<Model, Error> {
             let path = to_owned();
             Error::Obj { path, source }
         }),
-        Some(Format::Stl) => stl::open(path).map(Model::from).map_err(|source| {
+        Some(Format::Stl) => stl::open(path).map(FileModel::from).map_err(|source| {
             let path = to_owned();
             Error::Stl { path, source }
         }),

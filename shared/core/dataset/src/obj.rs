@@ -1,5 +1,5 @@
 //! OBJ, the text format of Wavefront Technologies for meshes, read as a [`Mesh`] or,
-//! with its textures, as a [`Model`].
+//! with its textures, as a [`FileModel`].
 //!
 //! Read: vertices `v x y z`, also with a weight, which is ignored, or with
 //! `r g b` from 0 to 1; faces `f`, each polygon cut into a fan of triangles,
@@ -33,7 +33,7 @@ pub use reader::read;
 use crate::bounded_file::read_file;
 use crate::folder_path::{parent, path_below};
 use crate::number_type::excerpt;
-use crate::{Model, texture_folder};
+use crate::{FileModel, texture_folder};
 use std::path::Path;
 
 /// Maximum size of a material library, bytes.
@@ -45,7 +45,7 @@ const MAX_LIBRARY_BYTES: u64 = 1 << 24;
 /// # Errors
 /// When a file cannot be read, or as [`read`] and [`Materials::read`]. An image that cannot be
 /// used is a note.
-pub fn open(path: &Path) -> Result<Model, Error> {
+pub fn open(path: &Path) -> Result<FileModel, Error> {
     let mut bytes = Vec::new();
     read_file(path, MAX_BYTES, &mut bytes)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -59,10 +59,10 @@ pub fn open(path: &Path) -> Result<Model, Error> {
     }
     let textured = reader::read_textured(&bytes, &materials)?;
     let textures = texture_folder::load(folder, materials.texture_names(), &mut notes);
-    Ok(Model {
+    Ok(FileModel {
         mesh: textured.baked(&textures),
         notes,
-        ..Model::default()
+        ..FileModel::default()
     })
 }
 

@@ -320,3 +320,95 @@ fn footprint(face: &FaceTexture, image: &Texture) -> f32 {
     let doubled_area = ((u1 - u0) * (v2 - v0) - (u2 - u0) * (v1 - v0)).abs();
     (doubled_area * width * height).sqrt() / 2.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::NEUTRAL_GREY;
+    use crate::texture::test_png;
+    use png::ColorType;
+
+    /// Cube of side 1 without shared vertices; its first two faces have a texture.
+    fn cube(side_uv: f32) -> TexturedMesh {
+        let faces = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let side = |i: usize, axis: usize| (i >> axis & 1) as f32;
+        let mut cube = TexturedMesh::default();
+        for (n, face) in faces.into_iter().enumerate() {
+            let first = cube.mesh.vertices.len() as u32;
+            cube.mesh.vertices.extend(face.map(|i| Point {
+                x: side(i, 0),
+                y: side(i, 1),
+                z: side(i, 2),
+                color: NEUTRAL_GREY,
+            }));
+            for [a, b] in [[1, 2], [2, 3]] {
+                cube.mesh.triangles.push([first, first + a, first + b]);
+                let uv = [0, a, b].map(|i| {
+                    [[0.0, 0.0], [side_uv, 0.0], [side_uv; 2], [0.0, side_uv]][i as usize]
+                });
+                cube.faces
+                    .push((n < 2).then_some(FaceTexture { texture: 0, uv }));
+            }
+        }
+        cube
+    }
+
+    fn checkers(color_type: ColorType) -> Option<Texture> {
+        let samples: Vec<u8> = (0..64 * 64)
+            .map(|i| if (i / 8 + i / 512) % 2 == 0 { 0 } else { 255 })
+            .collect();
+        Texture::decode(&test_png(64, color_type, &samples)).ok()
+    }
+
+    #[test]
+    fn division_opens_no_gap() {
+        let mesh = cube(1.0).baked(&[checkers(ColorType::Grayscale)]);
+        assert!(
+            (8_000..=TRIANGLES_MAX).contains(&mesh.triangles.len()),
+            "{}",
+            mesh.triangles.len()
+        );
+        let mut edges: HashMap<_, i32> = HashMap::new();
+        let key = |i: u32| {
+            let v = mesh.vertices[i as usize];
+            [v.x, v.y, v.z].map(f32::to_bits)
+        };
+        for [a, b, c] in &mesh.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)].map(|(p, q)| (key(*p), key(*q))) {
+                *edges.entry((from.min(to), from.max(to))).or_default() +=
+                    if from < to { 1 } else { -1 };
+            }
+        }
+        assert!(edges.values().all(|balance| *balance == 0), "closed");
+        let n_dark = mesh
+            .vertices
+            .iter()
+            .filter(|v| v.color.rgb()[0] < 64)
+            .count();
+        assert!(n_dark > 1000, "{n_dark}");
+    }
+
+    #[test]
+    fn division_leaves_what_lies_in_few_pixels() {
+        // As in models whose texture is a palette.
+        let mesh = cube(1.0 / 64.0).baked(&[checkers(ColorType::Grayscale)]);
+        assert_eq!(mesh.triangles.len(), 12);
+    }
+
+    #[test]
+    fn faces_without_an_image_stay_as_they_are() {
+        let plain = cube(1.0).mesh;
+        assert_eq!(cube(1.0).baked(&[None]), plain);
+        assert_eq!(cube(1.0).baked(&[]), plain);
+        let mut short = cube(1.0);
+        short.faces.clear();
+        assert_eq!(short.baked(&[checkers(ColorType::Grayscale)]), plain);
+    }
+}

@@ -164,7 +164,7 @@ impl<'a> Geometry<'a> {
         for primitive in mesh.children().filter(Node::is_element) {
             match primitive.tag_name().name() {
                 "triangles" | "polylist" | "polygons" => {
-                    read.push_primitive(document, primitive)?
+                    read.push_primitive(document, primitive)?;
                 }
                 "tristrips" | "trifans" => read.n_skipped += 1,
                 _ => {}

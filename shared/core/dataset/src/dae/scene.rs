@@ -26,7 +26,7 @@ pub(super) fn read(
     appearances: &mut Appearances,
     notes: &mut Vec<String>,
 ) -> Result<TexturedMesh, Error> {
-    let mut scene = Scene {
+    let mut scene = ScenePlacer {
         document,
         appearances,
         geometries: HashMap::new(),
@@ -63,7 +63,7 @@ pub(super) fn read(
     Ok(scene.placed)
 }
 
-struct Scene<'a, 'b> {
+struct ScenePlacer<'a, 'b> {
     document: &'b Document<'a>,
     appearances: &'b mut Appearances,
     geometries: HashMap<NodeId, Geometry<'a>>,
@@ -72,7 +72,7 @@ struct Scene<'a, 'b> {
     n_skipped: usize,
 }
 
-impl<'a> Scene<'a, '_> {
+impl<'a> ScenePlacer<'a, '_> {
     fn place_node(
         &mut self,
         node: Node<'a, 'a>,

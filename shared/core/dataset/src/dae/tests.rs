@@ -2,6 +2,7 @@ use super::*;
 use crate::NEUTRAL_GREY;
 use mutation_fuzzing::{assert_sentence, flipped_bits, fuzz, truncations};
 use point_cloud::{Point, Rgba};
+use std::fmt::Write;
 
 /// Document with a square of triangles and a polygon, placed by nodes.
 const FOREIGN: &str = r##"<?xml version="1.0" encoding="utf-8"?>
@@ -179,7 +180,7 @@ fn hostile_files_cost_no_more_than_a_message() {
     let mut doubling = String::from("<library_nodes>");
     for i in 0..60 {
         let next = format!("<instance_node url=\"#n{}\"/>", i + 1);
-        doubling += &format!("<node id=\"n{i}\">{next}{next}</node>");
+        write!(doubling, "<node id=\"n{i}\">{next}{next}</node>").unwrap();
     }
     let text = FOREIGN.replacen("<library_nodes>", &doubling, 1);
     let text = text.replacen(

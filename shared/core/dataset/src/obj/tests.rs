@@ -277,7 +277,7 @@ const SQUARE: &str = "mtllib maps/a.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 
     vt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n";
 
 /// Opens a square whose material has this line, beside a texture of four quarters.
-fn textured_square(line: &str) -> Model {
+fn textured_square(line: &str) -> FileModel {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
     std::fs::create_dir(folder.path().join("maps")).unwrap();
