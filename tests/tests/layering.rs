@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 19] = [
+const OWNERS: [(&str, &[&str]); 20] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["durable-leveldb"]),
@@ -14,6 +14,7 @@ const OWNERS: [(&str, &[&str]); 19] = [
     ("mcap", &["recording"]),
     ("foxglove", &["recorder"]),
     ("rapier3d", &["simulated-world"]),
+    ("roxmltree", &["dataset"]),
     ("pathfinding", &["tracking"]),
     ("indicatif", &["command-line", "experiments"]),
     ("plotters", &["plot", "evaluation"]),

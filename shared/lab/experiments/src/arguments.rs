@@ -40,7 +40,7 @@ pub struct SceneArguments {
     /// Number of objects [default: the usual number of the scene]
     #[arg(long, value_name = "N")]
     pub(crate) objects: Option<usize>,
-    /// Folder of PLY and OBJ models, or `generated` [default: generated]
+    /// Folder of PLY, OBJ, STL and DAE models, or `generated` [default: generated]
     #[arg(long, value_name = "DIR")]
     pub(crate) models: Option<PathBuf>,
     /// Random seed; the same seed gives the same files [default: 1, or the file's]
@@ -60,15 +60,17 @@ pub struct SceneArguments {
 /// Arguments of `simulate views`.
 #[derive(Debug, Args)]
 pub struct ViewsArguments {
-    /// Folder of PLY and OBJ models, or `generated`
+    /// Folder of PLY, OBJ, STL and DAE models, or `generated`
     #[arg(long, value_name = "DIR", default_value = "generated")]
     pub(crate) models: PathBuf,
-    /// Unit of the models [default: guessed from the size of each, and told]
+    /// Unit of the models [default: that of the file (DAE), or guessed from the size of each, and
+    /// told]
     #[arg(long, value_name = "UNIT", value_enum)]
     pub(crate) unit: Option<UnitName>,
-    /// Upward axis of the models
-    #[arg(long, value_name = "AXIS", value_enum, default_value_t = ModelAxis::Z)]
-    pub(crate) up: ModelAxis,
+    /// Upward axis of the models [default: that of the file (DAE), or z; y for an OBJ model that
+    /// clearly stands along it, and told]
+    #[arg(long, value_name = "AXIS", value_enum)]
+    pub(crate) up: Option<ModelAxis>,
     /// Views of each object, spread over three heights
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) views: u32,
@@ -231,11 +233,11 @@ impl ViewsArguments {
                 UnitName::Mm => ModelUnit::Millimetre,
                 UnitName::In => ModelUnit::Inch,
             }),
-            up: match self.up {
+            up: self.up.map(|up| match up {
                 ModelAxis::X => ModelUp::X,
                 ModelAxis::Y => ModelUp::Y,
                 ModelAxis::Z => ModelUp::Z,
-            },
+            }),
         }
     }
 }

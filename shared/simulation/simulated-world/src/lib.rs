@@ -48,6 +48,7 @@ mod scene;
 mod scene_file;
 mod scene_object;
 mod simulated_kinect;
+mod upright_axis;
 mod world;
 
 pub use action::{Action, PersonPlan, TimedAction};

@@ -8,7 +8,7 @@ pub enum ModelSource {
     /// Generated household objects.
     #[default]
     Generated,
-    /// PLY and OBJ files of a folder.
+    /// PLY, OBJ, STL and DAE files of a folder.
     Folder(PathBuf),
 }
 
@@ -22,7 +22,7 @@ pub enum ModelChoice {
         /// Instance number of the generated object.
         instance: u64,
     },
-    /// Model file in PLY or OBJ format.
+    /// Model file in PLY, OBJ, STL or DAE format.
     File(PathBuf),
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::glam_conversion::point_to_glam;
-use crate::model_import::ModelImport;
+use crate::model_import::{FileFrame, ModelImport};
 use crate::object_model::{ModelOrigin, ObjectModel, compound_shape, half_sides};
 use mesh::{ConvexPart, Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Point3, Vector3};
@@ -54,7 +54,7 @@ pub(crate) fn unread_note(folder: &Path) -> Result<Option<String>, Error> {
         n => format!("and {} others are", n - 1),
     };
     Ok(Some(format!(
-        "the model {first} {and_others} left out: only PLY, OBJ and STL are read; convert the others"
+        "the model {first} {and_others} left out: only PLY, OBJ, STL and DAE are read; convert the others"
     )))
 }
 
@@ -72,6 +72,13 @@ pub(crate) fn open(
         path: path.to_owned(),
         cause: error.to_string(),
     })?;
+    let frame = FileFrame {
+        unit_m: model.unit_m,
+        up: model.up,
+        may_be_y_up: path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("obj")),
+    };
     let read = model.mesh;
     let (category, name) = category_and_name(path);
     let wrong = |cause: String| Error::Model {
@@ -95,9 +102,8 @@ pub(crate) fn open(
             mesh.triangles.len()
         )));
     }
-    if let Some(sentence) = import.apply(&mut mesh).map_err(wrong)? {
-        notes.push(note(sentence));
-    }
+    let guessed = import.apply(&mut mesh, frame).map_err(wrong)?;
+    notes.extend(guessed.into_iter().map(note));
     let sides = mesh
         .bounds()
         .map_or_else(Vector3::zeros, |bounds| bounds.sides());
@@ -124,7 +130,7 @@ pub(crate) fn open(
 }
 
 /// Welds the vertices and drops doubled faces; one sentence for each kind that was found.
-fn clean(mesh: &mut TriangleMesh) -> Vec<String> {
+pub(crate) fn clean(mesh: &mut TriangleMesh) -> Vec<String> {
     mesh.weld();
     let found = mesh.drop_doubled_faces();
     let mut sentences = Vec::new();
@@ -174,23 +180,13 @@ pub(crate) fn category_and_name(path: &Path) -> (String, String) {
             '-'
         }
     };
-    let category = without_number(&stem).chars().map(plain).collect();
+    let (_, name) = dataset::model_folder::number_and_name(&stem);
+    let category = name.chars().map(plain).collect();
     (category, stem.into_owned())
 }
 
-/// Stem of a file name without the number at its start: `mug` for `025_mug`, `b_cups` for
-/// `065-b_cups`.
-fn without_number(stem: &str) -> &str {
-    let rest = stem.trim_start_matches(|c: char| c.is_ascii_digit());
-    if rest.len() == stem.len() {
-        return stem;
-    }
-    let name = rest.strip_prefix('_').or_else(|| rest.strip_prefix('-'));
-    name.filter(|name| !name.is_empty()).unwrap_or(stem)
-}
-
 /// Mesh of the valid faces: existing, finite corners and a positive area.
-fn valid_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
+pub(crate) fn valid_faces(read: &dataset::mesh::Mesh) -> TriangleMesh {
     let vertices = read.vertices.iter().map(|point| Vertex {
         position: Point3::new(point.x, point.y, point.z),
         normal: Vector3::z(),
@@ -256,6 +252,7 @@ mod tests {
             ("0012.obj", "0012"),
             ("3d_puzzle.ply", "3d-puzzle"),
             ("Tea Cup.ply", "tea-cup"),
+            ("12-mug.stl", "mug"),
         ] {
             assert_eq!(category_and_name(Path::new(file)).0, category);
         }

@@ -1,5 +1,7 @@
-//! Unit and upward axis of imported models: given, or guessed from the size.
+//! Unit and upward axis of imported models: given, told by the file, or guessed.
 
+use crate::upright_axis::is_y_up;
+use dataset::UpAxis;
 use mesh::TriangleMesh;
 use nalgebra::Vector3;
 
@@ -31,24 +33,46 @@ pub enum ModelUnit {
 }
 
 /// Upward axis of a model file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelUp {
     /// The x axis points up.
     X,
     /// The y axis points up, as in many files of animation programs.
     Y,
     /// The z axis points up, as in scans and in CAD.
-    #[default]
     Z,
 }
 
 /// Settings for the import of model files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ModelImport {
-    /// Unit of all models; `None` to guess that of each from its size.
+    /// Unit of all models; `None` for that which the file of each tells, or to guess it from the
+    /// size.
     pub unit: Option<ModelUnit>,
-    /// Upward axis of all models.
-    pub up: ModelUp,
+    /// Upward axis of all models; `None` for that which the file of each tells, or z, or y when a
+    /// model of animation programs clearly stands along it.
+    pub up: Option<ModelUp>,
+}
+
+/// Frame of a model as far as its file tells it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct FileFrame {
+    /// Length of the unit, metres.
+    pub(crate) unit_m: Option<f32>,
+    /// Upward axis.
+    pub(crate) up: Option<UpAxis>,
+    /// True for a format of both scans and animation programs.
+    pub(crate) may_be_y_up: bool,
+}
+
+impl From<UpAxis> for ModelUp {
+    fn from(axis: UpAxis) -> Self {
+        match axis {
+            UpAxis::X => Self::X,
+            UpAxis::Y => Self::Y,
+            UpAxis::Z => Self::Z,
+        }
+    }
 }
 
 impl ModelUnit {
@@ -75,36 +99,43 @@ impl ModelUnit {
 }
 
 impl ModelImport {
-    /// Turns a mesh upright and scales it to metres. Returns a sentence about what was guessed.
+    /// Turns a mesh upright and scales it to metres. Returns sentences about what was guessed.
     ///
     /// # Errors
     /// A sentence when no unit gives the size of an object.
-    pub(crate) fn apply(self, mesh: &mut TriangleMesh) -> Result<Option<String>, String> {
-        self.turn_upright(mesh);
+    pub(crate) fn apply(
+        self,
+        mesh: &mut TriangleMesh,
+        frame: FileFrame,
+    ) -> Result<Vec<String>, String> {
+        let mut sentences = Vec::new();
+        let told = self.up.or(frame.up.map(ModelUp::from));
+        turn_upright(mesh, told.unwrap_or(ModelUp::Z));
+        if told.is_none() && frame.may_be_y_up && is_y_up(mesh) {
+            turn_upright(mesh, ModelUp::Y);
+            sentences.push(
+                "it was taken to stand along its y axis, where its base is (give the upward axis \
+                 if it is another)"
+                    .to_owned(),
+            );
+        }
         let bounds = mesh.diagnostics().extent;
         let sides = bounds.map_or_else(Vector3::zeros, |bounds| bounds.sides());
-        let (scale, sentence) = self.scale(sides)?;
+        let (scale, sentence) = self.scale(sides, frame.unit_m)?;
         if (scale - 1.0).abs() > f32::EPSILON {
             mesh.scale(scale);
         }
-        Ok(sentence)
+        sentences.extend(sentence);
+        Ok(sentences)
     }
 
-    fn turn_upright(self, mesh: &mut TriangleMesh) {
-        // Cyclic permutations are rotations.
-        let turned = |v: Vector3<f32>| match self.up {
-            ModelUp::X => Vector3::new(v.y, v.z, v.x),
-            ModelUp::Y => Vector3::new(v.z, v.x, v.y),
-            ModelUp::Z => v,
-        };
-        for vertex in &mut mesh.vertices {
-            vertex.position = turned(vertex.position.coords).into();
-            vertex.normal = turned(vertex.normal);
-        }
-    }
-
-    /// Factor to metres of a mesh with these sides, and a sentence if it was guessed.
-    fn scale(self, sides: Vector3<f32>) -> Result<(f32, Option<String>), String> {
+    /// Factor to metres of a mesh with these sides, and a sentence if it was guessed. `file_unit_m`
+    /// is the unit that the file tells.
+    fn scale(
+        self,
+        sides: Vector3<f32>,
+        file_unit_m: Option<f32>,
+    ) -> Result<(f32, Option<String>), String> {
         let longest = sides.max();
         if let Some(unit) = self.unit {
             let side_m = longest * unit.metres();
@@ -118,35 +149,66 @@ impl ModelImport {
                 ))
             };
         }
-        if is_normalised(sides) {
+        if let Some(unit_m) = file_unit_m {
+            let side_m = longest * unit_m;
+            return if SIDES_M.contains(&side_m) {
+                Ok((unit_m, None))
+            } else {
+                Err(format!(
+                    "its longest side is {side_m} m in the unit of its file, which no object on a \
+                     table has (0.005 to 2 m); give another unit or scale it"
+                ))
+            };
+        }
+        guessed_scale(sides)
+    }
+}
+
+/// Turns a mesh so that an axis becomes z.
+fn turn_upright(mesh: &mut TriangleMesh, up: ModelUp) {
+    // Cyclic permutations are rotations.
+    let turned = |v: Vector3<f32>| match up {
+        ModelUp::X => Vector3::new(v.y, v.z, v.x),
+        ModelUp::Y => Vector3::new(v.z, v.x, v.y),
+        ModelUp::Z => v,
+    };
+    for vertex in &mut mesh.vertices {
+        vertex.position = turned(vertex.position.coords).into();
+        vertex.normal = turned(vertex.normal);
+    }
+}
+
+/// Factor to metres that the size suggests, and a sentence unless it is sure.
+fn guessed_scale(sides: Vector3<f32>) -> Result<(f32, Option<String>), String> {
+    let longest = sides.max();
+    if is_normalised(sides) {
+        let sentence = format!(
+            "its longest side is {longest:.3}, as of a model that was scaled to unit size; it \
+             was scaled to {USUAL_SIDE_M} m (give the unit if it is another)"
+        );
+        return Ok((USUAL_SIDE_M / longest, Some(sentence)));
+    }
+    if SURE_SIDES_M.contains(&longest) {
+        return Ok((1.0, None));
+    }
+    let badness = |unit: &ModelUnit| (longest * unit.metres() / USUAL_SIDE_M).ln().abs();
+    let units = ModelUnit::USUAL.into_iter();
+    let guessed = units
+        .filter(|unit| SIDES_M.contains(&(longest * unit.metres())))
+        .min_by(|a, b| badness(a).total_cmp(&badness(b)));
+    match guessed {
+        Some(unit) => {
             let sentence = format!(
-                "its longest side is {longest:.3}, as of a model that was scaled to unit size; it \
-                 was scaled to {USUAL_SIDE_M} m (give the unit if it is another)"
+                "its longest side is {longest:.3}; it was taken to be in {} (give the unit if \
+                 it is another)",
+                unit.plural()
             );
-            return Ok((USUAL_SIDE_M / longest, Some(sentence)));
+            Ok((unit.metres(), Some(sentence)))
         }
-        if SURE_SIDES_M.contains(&longest) {
-            return Ok((1.0, None));
-        }
-        let badness = |unit: &ModelUnit| (longest * unit.metres() / USUAL_SIDE_M).ln().abs();
-        let units = ModelUnit::USUAL.into_iter();
-        let guessed = units
-            .filter(|unit| SIDES_M.contains(&(longest * unit.metres())))
-            .min_by(|a, b| badness(a).total_cmp(&badness(b)));
-        match guessed {
-            Some(unit) => {
-                let sentence = format!(
-                    "its longest side is {longest:.3}; it was taken to be in {} (give the unit if \
-                     it is another)",
-                    unit.plural()
-                );
-                Ok((unit.metres(), Some(sentence)))
-            }
-            None => Err(format!(
-                "its longest side is {longest}; in metres, centimetres and millimetres alike that \
-                 is no object on a table (0.005 to 2 m); give its unit or scale it"
-            )),
-        }
+        None => Err(format!(
+            "its longest side is {longest}; in metres, centimetres and millimetres alike that \
+             is no object on a table (0.005 to 2 m); give its unit or scale it"
+        )),
     }
 }
 
@@ -163,12 +225,18 @@ fn is_normalised(sides: Vector3<f32>) -> bool {
 mod tests {
     use super::*;
 
+    /// Can of 6 x 6 x 12 cm, z up.
+    fn can() -> TriangleMesh {
+        let outline = [[0.0, -0.06], [0.03, -0.06], [0.03, 0.06], [0.0, 0.06]];
+        mesh::lathe(&outline.map(nalgebra::Point2::from), 48).mesh
+    }
+
     fn scale(longest: f32, unit: Option<ModelUnit>) -> Result<(f32, Option<String>), String> {
         let import = ModelImport {
             unit,
             ..ModelImport::default()
         };
-        import.scale(Vector3::new(longest, 0.3 * longest, 0.5 * longest))
+        import.scale(Vector3::new(longest, 0.3 * longest, 0.5 * longest), None)
     }
 
     #[test]
@@ -207,6 +275,52 @@ mod tests {
     }
 
     #[test]
+    fn the_unit_of_a_file_is_obeyed_or_refused_unless_one_is_given() {
+        let sides = Vector3::new(20.0, 10.0, 5.0);
+        let guessing = ModelImport::default();
+        assert_eq!(guessing.scale(sides, Some(0.0254)), Ok((0.0254, None)));
+        let refused = guessing.scale(sides, Some(1.0)).unwrap_err();
+        assert!(
+            refused.contains("20 m in the unit of its file"),
+            "{refused}"
+        );
+        let given = ModelImport {
+            unit: Some(ModelUnit::Centimetre),
+            up: None,
+        };
+        assert_eq!(given.scale(sides, Some(1.0)), Ok((0.01, None)));
+    }
+
+    #[test]
+    fn the_axis_is_given_or_told_or_guessed() {
+        // A can along y.
+        let mut can = can();
+        turn_upright(&mut can, ModelUp::X);
+        let height = |up: Option<ModelUp>, frame: FileFrame| {
+            let mut mesh = can.clone();
+            let import = ModelImport { unit: None, up };
+            let notes = import.apply(&mut mesh, frame).unwrap();
+            let height = mesh.bounds().unwrap().sides().z;
+            ((height - 0.12).abs() < 1e-3, notes.len())
+        };
+        let told = |up: UpAxis| FileFrame {
+            up: Some(up),
+            may_be_y_up: true,
+            ..FileFrame::default()
+        };
+        let open = FileFrame {
+            may_be_y_up: true,
+            ..FileFrame::default()
+        };
+        assert_eq!(height(None, FileFrame::default()), (false, 0));
+        assert_eq!(height(None, open), (true, 1));
+        assert_eq!(height(Some(ModelUp::Z), open), (false, 0));
+        assert_eq!(height(None, told(UpAxis::Y)), (true, 0));
+        assert_eq!(height(None, told(UpAxis::Z)), (false, 0));
+        assert_eq!(height(Some(ModelUp::Y), told(UpAxis::Z)), (true, 0));
+    }
+
+    #[test]
     fn the_given_axis_points_up() {
         for (up, given) in [
             (ModelUp::X, [3.0, 1.0, 2.0]),
@@ -221,8 +335,7 @@ mod tests {
                 }],
                 ..TriangleMesh::default()
             };
-            let import = ModelImport { unit: None, up };
-            import.turn_upright(&mut mesh);
+            turn_upright(&mut mesh, up);
             assert_eq!(mesh.vertices[0].position, [1.0, 2.0, 3.0].into(), "{up:?}");
         }
     }

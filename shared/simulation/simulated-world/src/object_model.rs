@@ -16,7 +16,7 @@ pub enum ModelOrigin {
         /// Instance number of the generated object.
         instance: u64,
     },
-    /// Model file in PLY or OBJ format.
+    /// Model file in PLY, OBJ, STL or DAE format.
     File(PathBuf),
 }
 

@@ -383,3 +383,25 @@ fn model_scans_load_in_metres_and_settle() {
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
+
+#[test]
+fn model_from_a_dae_file_has_the_unit_and_axis_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (vertices, triangles) = cuboid([5.0, 10.0, 7.0]);
+    let numbers: Vec<_> = vertices.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+    let words = |numbers: &[f32]| numbers.iter().map(|n| format!("{n} ")).collect::<String>();
+    let corners: Vec<_> = triangles.as_flattened().iter().map(|&i| i as f32).collect();
+    let text = format!(
+        "<COLLADA><asset><unit meter=\"0.01\"/><up_axis>Y_UP</up_axis></asset>\
+         <library_geometries><geometry id=\"g\"><mesh><source id=\"s\"><float_array>{}\
+         </float_array><technique_common><accessor stride=\"3\"/></technique_common></source>\
+         <vertices id=\"v\"><input semantic=\"POSITION\" source=\"#s\"/></vertices><triangles>\
+         <input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>{}</p></triangles></mesh>\
+         </geometry></library_geometries></COLLADA>",
+        words(&numbers),
+        words(&corners)
+    );
+    let (model, notes) = load(&file(&folder, "brick.dae", text)).unwrap();
+    assert_eq!(notes, "");
+    assert!((model.half_sides_m.z - 0.05).abs() < 1e-6);
+}
