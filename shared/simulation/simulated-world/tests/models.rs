@@ -389,7 +389,13 @@ fn model_from_a_dae_file_has_the_unit_and_axis_of_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let (vertices, triangles) = cuboid([5.0, 10.0, 7.0]);
     let numbers: Vec<_> = vertices.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
-    let words = |numbers: &[f32]| numbers.iter().map(|n| format!("{n} ")).collect::<String>();
+    let words = |numbers: &[f32]| {
+        numbers
+            .iter()
+            .map(f32::to_string)
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
     let corners: Vec<_> = triangles.as_flattened().iter().map(|&i| i as f32).collect();
     let text = format!(
         "<COLLADA><asset><unit meter=\"0.01\"/><up_axis>Y_UP</up_axis></asset>\
