@@ -17,7 +17,7 @@ const RIM_SHARE: f32 = 0.1;
 pub struct DoubledFaces {
     /// Number of faces that were dropped.
     pub n_dropped: usize,
-    /// Number of faces of open sheets whose other side was kept.
+    /// Number of faces whose other side was kept, because they enclose no volume.
     pub n_two_sided: usize,
 }
 
@@ -25,9 +25,9 @@ impl TriangleMesh {
     /// Drops faces that repeat the corners of an earlier face, in any rotation.
     ///
     /// A face in both orientations shows a surface from both sides. Around a volume nobody sees
-    /// the inner side: one face is kept, and such faces are turned as their neighbours, or
-    /// outwards where no neighbour decides. Of an open sheet both sides are kept, because a face
-    /// is seen from its front only.
+    /// the inner side: one face is kept, and turned outwards. Of an open sheet, and where more
+    /// than two faces meet at edges, both sides are kept: it cannot be told which of them is
+    /// seen, and a face is seen from its front only.
     pub fn drop_doubled_faces(&mut self) -> DoubledFaces {
         let n_before = self.triangles.len();
         let faces = distinct_faces(self);
@@ -136,19 +136,22 @@ fn edge_uses(mesh: &TriangleMesh, faces: &[Face]) -> Vec<EdgeUses> {
     uses
 }
 
-/// True for each face of a component with a long rim.
+/// True for each face of a patch with a long rim. Faces at an edge of two belong to one patch; an
+/// edge of one face, or of several, is rim.
 fn open_faces(mesh: &TriangleMesh, faces: &[Face], edges: &[EdgeUses]) -> Vec<bool> {
     let mut parts = UnionFind::new(faces.len());
     for edge in edges {
-        for pair in edge.faces.windows(2) {
-            parts.union(pair[0].0 as u32, pair[1].0 as u32);
+        if let [(a, _), (b, _)] = edge.faces[..] {
+            parts.union(a as u32, b as u32);
         }
     }
     let mut part = |face: usize| parts.find(face as u32) as usize;
     let (mut rims, mut areas) = (vec![0.0; faces.len()], vec![0.0; faces.len()]);
     for edge in edges {
-        if let [(face, _)] = edge.faces[..] {
-            rims[part(face)] += edge.length;
+        if edge.faces.len() != 2 {
+            for &(face, _) in &edge.faces {
+                rims[part(face)] += edge.length;
+            }
         }
     }
     for (idx, face) in faces.iter().enumerate() {
@@ -163,7 +166,8 @@ fn open_faces(mesh: &TriangleMesh, faces: &[Face], edges: &[EdgeUses]) -> Vec<bo
     (0..faces.len()).map(is_open).collect()
 }
 
-/// True for each face that is to be turned over: only faces with a twin, in closed components.
+/// True for each face that is to be turned over, so that its closed patch looks outwards: only
+/// faces with a twin.
 fn flipped_faces(
     mesh: &TriangleMesh,
     faces: &[Face],
@@ -179,22 +183,22 @@ fn flipped_faces(
         }
     }
     let mut is_flipped = vec![false; faces.len()];
-    let is_fixed = |idx: usize| faces[idx].twin.is_none() || is_open[idx];
-    let mut is_settled: Vec<bool> = (0..faces.len()).map(is_fixed).collect();
-    let mut patch: Vec<usize> = (0..faces.len()).filter(|&idx| is_settled[idx]).collect();
-    spread(&mut patch, &neighbours, &mut is_settled, &mut is_flipped);
+    let mut is_settled = is_open.to_vec();
     for first in 0..faces.len() {
         if is_settled[first] {
             continue;
         }
         is_settled[first] = true;
-        patch = vec![first];
+        let mut patch = vec![first];
         spread(&mut patch, &neighbours, &mut is_settled, &mut is_flipped);
         if looks_inwards(mesh, faces, &patch, &is_flipped) {
             for &idx in &patch {
                 is_flipped[idx] = !is_flipped[idx];
             }
         }
+    }
+    for (is_flipped, face) in is_flipped.iter_mut().zip(faces) {
+        *is_flipped &= face.twin.is_some();
     }
     is_flipped
 }
@@ -292,7 +296,7 @@ mod tests {
         assert_eq!((found.n_dropped, found.n_two_sided), (n, 0));
         assert!(both.diagnostics().is_sound());
         assert!((both.signed_volume() / ball.signed_volume() - 1.0).abs() < 1e-6);
-        // Neighbours that are not doubled decide.
+        // Faces that are not doubled stay as they are.
         let mut half = doubled(&ball, |_, triangle| turned_over(triangle));
         half.triangles.truncate(n + n / 2);
         half.triangles[..n / 2].reverse();
@@ -312,6 +316,31 @@ mod tests {
         let found = both.drop_doubled_faces();
         assert_eq!((found.n_dropped, found.n_two_sided), (2 * n, n));
         assert_eq!(both.triangles.len(), 2 * n + 12);
+    }
+
+    #[test]
+    fn doubled_faces_of_a_volume_with_a_wall_inside_keep_both_sides() {
+        // A wall at half the height of a box of two storeys: no patch encloses a volume alone.
+        let mut storeys = rounded_box([0.1, 0.1, 0.1], 0.0, 1.0).mesh;
+        let mut upper = storeys.clone();
+        for vertex in &mut upper.vertices {
+            vertex.position.z += 0.1;
+        }
+        storeys.append(&upper);
+        let both = doubled(&storeys, |_, triangle| turned_over(triangle));
+        let mut reduced = both.clone();
+        let found = reduced.drop_doubled_faces();
+        assert!(found.n_two_sided > 0, "{found:?}");
+        let fronts = |mesh: &TriangleMesh| {
+            let corners = (0..mesh.triangles.len()).filter_map(|i| mesh.corners(i));
+            let up = corners.map(|[a, b, c]| ((b - a).cross(&(c - a)), a));
+            let tops = up.filter(|(normal, a)| normal.z > 0.0 && a.z > 0.149);
+            tops.map(|(normal, _)| normal.z / 2.0).sum::<f32>()
+        };
+        assert!(
+            (fronts(&reduced) - 0.01).abs() < 1e-6,
+            "the lid is still seen"
+        );
     }
 
     #[test]

@@ -142,7 +142,7 @@ pub(crate) fn clean(mesh: &mut TriangleMesh) -> Vec<String> {
     }
     if found.n_two_sided > 0 {
         sentences.push(format!(
-            "its surface is open where {} faces are doubled; they keep both sides, which have no              thickness",
+            "{} of its doubled faces enclose no volume; both sides are kept, without thickness",
             found.n_two_sided
         ));
     }
