@@ -74,7 +74,11 @@ pub fn draw(
     encode(&image, width, grid.height)
 }
 
-pub(crate) fn encode(image: &[u8], width: usize, height: usize) -> Result<Vec<u8>, EncodingError> {
+/// RGB image as PNG; `image` holds three bytes a pixel, row-major.
+///
+/// # Errors
+/// If the PNG encoder fails.
+pub fn encode(image: &[u8], width: usize, height: usize) -> Result<Vec<u8>, EncodingError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width as u32, height as u32);
     encoder.set_color(ColorType::Rgb);

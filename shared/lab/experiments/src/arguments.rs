@@ -131,6 +131,31 @@ pub enum EvaluateVerb {
     CrossValidation(CrossValidationArguments),
     /// Recognition under other lamps and beside other tables than those of the lessons
     Lighting(LightingArguments),
+    /// Queries in words over the tracked objects of simulated scenes
+    Find(FindArguments),
+}
+
+/// Arguments of `evaluate find`.
+#[derive(Debug, Args)]
+pub struct FindArguments {
+    /// Number of simulated scenes
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub(crate) scenes: u64,
+    /// Number of generated queries about each scene
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    pub(crate) queries_per_scene: u32,
+    /// Query file (TOML) about these scenes [default: that of the project, which belongs to seed 1]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) queries: Option<PathBuf>,
+    /// Folder of WordNet; without it there are no synonyms
+    #[arg(long, value_name = "DIR", default_value = "/usr/share/wordnet")]
+    pub(crate) wordnet: PathBuf,
+    /// Random seed of the scenes
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the figures, the page and the pictures
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
 }
 
 /// Arguments of `evaluate lighting`.

@@ -3,6 +3,7 @@
 mod ablation;
 mod cross_validation;
 mod detection;
+mod find;
 mod lighting;
 mod open_ended;
 mod open_set;
@@ -29,6 +30,7 @@ pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
         EvaluateVerb::OpenEnded(arguments) => open_ended::run(arguments, output),
         EvaluateVerb::Ablation(arguments) => ablation::run(arguments, output),
         EvaluateVerb::CrossValidation(arguments) => cross_validation::run(arguments, output),
+        EvaluateVerb::Find(arguments) => find::run(arguments, output),
         EvaluateVerb::Lighting(arguments) => lighting::run(arguments, output),
     }
 }

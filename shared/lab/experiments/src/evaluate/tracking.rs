@@ -11,7 +11,7 @@ mod resting_truth;
 mod scenario;
 mod simulated_sequence;
 mod small_text_file;
-mod tracking_pipeline;
+pub(super) mod tracking_pipeline;
 mod tracking_run;
 
 use crate::arguments::TrackingArguments;

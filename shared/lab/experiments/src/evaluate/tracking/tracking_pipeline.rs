@@ -3,7 +3,7 @@
 use evaluation::tracked_frame::TrackState;
 use geometry::{Capsule, PinholeCamera, RigidTransform};
 use nalgebra::{Unit, Vector3};
-use pipeline::{Config, FramePipeline, FramePose, SequentialFrame, SequentialState};
+use pipeline::{Config, FramePipeline, FramePose, SequentialFrame, SequentialState, Track};
 use point_cloud::OrganizedCloud;
 use tracking::{AssociationConfig, MotionConfig, TrackPhase, Visibility};
 
@@ -13,34 +13,34 @@ const KNOWN_PROBABILITY_MIN: f32 = 0.5;
 
 /// Frame of a sequence with its camera pose and the known bodies.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct TrackerInput<'a> {
+pub(in super::super) struct TrackerInput<'a> {
     /// Frame number, from 0; the seed of detection.
-    pub(super) number: u64,
+    pub(in super::super) number: u64,
     /// Capture stamp of the frame, nanoseconds.
-    pub(super) capture_ns: u64,
+    pub(in super::super) capture_ns: u64,
     /// Point cloud of the frame, camera frame.
-    pub(super) cloud: OrganizedCloud<'a>,
+    pub(in super::super) cloud: OrganizedCloud<'a>,
     /// Intrinsics of the camera.
-    pub(super) camera: PinholeCamera,
+    pub(in super::super) camera: PinholeCamera,
     /// Pose of the camera, `world_from_camera`.
-    pub(super) world_from_camera: RigidTransform,
+    pub(in super::super) world_from_camera: RigidTransform,
     /// Up direction, camera frame; `None` when unknown.
-    pub(super) up_in_camera: Option<Unit<Vector3<f64>>>,
+    pub(in super::super) up_in_camera: Option<Unit<Vector3<f64>>>,
     /// Capsules of people, world frame; `None` when no source reports people.
-    pub(super) people: Option<&'a [Capsule]>,
+    pub(in super::super) people: Option<&'a [Capsule]>,
     /// Capsules of the robot, world frame; `None` when no source reports the robot.
-    pub(super) robot: Option<&'a [Capsule]>,
+    pub(in super::super) robot: Option<&'a [Capsule]>,
 }
 
 /// Frame pipeline with its sequential executor.
-pub(super) struct TrackingPipeline {
+pub(in super::super) struct TrackingPipeline {
     pipeline: FramePipeline,
     state: SequentialState,
 }
 
 impl TrackingPipeline {
     /// Pipeline with the daemon's default settings and nothing taught.
-    pub(super) fn new() -> Result<Self, pipeline::Error> {
+    pub(in super::super) fn new() -> Result<Self, pipeline::Error> {
         let (motion, association) = (MotionConfig::default(), AssociationConfig::default());
         let config = Config::new(motion, association, KNOWN_PROBABILITY_MIN)?;
         Ok(Self {
@@ -53,7 +53,10 @@ impl TrackingPipeline {
     ///
     /// # Errors
     /// When the frame cannot be searched or an object cannot be described.
-    pub(super) fn step(&mut self, input: &TrackerInput<'_>) -> Result<(), pipeline::Error> {
+    pub(in super::super) fn step(
+        &mut self,
+        input: &TrackerInput<'_>,
+    ) -> Result<(), pipeline::Error> {
         let camera_from_world = input.world_from_camera.inverse();
         let in_camera = |capsules: Option<&[Capsule]>| -> Option<Vec<Capsule>> {
             let transformed = |capsule: &Capsule| capsule.transformed(&camera_from_world);
@@ -73,6 +76,11 @@ impl TrackingPipeline {
             robot: robot.as_deref(),
         };
         self.state.process(&mut self.pipeline, &frame)
+    }
+
+    /// Live tracks after the last frame.
+    pub(in super::super) fn tracks(&self) -> &[Track] {
+        self.pipeline.tracks()
     }
 
     /// States of the live tracks after the last frame.

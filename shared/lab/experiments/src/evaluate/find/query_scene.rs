@@ -1,0 +1,274 @@
+//! Scene of a query: simulated objects, their tracks, and their true colours.
+
+use crate::evaluate::tracking::tracking_pipeline::{TrackerInput, TrackingPipeline};
+use evaluation::scene_picture;
+use geometry::PinholeCamera;
+use nalgebra::{Unit, Vector3};
+use point_cloud::{ColorTerm, OrganizedCloud, Point, Rgba};
+use random::Random;
+use referring_expression::{Lesson, QueryWorld, Viewpoint, WorldObject};
+use service::Failure;
+use simulated_world::{
+    Error, ModelChoice, ModelLibrary, ObjectModel, Scene, SimulatedKinect, World,
+};
+
+/// Number of frames after which the scene is asked about.
+const N_FRAMES: u64 = 12;
+/// Duration of a frame, nanoseconds.
+const FRAME_NS: u64 = 33_333_333;
+/// Number of objects of a scene, at least and at most.
+const N_OBJECTS: [usize; 2] = [6, 9];
+/// Share of objects that repeat a category of the scene. Chosen: so that words beside the name
+/// are needed.
+const REPEATED_SHARE: f64 = 0.45;
+/// Greatest distance of a track from its object, metres.
+const TRACK_DISTANCE_MAX_M: f64 = 0.06;
+/// Maximum number of placement attempts of a scene. Chosen.
+const N_TRIES: u64 = 20;
+/// Categories of the scenes, whose English names are everyday words.
+const CATEGORIES: [&str; 24] = [
+    "mug",
+    "bowl",
+    "bottle",
+    "book",
+    "banana",
+    "apple",
+    "cereal-box",
+    "tin-can",
+    "toy-car",
+    "candle",
+    "tennis-ball",
+    "kettle",
+    "teapot",
+    "vase",
+    "jar",
+    "sponge",
+    "lemon",
+    "orange",
+    "stapler",
+    "hammer",
+    "milk-carton",
+    "toy-duck",
+    "pot",
+    "plate",
+];
+/// The present in the scenes, nanoseconds since 1970: 2026-05-20 15:00 UTC.
+const NOW_NS: i64 = 1_779_289_200_000_000_000;
+/// Number of nanoseconds of a day.
+const DAY_NS: i64 = 86_400_000_000_000;
+
+/// Object of a scene: what is true about it.
+#[derive(Debug, Clone)]
+pub(super) struct TrueObject {
+    /// Object number in the scene, from 1.
+    pub(super) id: u16,
+    pub(super) category: String,
+    /// Shares of the colour terms on its surface, in the order of [`ColorTerm::ALL`].
+    pub(super) color_shares: [f64; ColorTerm::ALL.len()],
+    /// Centre of its bounding box, world frame.
+    pub(super) centre_in_world_m: Vector3<f64>,
+    /// Sides of its bounding box, metres.
+    pub(super) size_m: Vector3<f64>,
+    /// Track of the object; `None` when it is not tracked.
+    pub(super) track_id: Option<u64>,
+}
+
+impl TrueObject {
+    /// Share of a colour term on the surface, 0 to 1.
+    pub(super) fn share(&self, term: ColorTerm) -> f64 {
+        self.color_shares[term as usize]
+    }
+
+    /// Category as people say it.
+    pub(super) fn spoken(&self) -> String {
+        self.category.replace('-', " ")
+    }
+}
+
+/// Simulated scene with its tracks, as a query sees it.
+pub(super) struct QueryScene {
+    pub(super) objects: Vec<TrueObject>,
+    /// Number of the object that was taught yesterday; all others were taught today.
+    pub(super) taught_yesterday: u16,
+    pub(super) viewpoint: Viewpoint,
+    /// Colour image, PNG.
+    pub(super) picture: Vec<u8>,
+    tracks: Vec<WorldObject>,
+    lessons: Vec<Lesson>,
+    names: Vec<String>,
+}
+
+impl QueryScene {
+    /// Simulates a scene, tracks its objects, and teaches each track the category of its object.
+    ///
+    /// # Errors
+    /// When the objects find no place.
+    pub(super) fn simulate(seed: u64, number: u64) -> Result<Self, Failure> {
+        let world = world(seed, number)?;
+        let camera = PinholeCamera::KINECT_V1;
+        let mut kinect = SimulatedKinect::new(&world, camera).map_err(Failure::general)?;
+        let mut points = vec![Point::default(); camera.n_pixels()];
+        let mut tracker = TrackingPipeline::new().map_err(Failure::general)?;
+        for frame in 0..N_FRAMES {
+            kinect
+                .look(&world, frame, &mut points)
+                .map_err(Failure::general)?;
+            track(&mut tracker, &world, frame, &points)?;
+        }
+        let mut objects: Vec<TrueObject> = world.objects().iter().map(true_object).collect();
+        let tracks = tracks(&tracker, &mut objects);
+        let pose = world.world_from_camera();
+        let viewpoint = Viewpoint::of_camera(pose.translation.vector, &pose.rotation);
+        let rgb: Vec<u8> = points.iter().flat_map(|p| p.color.rgb()).collect();
+        let size = (camera.width as usize, camera.height as usize);
+        let known: Vec<&TrueObject> = objects.iter().filter(|o| o.track_id.is_some()).collect();
+        let lesson = |(order, object): (usize, &&TrueObject)| Lesson {
+            track_id: object.track_id,
+            category: object.category.clone(),
+            author: "anna".to_owned(),
+            wall_ns: if order == 0 {
+                NOW_NS - DAY_NS
+            } else {
+                NOW_NS - order as i64 * 60_000_000_000
+            },
+        };
+        Ok(Self {
+            taught_yesterday: known.first().map_or(0, |object| object.id),
+            lessons: known.iter().enumerate().map(lesson).collect(),
+            names: CATEGORIES.iter().map(|&name| name.to_owned()).collect(),
+            viewpoint: viewpoint.ok_or_else(|| Failure::general("the camera has no pose"))?,
+            picture: scene_picture::encode(&rgb, size.0, size.1).map_err(Failure::general)?,
+            tracks,
+            objects,
+        })
+    }
+
+    /// World of a query.
+    pub(super) fn world(&self) -> QueryWorld<'_> {
+        QueryWorld {
+            objects: &self.tracks,
+            viewpoint: Some(self.viewpoint),
+            lessons: &self.lessons,
+            taught_names: &self.names,
+            now_ns: NOW_NS,
+            utc_offset_s: 0,
+            speaker: Some("anna"),
+        }
+    }
+
+    /// Object of a track.
+    pub(super) fn object_of(&self, track_id: u64) -> Option<&TrueObject> {
+        let mut objects = self.objects.iter();
+        objects.find(|object| object.track_id == Some(track_id))
+    }
+}
+
+/// World with isolated objects, some of one category.
+fn world(seed: u64, number: u64) -> Result<World, Failure> {
+    let mut random = Random::substream(seed, number);
+    let n_objects = N_OBJECTS[0] + random.below(N_OBJECTS[1] - N_OBJECTS[0] + 1);
+    let mut choices: Vec<ModelChoice> = Vec::new();
+    let mut categories: Vec<&str> = Vec::new();
+    while choices.len() < n_objects {
+        let is_repeated = !categories.is_empty() && random.unit() < REPEATED_SHARE;
+        let category = if is_repeated {
+            categories[random.below(categories.len())]
+        } else {
+            CATEGORIES[random.below(CATEGORIES.len())]
+        };
+        categories.push(category);
+        choices.push(ModelChoice::Generated {
+            category: category.to_owned(),
+            instance: random.below(1000) as u64,
+        });
+    }
+    let mut library = ModelLibrary::generated();
+    let seeds = (0..N_TRIES).map(|again| seed << 32 ^ again << 24 ^ number);
+    let mut laid = seeds.map(|seed| Scene::isolated(choices.clone(), seed, &mut library));
+    let is_final = |laid: &Result<Scene, Error>| !matches!(laid, Err(Error::NoRoom { .. }));
+    let laid = laid
+        .find(is_final)
+        .ok_or_else(|| Failure::general(format!("the objects of scene {number} find no room")))?;
+    World::new(laid.map_err(Failure::general)?, library).map_err(Failure::general)
+}
+
+fn track(
+    tracker: &mut TrackingPipeline,
+    world: &World,
+    frame: u64,
+    points: &[Point],
+) -> Result<(), Failure> {
+    let camera = PinholeCamera::KINECT_V1;
+    let world_from_camera = world.world_from_camera();
+    let up_in_camera = world_from_camera.rotation.inverse() * Vector3::z();
+    let (width, height) = (camera.width as usize, camera.height as usize);
+    let input = TrackerInput {
+        number: frame,
+        capture_ns: (frame + 1) * FRAME_NS,
+        cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
+        camera,
+        world_from_camera,
+        up_in_camera: Some(Unit::new_normalize(up_in_camera)),
+        people: None,
+        robot: None,
+    };
+    tracker.step(&input).map_err(Failure::general)
+}
+
+fn true_object(object: &simulated_world::SimulatedObject) -> TrueObject {
+    TrueObject {
+        id: object.id,
+        category: object.model.category.clone(),
+        color_shares: surface_colors(&object.model),
+        centre_in_world_m: object.world_from_object.translation.vector,
+        size_m: object.model.half_sides_m * 2.0,
+        track_id: None,
+    }
+}
+
+/// Shares of the colour terms on the surface of a model, by area.
+fn surface_colors(model: &ObjectModel) -> [f64; ColorTerm::ALL.len()] {
+    let mut areas = [0.0; ColorTerm::ALL.len()];
+    for triangle in &model.mesh.triangles {
+        let [a, b, c] = triangle
+            .vertices
+            .map(|index| &model.mesh.vertices[index as usize]);
+        let normal = (b.position - a.position).cross(&(c.position - a.position));
+        let [red, green, blue] = a.color;
+        areas[ColorTerm::of(Rgba::opaque(red, green, blue)) as usize] += f64::from(normal.norm());
+    }
+    let sum: f64 = areas.iter().sum();
+    areas.map(|area| area / sum.max(f64::MIN_POSITIVE))
+}
+
+/// Tracks of the scene as the objects of a query; each is assigned to the nearest object and
+/// taught its category.
+fn tracks(tracker: &TrackingPipeline, objects: &mut [TrueObject]) -> Vec<WorldObject> {
+    let mut tracks = Vec::new();
+    for track in tracker.tracks() {
+        let body = track.box_in_world();
+        let centre = body.frame_from_box.translation.vector;
+        let distance = |object: &TrueObject| (object.centre_in_world_m - centre).norm();
+        let nearest = objects
+            .iter_mut()
+            .filter(|object| object.track_id.is_none() && distance(object) < TRACK_DISTANCE_MAX_M)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let name = nearest.map(|object| {
+            object.track_id = Some(track.id);
+            object.category.clone()
+        });
+        tracks.push(WorldObject {
+            track_id: track.id,
+            is_labelled: name.is_some(),
+            names: name.into_iter().map(|name| (name, 1.0)).collect(),
+            color_shares: track.measured.color_shares.values(),
+            centre_in_world_m: centre.into(),
+            orientation_xyzw: body.frame_from_box.rotation.coords.into(),
+            size_m: body.sides_m().into(),
+            is_in_view: true,
+            first_seen_ns: NOW_NS - DAY_NS,
+            last_seen_ns: NOW_NS,
+        });
+    }
+    tracks
+}
