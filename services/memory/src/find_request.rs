@@ -66,7 +66,7 @@ impl KnownWorld {
         let now_ns = now_ns() as i64;
         let object = |object: &ObjectReport| live_object(object, &upright, &lessons, now_ns);
         Self {
-            live: scene.objects.iter().map(object).collect(),
+            live: certain(&scene).map(object).collect(),
             viewpoint: viewpoint(&scene, &upright),
             taught_names: categories.into_iter().map(|one| one.category).collect(),
             scene,
@@ -153,6 +153,12 @@ impl KnownWorld {
             },
         }
     }
+}
+
+/// Objects of the scene that are no mere tentative tracks.
+fn certain(scene: &ObjectsReport) -> impl Iterator<Item = &ObjectReport> {
+    let is_certain = |object: &&ObjectReport| object.state != TrackState::Tentative.word();
+    scene.objects.iter().filter(is_certain)
 }
 
 /// Newest lessons of the working memory.
@@ -243,8 +249,7 @@ fn live_object(
         centre_in_world_m: turned.translation.vector.into(),
         orientation_xyzw: turned.rotation.coords.into(),
         size_m: object.size_m,
-        is_in_view: object.state == TrackState::Tracked.word()
-            || object.state == TrackState::Tentative.word(),
+        is_in_view: object.state == TrackState::Tracked.word(),
         first_seen_ns: ago(object.age_s),
         last_seen_ns: ago(object.unseen_s),
     }

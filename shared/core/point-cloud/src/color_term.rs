@@ -70,21 +70,47 @@ impl ColorTerm {
 
     /// Term of a colour, from a table of 32 values for each channel.
     pub fn of(color: Rgba) -> Self {
-        static TERMS: LazyLock<Box<[ColorTerm]>> = LazyLock::new(terms);
-        let step = 256 / N_LEVELS;
-        let [red, green, blue] = color.rgb().map(|channel| usize::from(channel) / step);
-        TERMS[(red * N_LEVELS + green) * N_LEVELS + blue]
+        cell_of(color.rgb()).term
     }
 }
 
-/// Terms of all cells of the table, blue fastest.
-fn terms() -> Box<[ColorTerm]> {
+/// Cell of the lookup table.
+#[derive(Debug, Clone, Copy)]
+struct ColorCell {
+    term: ColorTerm,
+    /// Sector of the hue, or that of greys.
+    hue: u8,
+}
+
+/// Number of sectors of hue, of 30 degrees each; greys have one of their own.
+const N_HUES: usize = 12;
+
+fn cell_of(rgb: [u8; 3]) -> ColorCell {
+    static CELLS: LazyLock<Box<[ColorCell]>> = LazyLock::new(cells);
+    let step = 256 / N_LEVELS;
+    let [red, green, blue] = rgb.map(|channel| usize::from(channel) / step);
+    CELLS[(red * N_LEVELS + green) * N_LEVELS + blue]
+}
+
+/// All cells of the table, blue fastest.
+fn cells() -> Box<[ColorCell]> {
     let value = |level: usize| (level as f64 + 0.5) / N_LEVELS as f64;
     let cells = 0..N_LEVELS * N_LEVELS * N_LEVELS;
     cells
         .map(|cell| {
             let [red, green] = [cell / N_LEVELS / N_LEVELS, cell / N_LEVELS % N_LEVELS];
-            term_of_lab(lab([red, green, cell % N_LEVELS].map(value)))
+            let lab = lab([red, green, cell % N_LEVELS].map(value));
+            let term = term_of_lab(lab);
+            let is_grey = matches!(term, ColorTerm::Black | ColorTerm::White | ColorTerm::Grey);
+            let sector = (hue_deg(lab) / 360.0 * N_HUES as f64) as usize;
+            ColorCell {
+                term,
+                hue: if is_grey {
+                    N_HUES
+                } else {
+                    sector.min(N_HUES - 1)
+                } as u8,
+            }
         })
         .collect()
 }
@@ -111,14 +137,20 @@ fn lab(srgb: [f64; 3]) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
+/// Hue angle, 0 to 360 degrees.
+fn hue_deg([_, a, b]: [f64; 3]) -> f64 {
+    b.atan2(a).to_degrees().rem_euclid(360.0)
+}
+
 /// Term of a colour in CIELAB. The limits are chosen so that the colours that people call by a
 /// term (Sturges and Whitfield, "Locating basic colours in the Munsell space", 1995) get it, for
 /// surfaces that are seen by an indoor camera: white is rarely bright, black never dark.
 fn term_of_lab([lightness, a, b]: [f64; 3]) -> ColorTerm {
     let chroma = a.hypot(b);
-    let hue_deg = b.atan2(a).to_degrees().rem_euclid(360.0);
-    // Dark colours look the more chromatic, the lighter they are.
-    let grey_chroma_max = (5.0 + 0.1 * lightness).min(12.0);
+    let hue_deg = hue_deg([lightness, a, b]);
+    // People discount the blue of shade.
+    let is_bluish = (220.0..300.0).contains(&hue_deg);
+    let grey_chroma_max = (5.0 + 0.1 * lightness).min(12.0) + if is_bluish { 5.0 } else { 0.0 };
     if lightness < 16.0 || (lightness < 26.0 && chroma < 10.0) {
         return ColorTerm::Black;
     }
@@ -140,6 +172,7 @@ fn term_of_lab([lightness, a, b]: [f64; 3]) -> ColorTerm {
         46.0..74.0 => ColorTerm::Brown,
         74.0..108.0 if lightness > 84.0 && chroma < 18.0 => ColorTerm::White,
         74.0..108.0 if lightness > 56.0 && chroma > 34.0 => ColorTerm::Yellow,
+        108.0..115.0 if lightness > 70.0 && chroma > 45.0 => ColorTerm::Yellow,
         74.0..96.0 => ColorTerm::Brown,
         96.0..200.0 => ColorTerm::Green,
         200.0..304.0 => ColorTerm::Blue,
@@ -153,11 +186,15 @@ fn term_of_lab([lightness, a, b]: [f64; 3]) -> ColorTerm {
 pub struct ColorShares([f32; ColorTerm::ALL.len()]);
 
 impl ColorShares {
-    /// Shares of the terms of the given colours; all 0 without any.
-    pub fn of(colors: impl IntoIterator<Item = Rgba>) -> Self {
+    /// Shares of the terms of an object's colours; all 0 without any.
+    ///
+    /// The shaded side of a thing is called by the colour of its lit side: a pixel with the hue of
+    /// brighter ones is named at their brightness, down to half of it.
+    pub fn of(colors: impl Iterator<Item = Rgba> + Clone) -> Self {
+        let lit = LitValues::of(colors.clone());
         let (mut counts, mut n) = ([0_u32; ColorTerm::ALL.len()], 0_u32);
         for color in colors {
-            counts[ColorTerm::of(color) as usize] += 1;
+            counts[cell_of(lit.unshaded(color.rgb())).term as usize] += 1;
             n += 1;
         }
         Self(counts.map(|count| count as f32 / n.max(1) as f32))
@@ -172,6 +209,50 @@ impl ColorShares {
     pub fn share(&self, term: ColorTerm) -> f32 {
         self.0[term as usize]
     }
+}
+
+/// Share of the pixels of a hue that are brighter than its lit value.
+const LIT_SHARE: f32 = 0.2;
+
+/// Greatest factor by which a shaded pixel is brightened. Chosen: the side of a box away from the
+/// lamp has about half the light of its top.
+const SHADE_MAX: f32 = 2.0;
+
+/// Brightness of the lit side by sector of hue: a high quantile of the greatest channel.
+struct LitValues([u8; N_HUES + 1]);
+
+impl LitValues {
+    fn of(colors: impl Iterator<Item = Rgba>) -> Self {
+        let mut counts = [[0_u32; N_LEVELS]; N_HUES + 1];
+        for color in colors {
+            let rgb = color.rgb();
+            let level = usize::from(greatest(rgb)) * N_LEVELS / 256;
+            counts[usize::from(cell_of(rgb).hue)][level] += 1;
+        }
+        Self(counts.map(|of_hue| {
+            let n: u32 = of_hue.iter().sum();
+            let mut n_brighter = 0;
+            let level = (0..N_LEVELS).rev().find(|&level| {
+                n_brighter += of_hue[level];
+                n_brighter as f32 >= LIT_SHARE * n as f32 && n > 0
+            });
+            (level.unwrap_or(0) * 256 / N_LEVELS + 4) as u8
+        }))
+    }
+
+    /// Colour at the brightness of the lit side of its hue.
+    fn unshaded(&self, rgb: [u8; 3]) -> [u8; 3] {
+        let lit = f32::from(self.0[usize::from(cell_of(rgb).hue)]);
+        let factor = lit / f32::from(greatest(rgb)).max(1.0);
+        if !(1.0..=SHADE_MAX).contains(&factor) {
+            return rgb;
+        }
+        rgb.map(|channel| (f32::from(channel) * factor).min(255.0) as u8)
+    }
+}
+
+fn greatest(rgb: [u8; 3]) -> u8 {
+    rgb.into_iter().max().unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -218,9 +299,25 @@ mod tests {
     #[test]
     fn color_shares_count_terms() {
         let (red, white) = (Rgba::opaque(200, 30, 30), Rgba::opaque(240, 240, 240));
-        let shares = ColorShares::of([red, white, red, red]);
+        let shares = ColorShares::of([red, white, red, red].into_iter());
         assert_eq!(shares.share(ColorTerm::Red), 0.75);
         assert_eq!(shares.share(ColorTerm::White), 0.25);
-        assert_eq!(ColorShares::of([]), ColorShares::default());
+        assert_eq!(ColorShares::of(std::iter::empty()), ColorShares::default());
+    }
+
+    #[test]
+    fn color_shares_call_the_shaded_side_by_the_lit_one() {
+        let orange = |shade: f32| {
+            let [red, green, blue] = [240.0, 140.0, 30.0].map(|c: f32| (c * shade) as u8);
+            Rgba::opaque(red, green, blue)
+        };
+        assert_eq!(ColorTerm::of(orange(0.55)), ColorTerm::Brown);
+        let ball = (0..40).map(|i| orange(0.55 + 0.45 * i as f32 / 39.0));
+        assert!(ColorShares::of(ball).share(ColorTerm::Orange) > 0.95);
+        let brown = (0..40).map(|_| orange(0.55));
+        assert!(ColorShares::of(brown).share(ColorTerm::Brown) > 0.95);
+        let (white, black) = (Rgba::opaque(230, 230, 230), Rgba::opaque(25, 25, 25));
+        let dice = ColorShares::of([white, black].into_iter());
+        assert_eq!(dice.share(ColorTerm::Black), 0.5);
     }
 }

@@ -8,14 +8,18 @@ use crate::shade::Shade;
 use crate::tokens::WordSpan;
 use crate::world::WorldObject;
 
-/// Share from which on an object has a colour without doubt. Chosen.
+/// Share from which on an object has a colour fully. Chosen.
 const CLEAR_SHARE: f64 = 0.5;
+
+/// Share from which on an object has a colour without doubt. Chosen: colours that border on each
+/// other, such as red and purple, share an object by about half.
+const SURE_SHARE: f64 = 0.6;
 
 /// Share from which on one of several colours counts without doubt. Chosen.
 const CLEAR_PART: f64 = 0.2;
 
 /// Share of a colour that a person notices. Chosen.
-const NOTICED_SHARE: f64 = 0.05;
+const NOTICED_SHARE: f64 = 0.12;
 
 /// Score of an object whose colour is not known.
 const UNKNOWN_SCORE: f64 = 0.4;
@@ -105,7 +109,7 @@ fn judge_any(object: &WorldObject, shades: &[Shade]) -> Judgement {
     };
     let score = ramp(best, NOTICED_SHARE, CLEAR_SHARE);
     Judgement::new(score, format!("is {wanted}"), lack).doubt_if(
-        (NOTICED_SHARE..CLEAR_SHARE).contains(&best),
+        (NOTICED_SHARE..SURE_SHARE).contains(&best),
         || {
             format!(
                 "track {} is only {:.0} % {wanted}",

@@ -12,6 +12,9 @@ use crate::world::WorldObject;
 /// Score of an object for a noun that is not understood.
 const UNKNOWN_NOUN_SCORE: f64 = 0.5;
 
+/// Score of a category that the words name or contain, rather than resemble.
+const NEAR_SCORE: f64 = 0.6;
+
 /// Probability of a name from which on it is not doubtful.
 const SURE_PROBABILITY: f64 = 0.9;
 
@@ -99,53 +102,78 @@ impl Grounder<'_> {
         }
     }
 
+    /// Categories that fit the words, of the closest kinship only: who says "vase" where vases
+    /// were taught means no jar.
     fn fits(&self, span: WordSpan) -> HashMap<String, CategoryFit> {
         let spoken = span.of(self.words);
-        let fit = |(name, words): (&&str, &Vec<SpokenWord>)| {
-            Some(((*name).to_owned(), self.category_fit(spoken, name, words)?))
+        let fits_by = |fit: &dyn Fn(&str, &[SpokenWord]) -> Option<CategoryFit>| {
+            let names = self.known_names.iter();
+            let fits =
+                names.filter_map(|(name, words)| Some(((*name).to_owned(), fit(name, words)?)));
+            fits.collect::<HashMap<_, _>>()
         };
-        self.known_names.iter().filter_map(fit).collect()
+        let named = fits_by(&|name, words| fit_of_name(spoken, name, words));
+        if !named.is_empty() {
+            return named;
+        }
+        let related = fits_by(&|name, words| self.fit_of_meaning(spoken, name, words));
+        let closest = related.values().map(|fit| fit.score).fold(0.0, f64::max);
+        let is_near = |fit: &CategoryFit| closest < NEAR_SCORE || fit.score >= NEAR_SCORE;
+        related
+            .into_iter()
+            .filter(|(_, fit)| is_near(fit))
+            .collect()
     }
 
-    fn category_fit(
+    /// Fit of a category whose name means the same as the words, or something related.
+    fn fit_of_meaning(
         &self,
         spoken: &[SpokenWord],
         name: &str,
         name_words: &[SpokenWord],
     ) -> Option<CategoryFit> {
         let words = normalised(spoken);
-        let taken = |score: f64, doubt: String| {
-            Some(CategoryFit {
-                score,
-                doubt: Some(doubt),
-            })
-        };
-        match agreement(spoken, name_words) {
-            Some(NameAgreement::Same) => {
-                return Some(CategoryFit {
-                    score: 1.0,
-                    doubt: None,
-                });
-            }
-            Some(NameAgreement::Head) => {
-                return taken(0.75, format!("`{words}` was taken as {name}"));
-            }
-            None => {}
-        }
         if are_everyday_synonyms(&singular_form(spoken), &singular_form(name_words)) {
-            return taken(0.7, format!("`{words}` was taken as a synonym of {name}"));
+            return doubtful(0.7, format!("`{words}` was taken as a synonym of {name}"));
         }
         match self.lexicon?.kinship(&words, name)? {
-            Kinship::Synonym => taken(0.7, format!("`{words}` was taken as a synonym of {name}")),
-            Kinship::Broader { n_levels } => taken(
+            Kinship::Synonym => {
+                doubtful(0.7, format!("`{words}` was taken as a synonym of {name}"))
+            }
+            Kinship::Broader { n_levels } => doubtful(
                 0.78 - 0.03 * f64::from(n_levels),
                 format!("`{words}` was taken as a kind to which {name} belongs"),
             ),
-            Kinship::Narrower { .. } => taken(
+            Kinship::Narrower { .. } => doubtful(
                 0.5,
                 format!("`{words}` is a kind of {name}; the kind is not known"),
             ),
-            Kinship::Sister => taken(0.35, format!("`{words}` is only related to {name}")),
+            Kinship::Sister => doubtful(0.35, format!("`{words}` is only related to {name}")),
+        }
+    }
+}
+
+fn doubtful(score: f64, doubt: String) -> Option<CategoryFit> {
+    Some(CategoryFit {
+        score,
+        doubt: Some(doubt),
+    })
+}
+
+/// Fit of a category by its name: all of it, or the last word of a compound.
+fn fit_of_name(
+    spoken: &[SpokenWord],
+    name: &str,
+    name_words: &[SpokenWord],
+) -> Option<CategoryFit> {
+    match agreement(spoken, name_words)? {
+        NameAgreement::Same => Some(CategoryFit {
+            score: 1.0,
+            doubt: None,
+        }),
+        NameAgreement::Head => {
+            let words = normalised(spoken);
+            doubtful(0.75, format!("`{words}` was taken as {name}"))
         }
     }
 }

@@ -21,6 +21,29 @@ const FRUIT: [&str; 4] = ["banana", "apple", "lemon", "orange"];
 /// Categories that a scene is asked about in vain.
 const ABSENT: [&str; 6] = ["mug", "banana", "hammer", "teapot", "stapler", "candle"];
 
+/// Colours that a scene is asked about in vain, with those that border on them.
+const ABSENT_COLORS: [(ColorTerm, &[ColorTerm]); 3] = [
+    (
+        ColorTerm::Red,
+        &[
+            ColorTerm::Pink,
+            ColorTerm::Orange,
+            ColorTerm::Brown,
+            ColorTerm::Purple,
+        ],
+    ),
+    (ColorTerm::Green, &[ColorTerm::Yellow, ColorTerm::Blue]),
+    (
+        ColorTerm::Blue,
+        &[
+            ColorTerm::Purple,
+            ColorTerm::Green,
+            ColorTerm::Grey,
+            ColorTerm::White,
+        ],
+    ),
+];
+
 /// Queries about a scene, of as many kinds as it allows.
 pub(super) fn queries(scene: &QueryScene, n_queries: usize) -> Vec<TrueQuery> {
     let mut random = Random::substream(
@@ -267,17 +290,16 @@ fn absent(scene: &QueryScene) -> Vec<TrueQuery> {
     let names = absent.map(|name| format!("where is the {name}?"));
     let colored = scene.objects.iter().flat_map(|object| {
         let of_category = of_category(scene, &object.category);
-        let is_absent =
-            move |term: &ColorTerm| of_category.clone().all(|other| other.share(*term) < 0.01);
-        // Shade, light and gloss do not make these from another colour.
-        let terms = [
-            ColorTerm::Red,
-            ColorTerm::Green,
-            ColorTerm::Blue,
-            ColorTerm::Purple,
-        ];
+        let is_absent = move |&(term, near): &(ColorTerm, &[ColorTerm])| {
+            of_category.clone().all(|other| {
+                let near: f64 = near.iter().map(|&near| other.share(near)).sum();
+                let clear: f64 = other.color_shares.iter().sum();
+                other.share(term) + near < 0.01 && clear >= COLOR_SHARE_MIN
+            })
+        };
         let words = move |term: ColorTerm| format!("the {} {}", term.word(), object.spoken());
-        terms.into_iter().filter(is_absent).map(words)
+        let terms = ABSENT_COLORS.into_iter().filter(is_absent);
+        terms.map(move |(term, _)| words(term))
     });
     let none = |words| TrueQuery {
         words,

@@ -4,6 +4,7 @@ use crate::evaluate::tracking::tracking_pipeline::{TrackerInput, TrackingPipelin
 use evaluation::scene_picture;
 use geometry::PinholeCamera;
 use nalgebra::{Unit, Vector3};
+use pipeline::Track;
 use point_cloud::{ColorTerm, OrganizedCloud, Point, Rgba};
 use random::Random;
 use referring_expression::{Lesson, QueryWorld, Viewpoint, WorldObject};
@@ -11,6 +12,7 @@ use service::Failure;
 use simulated_world::{
     Error, ModelChoice, ModelLibrary, ObjectModel, Scene, SimulatedKinect, World,
 };
+use tracking::TrackPhase;
 
 /// Number of frames after which the scene is asked about.
 const N_FRAMES: u64 = 12;
@@ -156,6 +158,13 @@ impl QueryScene {
         }
     }
 
+    /// Shares of the colour terms of a track, as perception sees them.
+    pub(super) fn seen_colors(&self, track_id: u64) -> Option<[f32; ColorTerm::ALL.len()]> {
+        let mut tracks = self.tracks.iter();
+        let track = tracks.find(|track| track.track_id == track_id);
+        track.map(|track| track.color_shares)
+    }
+
     /// Object of a track.
     pub(super) fn object_of(&self, track_id: u64) -> Option<&TrueObject> {
         let mut objects = self.objects.iter();
@@ -226,26 +235,43 @@ fn true_object(object: &simulated_world::SimulatedObject) -> TrueObject {
     }
 }
 
-/// Shares of the colour terms on the surface of a model, by area.
+/// Shares of the colour terms on the surface of a model, by area. A surface whose term depends on
+/// the strength of the light is left out, because people do not agree on it.
 fn surface_colors(model: &ObjectModel) -> [f64; ColorTerm::ALL.len()] {
-    let mut areas = [0.0; ColorTerm::ALL.len()];
+    let (mut areas, mut sum) = ([0.0; ColorTerm::ALL.len()], 0.0);
     for triangle in &model.mesh.triangles {
         let [a, b, c] = triangle
             .vertices
             .map(|index| &model.mesh.vertices[index as usize]);
         let normal = (b.position - a.position).cross(&(c.position - a.position));
-        let [red, green, blue] = a.color;
-        areas[ColorTerm::of(Rgba::opaque(red, green, blue)) as usize] += f64::from(normal.norm());
+        let area = f64::from(normal.norm());
+        sum += area;
+        if let Some(term) = clear_term(a.color) {
+            areas[term as usize] += area;
+        }
     }
-    let sum: f64 = areas.iter().sum();
     areas.map(|area| area / sum.max(f64::MIN_POSITIVE))
+}
+
+/// Term that a colour keeps under a quarter less and a fifth more light; `None` for one between two terms.
+fn clear_term(rgb: [u8; 3]) -> Option<ColorTerm> {
+    let lit = |factor: f32| {
+        let [red, green, blue] = rgb.map(|channel| (f32::from(channel) * factor) as u8);
+        ColorTerm::of(Rgba::opaque(red, green, blue))
+    };
+    let term = lit(1.0);
+    [0.75, 1.2]
+        .into_iter()
+        .all(|factor| lit(factor) == term)
+        .then_some(term)
 }
 
 /// Tracks of the scene as the objects of a query; each is assigned to the nearest object and
 /// taught its category.
 fn tracks(tracker: &TrackingPipeline, objects: &mut [TrueObject]) -> Vec<WorldObject> {
     let mut tracks = Vec::new();
-    for track in tracker.tracks() {
+    let confirmed = |track: &&Track| track.phase() == TrackPhase::Confirmed;
+    for track in tracker.tracks().iter().filter(confirmed) {
         let body = track.box_in_world();
         let centre = body.frame_from_box.translation.vector;
         let distance = |object: &TrueObject| (object.centre_in_world_m - centre).norm();

@@ -57,6 +57,8 @@ pub(super) struct SceneObjectReport {
     pub(super) size_m: [f64; 3],
     /// Colour terms with at least a tenth of the surface, with their shares.
     pub(super) colors: Vec<(&'static str, f64)>,
+    /// The same as perception sees it; empty when it is not tracked.
+    pub(super) seen_colors: Vec<(&'static str, f64)>,
     pub(super) is_tracked: bool,
 }
 
@@ -144,16 +146,15 @@ impl FindReport {
     /// Adds a scene with its picture.
     pub(super) fn add_scene(&mut self, picture: String, scene: &QueryScene) {
         let object = |object: &super::query_scene::TrueObject| {
-            let shares = ColorTerm::ALL.map(|term| (term.word(), object.share(term)));
+            let seen = object.track_id.and_then(|id| scene.seen_colors(id));
+            let seen = seen.unwrap_or_default().map(f64::from);
             SceneObjectReport {
                 id: object.id,
                 category: object.category.clone(),
                 position_m: object.centre_in_world_m.into(),
                 size_m: object.size_m.into(),
-                colors: shares
-                    .into_iter()
-                    .filter(|(_, share)| *share >= 0.1)
-                    .collect(),
+                colors: notable(object.color_shares),
+                seen_colors: notable(seen),
                 is_tracked: object.track_id.is_some(),
             }
         };
@@ -171,4 +172,11 @@ impl FindReport {
         self.p50_ms = percentiles.as_ref().map(|percentiles| percentiles.p50);
         self.p99_ms = percentiles.as_ref().map(|percentiles| percentiles.p99);
     }
+}
+
+/// Colour terms with at least a tenth, with their shares.
+fn notable(shares: [f64; ColorTerm::ALL.len()]) -> Vec<(&'static str, f64)> {
+    let named = ColorTerm::ALL.into_iter().zip(shares);
+    let notable = named.filter(|(_, share)| *share >= 0.1);
+    notable.map(|(term, share)| (term.word(), share)).collect()
 }
