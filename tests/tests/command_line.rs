@@ -70,6 +70,8 @@ const OBJECTS: &[(&str, JsonType)] = &[
     ("note", Text),
     ("has_table", Truth),
     ("has_world_pose", Truth),
+    ("camera", DocumentOrNull(CAMERA_POSE)),
+    ("up", VectorOrNull(3)),
     ("rule", Text),
     ("assumptions", List),
     ("ignored", List),
@@ -92,6 +94,7 @@ const OBJECT: &[(&str, JsonType)] = &[
     ("n_points", Count),
     ("n_views", Count),
     ("mean_rgb", Vector(3)),
+    ("colors", List),
     ("cut_by_image", Truth),
     ("memory_sequence", Count),
     ("covariance", DocumentOrNull(COVARIANCE)),
@@ -106,6 +109,29 @@ const OBJECT: &[(&str, JsonType)] = &[
     ("stamps", Document(STAMPS)),
 ];
 const COVARIANCE: &[(&str, JsonType)] = &[("position_m2", Vector(6)), ("rotation_rad2", Vector(6))];
+const CAMERA_POSE: &[(&str, JsonType)] =
+    &[("position_m", Vector(3)), ("orientation_xyzw", Vector(4))];
+const COLOR_SHARE: &[(&str, JsonType)] = &[("color", Text), ("share", Number)];
+const FOUND: &[(&str, JsonType)] = &[
+    ("query", Text),
+    ("sentence", Text),
+    ("matches", List),
+    ("wants_one", Truth),
+    ("understood", List),
+    ("not_understood", List),
+    ("remarks", List),
+    ("scene_age_s", Number),
+    ("is_stale", Truth),
+];
+const MATCH: &[(&str, JsonType)] = &[
+    ("track_id", Count),
+    ("score", Number),
+    ("doubts", List),
+    ("label", TextOrNull),
+    ("state", Text),
+    ("position_m", VectorOrNull(3)),
+];
+const WORD_USE: &[(&str, JsonType)] = &[("words", Text), ("meaning", Text)];
 const NEAR_CATEGORY: &[(&str, JsonType)] = &[
     ("label", Text),
     ("distance", Number),
@@ -203,6 +229,7 @@ fn commands_answer_with_exactly_the_documented_keys() {
     check_shape(&objects, OBJECTS);
     check_list(&objects["objects"], OBJECT);
     check_list(&objects["assumptions"], ASSUMPTION);
+    check_list(&objects["objects"][0]["colors"], COLOR_SHARE);
     let unknown = daemon.ask(&["ask", &track]);
     check_shape(&unknown, OBJECT);
     assert_eq!(
@@ -227,6 +254,15 @@ fn commands_answer_with_exactly_the_documented_keys() {
     check_list(&known["categories"], NEAR_CATEGORY);
     assert_eq!(known["categories"][0]["label"], "bowl");
     assert_eq!(known["categories"][0]["distance"], known["distance"]);
+    let found = daemon.ask(&["find", "the", "bowl"]);
+    check_shape(&found, FOUND);
+    check_list(&found["matches"], MATCH);
+    check_list(&found["understood"], WORD_USE);
+    assert_eq!(
+        found["matches"][0]["track_id"].to_string(),
+        track,
+        "{found}"
+    );
     check_shape(&daemon.ask(&["forget", "bowl", "--author", "Ada"]), LEARNED);
 
     let status = daemon.ask(&["status"]);

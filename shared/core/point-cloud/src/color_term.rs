@@ -151,7 +151,7 @@ fn term_of_lab([lightness, a, b]: [f64; 3]) -> ColorTerm {
     // People discount the blue of shade.
     let is_bluish = (220.0..300.0).contains(&hue_deg);
     let grey_chroma_max = (5.0 + 0.1 * lightness).min(12.0) + if is_bluish { 5.0 } else { 0.0 };
-    if lightness < 16.0 || (lightness < 26.0 && chroma < 10.0) {
+    if lightness < 16.0 || (lightness < 32.0 && chroma < 10.0) {
         return ColorTerm::Black;
     }
     if chroma < grey_chroma_max {
@@ -168,6 +168,7 @@ fn term_of_lab([lightness, a, b]: [f64; 3]) -> ColorTerm {
         20.0..46.0 if chroma > 38.0 + 0.25 * (lightness - 40.0).max(0.0) => ColorTerm::Red,
         20.0..46.0 => ColorTerm::Brown,
         46.0..74.0 if lightness > 52.0 && chroma > 48.0 => ColorTerm::Orange,
+        46.0..74.0 if lightness > 40.0 && chroma > 56.0 => ColorTerm::Orange,
         46.0..74.0 if lightness > 80.0 && chroma < 20.0 => ColorTerm::White,
         46.0..74.0 => ColorTerm::Brown,
         74.0..108.0 if lightness > 84.0 && chroma < 18.0 => ColorTerm::White,
@@ -212,11 +213,15 @@ impl ColorShares {
 }
 
 /// Share of the pixels of a hue that are brighter than its lit value.
-const LIT_SHARE: f32 = 0.2;
+const LIT_SHARE: f32 = 0.08;
 
 /// Greatest factor by which a shaded pixel is brightened. Chosen: the side of a box away from the
 /// lamp has about half the light of its top.
 const SHADE_MAX: f32 = 2.0;
+
+/// Least lit value of a grey thing whose shade is named by it; a darker one is grey or black.
+/// Chosen.
+const LIT_GREY_MIN: u8 = 140;
 
 /// Brightness of the lit side by sector of hue: a high quantile of the greatest channel.
 struct LitValues([u8; N_HUES + 1]);
@@ -242,8 +247,12 @@ impl LitValues {
 
     /// Colour at the brightness of the lit side of its hue.
     fn unshaded(&self, rgb: [u8; 3]) -> [u8; 3] {
-        let lit = f32::from(self.0[usize::from(cell_of(rgb).hue)]);
-        let factor = lit / f32::from(greatest(rgb)).max(1.0);
+        let hue = usize::from(cell_of(rgb).hue);
+        let lit = self.0[hue];
+        if hue == N_HUES && lit < LIT_GREY_MIN {
+            return rgb;
+        }
+        let factor = f32::from(lit) / f32::from(greatest(rgb)).max(1.0);
         if !(1.0..=SHADE_MAX).contains(&factor) {
             return rgb;
         }

@@ -227,7 +227,8 @@ impl TablePlace {
             Self::Front => ramp(depth, 0.6, 0.3),
             Self::Back => ramp(depth, 0.4, 0.7),
             Self::Middle => {
-                let off_centre = (across - 0.5).abs().max(0.7 * (depth - 0.5).abs());
+                // People mean the middle between left and right more than that in depth.
+                let off_centre = (across - 0.5).abs().max(0.4 * (depth - 0.5).abs());
                 ramp(off_centre, 0.35, 0.15)
             }
             Self::Anywhere => 1.0,

@@ -186,6 +186,7 @@ mod tests {
             n_categories: MAX_NEAR_CATEGORIES as u32,
             categories: [near; MAX_NEAR_CATEGORIES],
             mean_argb: u32::MAX,
+            color_percents: std::array::from_fn(|term| if term < 11 { 9 } else { 0 }),
             distance: 0.123_456_7,
             probability: 0.123_456_7,
             position_covariance_m2: [1.234_567_8e-5; 6],
