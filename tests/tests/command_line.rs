@@ -131,6 +131,14 @@ const MATCH: &[(&str, JsonType)] = &[
     ("state", Text),
     ("position_m", VectorOrNull(3)),
 ];
+const QUESTION: &[(&str, JsonType)] = &[
+    ("track_id", Count),
+    ("kind", Text),
+    ("uncertainty", Number),
+    ("categories", List),
+    ("position_m", Vector(3)),
+    ("sentence", Text),
+];
 const WORD_USE: &[(&str, JsonType)] = &[("words", Text), ("meaning", Text)];
 const NEAR_CATEGORY: &[(&str, JsonType)] = &[
     ("label", Text),
@@ -237,6 +245,8 @@ fn commands_answer_with_exactly_the_documented_keys() {
         (&Value::Null, &Value::Null)
     );
 
+    let question = daemon.ask(&["ask", "--teach-me"]);
+    check_shape(&question, &[("question", DocumentOrNull(QUESTION))]);
     let none = daemon.ask(&["categories"]);
     assert_eq!(none, json!({"categories": []}));
     let taught = daemon.ask(&["teach", &track, "mug", "--author", "Ada"]);

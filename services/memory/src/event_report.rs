@@ -146,6 +146,16 @@ impl EventText {
                 let sentence = format!("track {track_id} left {from} and was next at {to}");
                 ("moved", Some(*track_id), None, sentence)
             }
+            EventKind::Question {
+                track_id,
+                category,
+                sentence,
+            } => (
+                "question",
+                Some(*track_id),
+                category.clone(),
+                sentence.clone(),
+            ),
             _ => ("started", None, None, "the memory started".to_owned()),
         };
         Self {

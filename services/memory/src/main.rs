@@ -10,6 +10,7 @@ mod find_request;
 mod health_conditions;
 mod offline;
 mod process_table;
+mod question_asker;
 mod request_router;
 mod run;
 mod scene_follower;

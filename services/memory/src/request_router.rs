@@ -8,7 +8,10 @@ use channel::Domain;
 use channel::control::{Client, Peer};
 use memory_requests::MemoryRequestHandler;
 use message::ProcessKind;
-use message::control::{Command, FindQuery, Refusal, RefusalKind, Reply, UserRole};
+use message::control::{
+    Command, FindQuery, ObjectsReport, QuestionReport, QuestionsReport, Refusal, RefusalKind,
+    Reply, UserRole,
+};
 use perceptual_memory::{Position, Requester};
 use std::sync::Arc;
 use std::time::Duration;
@@ -55,18 +58,31 @@ impl RequestRouter {
             }
             Command::World(command) => self.world.answer(command).await,
             Command::Find(query) => self.find(query, peer).await,
+            Command::Question => self.question().await,
             command => self.answer_from_memory(command, peer).await,
         }
     }
 
+    /// Scene with the newest labels.
+    async fn scene(&self) -> Result<ObjectsReport, Refusal> {
+        let objects = read_after(*self.position.borrow(), Command::Objects);
+        match ask(&self.perception, objects).await? {
+            Reply::Objects(scene) => Ok(scene),
+            Reply::Refused(refusal) => Err(refusal),
+            other => Err(unexpected(&other)),
+        }
+    }
+
+    /// Question about the object whose name would teach most.
+    async fn question(&self) -> Result<Reply, Refusal> {
+        let scene = self.scene().await?;
+        let question = QuestionReport::most_useful(&scene.objects);
+        Ok(Reply::Question(QuestionsReport { question }))
+    }
+
     /// Reply to a query in words, with the newest labels.
     async fn find(&self, query: FindQuery, peer: Peer) -> Result<Reply, Refusal> {
-        let objects = read_after(*self.position.borrow(), Command::Objects);
-        let scene = match ask(&self.perception, objects).await? {
-            Reply::Objects(scene) => scene,
-            Reply::Refused(refusal) => return Err(refusal),
-            other => return Err(unexpected(&other)),
-        };
+        let scene = self.scene().await?;
         let categories = match self.answer_from_memory(Command::Categories, peer).await? {
             Reply::Categories(categories) => categories,
             other => return Err(unexpected(&other)),

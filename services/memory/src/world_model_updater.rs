@@ -1,9 +1,11 @@
 //! World model updater: feeds the newest scene and the arm state to the working memory a
 //! few times a second.
 
+use crate::question_asker::QuestionAsker;
 use crate::working_memory::{WorkingMemory, now_ns};
 use channel::topic::{ArmStates, Scene};
 use channel::{Domain, Error, SharedMessage, Subscriber};
+use message::control::{ObjectReport, QuestionReport};
 use message::{
     ArmActivity, ArmState, SceneObject, SceneSummary, Span, Stage, TrackState, frame_flag,
 };
@@ -24,6 +26,7 @@ pub(crate) struct WorldModelUpdater {
     scene: Option<SharedMessage<Scene>>,
     /// Objects of a scene, copied out of shared memory: what is checked is what is used.
     objects: Vec<SceneObject>,
+    asker: QuestionAsker,
 }
 
 impl WorldModelUpdater {
@@ -34,6 +37,7 @@ impl WorldModelUpdater {
             arm_heard: Instant::now(),
             scene: None,
             objects: Vec::new(),
+            asker: QuestionAsker::default(),
         })
     }
 
@@ -67,7 +71,7 @@ impl WorldModelUpdater {
         Ok(())
     }
 
-    fn show(&self, scene: &SceneSummary) {
+    fn show(&mut self, scene: &SceneSummary) {
         let captured_ns = now_ns().saturating_sub(age_ns(scene, monotonic_ns()));
         let seen = self
             .objects
@@ -76,6 +80,33 @@ impl WorldModelUpdater {
         let is_whole = scene.n_objects_total as usize <= self.objects.len();
         self.world
             .with(|model| model.observe(seen, is_whole, captured_ns));
+        self.ask(scene, captured_ns);
+    }
+
+    /// Records the question of the scene when it is due.
+    fn ask(&mut self, scene: &SceneSummary, captured_ns: u64) {
+        let objects = &self.objects;
+        self.asker
+            .retain(|track_id| objects.iter().any(|object| object.track_id == track_id));
+        let asked = self.asker.asked();
+        let unasked = objects
+            .iter()
+            .filter(|object| !asked.contains(&object.track_id));
+        let reports: Vec<ObjectReport> = unasked
+            .map(|object| ObjectReport::new(object, scene.time(), scene.stamps.published_ns))
+            .collect();
+        let question = QuestionReport::most_useful(&reports);
+        if self
+            .asker
+            .is_due(question.as_ref(), scene.stamps.capture_ns)
+            && let Some(question) = question
+        {
+            let category = question.categories.into_iter().next();
+            let category = category.map(|near| near.label);
+            let (track_id, sentence) = (question.track_id, question.sentence);
+            self.world
+                .with(|model| model.record_question(track_id, category, sentence, captured_ns));
+        }
     }
 }
 

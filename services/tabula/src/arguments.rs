@@ -47,11 +47,8 @@ pub(crate) enum Verb {
         #[arg(long)]
         watch: bool,
     },
-    /// Ask what a tracked object is
-    Ask {
-        /// Track-id of the object
-        track_id: u64,
-    },
+    /// Ask what a tracked object is, or about which one a lesson would help most
+    Ask(AskArguments),
     /// Find objects by words: tabula find "the red mug left of the box"
     Find(FindArguments),
     /// Teach the label of a tracked object
@@ -210,6 +207,17 @@ pub(crate) struct ArmWait {
     /// Return without waiting for the end of the motion
     #[arg(long)]
     pub(crate) no_wait: bool,
+}
+
+/// Arguments of `tabula ask`.
+#[derive(Debug, Args)]
+pub(crate) struct AskArguments {
+    /// Track-id of the object
+    #[arg(required_unless_present = "teach_me", conflicts_with = "teach_me")]
+    pub(crate) track_id: Option<u64>,
+    /// Print the question about the object whose name would teach most
+    #[arg(long)]
+    pub(crate) teach_me: bool,
 }
 
 /// Arguments of `tabula find`.

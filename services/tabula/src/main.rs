@@ -35,7 +35,10 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Run(run) => daemon::run(&arguments.common, run, output),
         Verb::Doctor => Ok(doctor::run(&arguments.common, output)),
         Verb::Objects { watch } => objects::objects(&arguments.common, *watch, output),
-        Verb::Ask { track_id } => objects::ask(&arguments.common, *track_id, output),
+        Verb::Ask(asked) => match asked.track_id {
+            Some(track_id) => objects::ask(&arguments.common, track_id, output),
+            None => objects::question(&arguments.common, output),
+        },
         Verb::Find(query) => find::run(&arguments.common, query, output),
         Verb::Config { verb } => config_command::run(&arguments.common, verb, output),
         Verb::Status => status::run(&arguments.common, output),

@@ -4,7 +4,9 @@ use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table, redraw_terminal};
 use control_client::{call, connect, unexpected_reply};
 use message::TrackState;
-use message::control::{Command, ObjectReport, ObjectsReport, RejectedCandidateReport, Reply};
+use message::control::{
+    Command, ObjectReport, ObjectsReport, QuestionsReport, RejectedCandidateReport, Reply,
+};
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -182,6 +184,31 @@ pub(crate) fn ask(
             Ok(ExitCode::SUCCESS)
         }
         other => Err(unexpected_reply(&other)),
+    }
+}
+
+/// Prints the question about the object whose name would teach most.
+pub(crate) fn question(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let mut client = connect(common)?;
+    match call(&mut client, Command::Question)? {
+        Reply::Question(report) => {
+            output.answer(&report, || question_text(&report));
+            Ok(ExitCode::SUCCESS)
+        }
+        other => Err(unexpected_reply(&other)),
+    }
+}
+
+fn question_text(report: &QuestionsReport) -> String {
+    match &report.question {
+        Some(question) => {
+            let track_id = question.track_id;
+            format!(
+                "{}\nanswer with: tabula teach {track_id} NAME, or tabula correct {track_id} NAME",
+                question.sentence
+            )
+        }
+        None => "no question: each object in full view and at rest is known".to_owned(),
     }
 }
 

@@ -20,6 +20,7 @@ mod find;
 mod learning;
 mod memory;
 mod packed_cloud;
+mod question;
 mod refusal;
 mod rejected;
 mod reload;
@@ -40,6 +41,7 @@ pub use memory::{
     MemoryStats, Revision, RevisionChange, VerificationReport, ViewReport,
 };
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
+pub use question::{QuestionKind, QuestionReport, QuestionsReport};
 pub use refusal::{Refusal, RefusalKind};
 pub use rejected::{AssumptionReport, FindingReport, RejectedCandidateReport};
 pub use reload::{KeyChange, ReloadReport};
@@ -95,6 +97,8 @@ pub enum Command {
         /// Track-id of the object to report.
         track_id: u64,
     },
+    /// Question about the object whose name would teach most.
+    Question,
     /// Find objects by words.
     Find(FindQuery),
     /// Report the health of all processes.
@@ -193,6 +197,8 @@ pub enum Reply {
     Objects(ObjectsReport),
     /// Reply to [`Command::Ask`].
     Object(Box<ObjectReport>),
+    /// Reply to [`Command::Question`].
+    Question(QuestionsReport),
     /// Reply to [`Command::Find`].
     Found(Box<FindReport>),
     /// Reply to [`Command::Health`].

@@ -53,6 +53,15 @@ pub enum EventKind {
         /// Centre of the bounding box at the next detection, world frame, metres.
         to_m: [f64; 3],
     },
+    /// Question to a person about an object whose name would teach most.
+    Question {
+        /// Track-id of the object.
+        track_id: u64,
+        /// Most probable category, if any.
+        category: Option<String>,
+        /// The question as a sentence.
+        sentence: String,
+    },
     /// Teaching event: a label was taught, corrected or forgotten.
     TeachingEvent(TeachingEvent),
     /// End of an action of the robot arm.

@@ -75,6 +75,22 @@ impl WorldModel {
         }
     }
 
+    /// Records a question to a person about an object.
+    pub fn record_question(
+        &mut self,
+        track_id: u64,
+        category: Option<String>,
+        sentence: String,
+        now_ns: u64,
+    ) {
+        let question = EventKind::Question {
+            track_id,
+            category,
+            sentence,
+        };
+        self.events.add(question, now_ns, &mut self.dirty);
+    }
+
     /// Removes some expired items; `true` if there may be more.
     pub fn expire(&mut self, now_ns: u64) -> bool {
         (0..FORGOTTEN_AT_ONCE).all(|_| self.forget_one(now_ns))

@@ -33,6 +33,7 @@ impl Command {
         match self {
             Self::Objects
             | Self::Ask { .. }
+            | Self::Question
             | Self::Find(_)
             | Self::Health
             | Self::DepthNoise
