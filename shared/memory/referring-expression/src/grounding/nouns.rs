@@ -134,9 +134,10 @@ impl Grounder<'_> {
     ) -> Option<CategoryFit> {
         let words = normalised(spoken);
         if are_everyday_synonyms(&singular_form(spoken), &singular_form(name_words)) {
-            return doubtful(0.7, format!("`{words}` was taken as a synonym of {name}"));
+            let doubt = format!("`{words}` was taken as a synonym of {name}");
+            return Some(doubtful(0.7, doubt));
         }
-        match self.lexicon?.kinship(&words, name)? {
+        let fit = match self.lexicon?.kinship(&words, name)? {
             Kinship::Synonym => {
                 doubtful(0.7, format!("`{words}` was taken as a synonym of {name}"))
             }
@@ -149,15 +150,16 @@ impl Grounder<'_> {
                 format!("`{words}` is a kind of {name}; the kind is not known"),
             ),
             Kinship::Sister => doubtful(0.35, format!("`{words}` is only related to {name}")),
-        }
+        };
+        Some(fit)
     }
 }
 
-fn doubtful(score: f64, doubt: String) -> Option<CategoryFit> {
-    Some(CategoryFit {
+fn doubtful(score: f64, doubt: String) -> CategoryFit {
+    CategoryFit {
         score,
         doubt: Some(doubt),
-    })
+    }
 }
 
 /// Fit of a category by its name: all of it, or the last word of a compound.
@@ -166,16 +168,17 @@ fn fit_of_name(
     name: &str,
     name_words: &[SpokenWord],
 ) -> Option<CategoryFit> {
-    match agreement(spoken, name_words)? {
-        NameAgreement::Same => Some(CategoryFit {
+    let fit = match agreement(spoken, name_words)? {
+        NameAgreement::Same => CategoryFit {
             score: 1.0,
             doubt: None,
-        }),
+        },
         NameAgreement::Head => {
             let words = normalised(spoken);
             doubtful(0.75, format!("`{words}` was taken as {name}"))
         }
-    }
+    };
+    Some(fit)
 }
 
 fn normalised(words: &[SpokenWord]) -> String {
