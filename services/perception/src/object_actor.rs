@@ -140,11 +140,8 @@ impl Actor for ObjectActor {
         )?;
         let packed_cloud = if posterior.is_key_view {
             let world_from_camera = received.frame_pose().world_from_camera;
-            let balanced = points_at(cloud, indices).map(|point| Point {
-                color: measured.white_balance.color(point.color),
-                ..*point
-            });
-            pack_cloud(balanced, &world_from_camera)
+            let points = balanced(cloud, indices, &measured);
+            pack_cloud(points, &world_from_camera)
         } else {
             Vec::new()
         };
@@ -223,4 +220,17 @@ fn points_at<'a>(cloud: &'a [Point], indices: &'a [u32]) -> impl Iterator<Item =
     indices
         .iter()
         .filter_map(|index| cloud.get(*index as usize))
+}
+
+/// Points of an object with white-balanced colours.
+fn balanced<'a>(
+    cloud: &'a [Point],
+    indices: &'a [u32],
+    measured: &CandidateMeasurement,
+) -> impl Iterator<Item = Point> + use<'a> {
+    let white_balance = measured.white_balance;
+    points_at(cloud, indices).map(move |point| Point {
+        color: white_balance.color(point.color),
+        ..*point
+    })
 }
