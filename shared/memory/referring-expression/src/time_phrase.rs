@@ -68,6 +68,8 @@ impl TimePhrase {
     /// Window of the phrase, for the present and the offset of local time.
     pub(crate) fn window(self, now_ns: i64, utc_offset_s: i32) -> TimeWindow {
         let now_s = now_ns.div_euclid(SECOND_NS);
+        // The present second belongs to what ends now.
+        let end_s = now_s + 1;
         let offset_s = i64::from(utc_offset_s);
         let midnight_s = (now_s + offset_s).div_euclid(DAY_S) * DAY_S - offset_s;
         // The first of January 1970 was a Thursday, which is 3.
@@ -77,11 +79,11 @@ impl TimePhrase {
             seconds(from_s, from_s + n_days * DAY_S, 0)
         };
         match self {
-            Self::JustNow => seconds(now_s - JUST_NOW_S, now_s, 2 * JUST_NOW_S),
+            Self::JustNow => seconds(now_s - JUST_NOW_S, end_s, 2 * JUST_NOW_S),
             Self::Ago(number, unit) => ago(now_s, number, unit),
             Self::Within(number, unit) => {
                 let length_s = (number.clamp(0.0, 1e6) * unit.seconds() as f64) as i64;
-                seconds(now_s - length_s, now_s, length_s / 10)
+                seconds(now_s - length_s, end_s, length_s / 10)
             }
             Self::Hours {
                 days_back,
@@ -200,6 +202,18 @@ mod tests {
         for now_ns in [i64::MIN, 0, i64::MAX] {
             let window = TimePhrase::JustNow.window(now_ns, i32::MIN);
             assert!(window.score(i64::MAX) <= 1.0 && window.score(i64::MIN) >= 0.0);
+        }
+    }
+
+    #[test]
+    fn time_phrase_just_now_ends_with_the_present_second() {
+        let now_ns = NOW_S * SECOND_NS + SECOND_NS / 2;
+        for phrase in [
+            TimePhrase::JustNow,
+            TimePhrase::Within(2.0, TimeUnit::Minute),
+        ] {
+            let window = phrase.window(now_ns, 0);
+            assert_eq!(window.score(now_ns), 1.0, "{phrase:?}");
         }
     }
 }
