@@ -33,11 +33,11 @@ impl QuestionAsker {
 
     /// Takes the question of a scene; true if it is to be asked now.
     pub(crate) fn is_due(&mut self, question: Option<&QuestionReport>, now_ns: u64) -> bool {
-        let Some(question) = question else {
+        let track_id = question.map(|question| question.track_id);
+        let Some(track_id) = track_id.filter(|track_id| !self.asked.contains(track_id)) else {
             self.pending = None;
             return false;
         };
-        let track_id = question.track_id;
         let since_ns = match self.pending {
             Some((pending, since_ns)) if pending == track_id && since_ns <= now_ns => since_ns,
             _ => now_ns,
@@ -51,7 +51,8 @@ impl QuestionAsker {
         }
         self.pending = None;
         self.last_asked_ns = Some(now_ns);
-        self.asked.insert(track_id)
+        self.asked.insert(track_id);
+        true
     }
 }
 
@@ -76,14 +77,13 @@ mod tests {
     #[test]
     fn question_that_lasts_is_asked_once_and_others_after_a_pause() {
         let mut asker = QuestionAsker::default();
-        let due: Vec<u64> = (0..60)
-            .filter(|second| asker.is_due(Some(&question(4)), second * SECOND_NS))
-            .collect();
-        assert_eq!(due, [3]);
-        let other: Vec<u64> = (5..60)
-            .filter(|second| asker.is_due(Some(&question(5)), second * SECOND_NS))
-            .collect();
-        assert_eq!(other, [33]);
+        let mut due = |track_id: u64, seconds: std::ops::Range<u64>| -> Vec<u64> {
+            let is_due = |second: &u64| asker.is_due(Some(&question(track_id)), second * SECOND_NS);
+            seconds.filter(is_due).collect()
+        };
+        assert_eq!(due(4, 0..20), [3]);
+        assert_eq!(due(5, 20..60), [33]);
+        assert_eq!(due(4, 60..120), [0; 0]);
         assert!(asker.asked().contains(&4));
         asker.retain(|track_id| track_id != 4);
         assert!(!asker.asked().contains(&4));
