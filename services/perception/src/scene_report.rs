@@ -56,8 +56,7 @@ fn near_categories(
 }
 
 fn mean_rgb(measured: &CandidateMeasurement) -> [u8; 3] {
-    let balanced = measured.white_balance.balanced(measured.mean_rgb);
-    balanced.map(|channel| channel as u8)
+    measured.mean_rgb.map(|channel| channel as u8)
 }
 
 /// Shares of the basic colour terms on the wire.

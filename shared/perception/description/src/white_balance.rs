@@ -121,16 +121,11 @@ impl WhiteBalance {
     /// White balance that changes nothing.
     pub const NEUTRAL: Self = Self { gains: [1.0; 3] };
 
-    /// Balanced values of red, green and blue, 0 to 255.
-    #[inline]
-    pub fn balanced(&self, rgb: [f32; 3]) -> [f32; 3] {
-        [0, 1, 2].map(|channel| (rgb[channel] * self.gains[channel]).min(255.0))
-    }
-
     /// Balanced red, green and blue of a colour, 0 to 255.
     #[inline]
     pub fn rgb(&self, color: Rgba) -> [f32; 3] {
-        self.balanced(color.rgb().map(f32::from))
+        let rgb = color.rgb();
+        [0, 1, 2].map(|channel| (f32::from(rgb[channel]) * self.gains[channel]).min(255.0))
     }
 
     /// Balanced colour, rounded.
