@@ -42,7 +42,6 @@ pub use contact_faces::simplify_contact_faces;
 pub use convex_decomposition::{convex_decomposition, simplify_polygon};
 pub use convex_part::{ConvexPart, MAX_HULL_POINTS};
 pub use diagnostics::MeshDiagnostics;
-pub use doubled_faces::DoubledFaces;
 pub use extrusion::extrude;
 pub use mass_properties::Bounds;
 pub use revolution::lathe;

@@ -129,24 +129,11 @@ pub(crate) fn open(
     })
 }
 
-/// Welds the vertices and drops doubled faces; one sentence for each kind that was found.
-pub(crate) fn clean(mesh: &mut TriangleMesh) -> Vec<String> {
+/// Welds the vertices and drops doubled faces; returns a sentence if there were any.
+pub(crate) fn clean(mesh: &mut TriangleMesh) -> Option<String> {
     mesh.weld();
-    let found = mesh.drop_doubled_faces();
-    let mut sentences = Vec::new();
-    if found.n_dropped > 0 {
-        sentences.push(format!(
-            "its {} doubled faces were dropped",
-            found.n_dropped
-        ));
-    }
-    if found.n_two_sided > 0 {
-        sentences.push(format!(
-            "{} of its doubled faces enclose no volume; both sides are kept, without thickness",
-            found.n_two_sided
-        ));
-    }
-    sentences
+    let n_dropped = mesh.drop_doubled_faces();
+    (n_dropped > 0).then(|| format!("its {n_dropped} doubled faces were dropped"))
 }
 
 /// Surface defects: open and non-manifold edges, one sentence each.

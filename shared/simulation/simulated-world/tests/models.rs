@@ -212,11 +212,11 @@ fn model_of_doubled_faces_is_reduced_with_a_note() {
     let (vertices, triangles) = ball(0.05, 160, 128);
     let n = triangles.len();
     assert!(n > 40_000);
-    let both_sides = triangles
+    let twice = triangles
         .iter()
-        .flat_map(|&[a, b, c]| [[c, b, a], [a, b, c]]);
-    let soup = (vertices.clone(), both_sides.collect());
-    let (model, notes) = load(&file(&folder, "both.stl", stl_bytes(&soup))).unwrap();
+        .flat_map(|&[a, b, c]| [[a, b, c], [b, c, a]]);
+    let soup = (vertices.clone(), twice.collect());
+    let (model, notes) = load(&file(&folder, "twice.stl", stl_bytes(&soup))).unwrap();
     assert!(
         notes.contains(&format!("its {n} doubled faces were dropped")),
         "{notes}"
@@ -231,7 +231,7 @@ fn model_of_doubled_faces_is_reduced_with_a_note() {
     let rest = notes
         .lines()
         .skip(1)
-        .map(|line| line.replace("both", "once"));
+        .map(|line| line.replace("twice", "once"));
     assert_eq!(rest.collect::<Vec<_>>().join("\n"), expected);
     assert_eq!(model.mesh.triangles.len(), single.mesh.triangles.len());
     let [volume, expected] = [&model, &single].map(|model| model.mesh.signed_volume());
