@@ -11,9 +11,8 @@ use message::{TrackState, WirePose};
 use nalgebra::{UnitQuaternion, Vector3};
 use parking_lot::Mutex;
 use referring_expression::{
-    Answer, Lesson, Lexicon, Match, QueryWorld, Viewpoint, WordNet, WorldObject, find,
+    Answer, ColorTerm, Lesson, Lexicon, Match, QueryWorld, Viewpoint, WordNet, WorldObject, find,
 };
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use working_memory::{EventKind, ObjectRecord, TeachingKind, WorldModel};
@@ -137,9 +136,10 @@ impl KnownWorld {
 
     fn found(&self, found: Match) -> FoundObjectReport {
         let track_id = found.track_id;
-        let live = self.scene.objects.iter();
-        let live = live.clone().find(|object| object.track_id == track_id);
-        let gone = self.gone.iter().find(|object| object.track_id == track_id);
+        let mut live = self.scene.objects.iter();
+        let live = live.find(|object| object.track_id == track_id);
+        let mut gone = self.gone.iter();
+        let gone = gone.find(|object| object.track_id == track_id);
         let gone_label = gone.and_then(WorldObject::best_name).map(str::to_owned);
         FoundObjectReport {
             track_id,
@@ -189,7 +189,7 @@ fn gone(model: &WorldModel) -> Vec<WorldObject> {
             .map(|name| (name.clone(), 1.0))
             .collect(),
         is_labelled: false,
-        color_shares: [0.0; 11],
+        color_shares: [0.0; ColorTerm::ALL.len()],
         centre_in_world_m: record.place.position_m,
         orientation_xyzw: record.place.orientation_xyzw,
         size_m: record.place.size_m,
@@ -266,14 +266,12 @@ fn names(object: &ObjectReport) -> Vec<(String, f64)> {
     names
 }
 
-fn color_shares(object: &ObjectReport) -> [f32; 11] {
-    let shares: BTreeMap<&str, f64> = object
-        .colors
-        .iter()
-        .map(|share| (share.color.as_str(), share.share))
-        .collect();
-    let share = |term: referring_expression::ColorTerm| shares.get(term.word()).copied();
-    referring_expression::ColorTerm::ALL.map(|term| share(term).unwrap_or(0.0) as f32)
+fn color_shares(object: &ObjectReport) -> [f32; ColorTerm::ALL.len()] {
+    ColorTerm::ALL.map(|term| {
+        let mut shares = object.colors.iter();
+        let named = shares.find(|share| share.color == term.word());
+        named.map_or(0.0, |named| named.share as f32)
+    })
 }
 
 #[cfg(test)]

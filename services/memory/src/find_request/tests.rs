@@ -2,19 +2,19 @@ use super::*;
 use message::control::{CameraPoseReport, ColorShareReport, NearCategoryReport};
 
 fn object(track_id: u64, label: Option<&str>, position_m: [f64; 3], color: &str) -> ObjectReport {
-    let json = serde_json::json!({
-        "track_id": track_id, "state": "tracked", "label": label, "distance": 0.2,
-        "probability": 0.9, "position_m": position_m, "orientation_xyzw": [0.0, 0.0, 0.0, 1.0],
-        "size_m": [0.1, 0.1, 0.1], "age_s": 5.0, "unseen_s": 0.0, "n_points": 500, "n_views": 3,
-        "mean_rgb": [1, 2, 3], "cut_by_image": false, "memory_sequence": 1,
-    });
-    let object: ObjectReport = serde_json::from_value(json).unwrap();
     ObjectReport {
         colors: vec![ColorShareReport {
             color: color.into(),
             share: 0.9,
         }],
-        ..object
+        track_id,
+        state: TrackState::Tracked.word().to_owned(),
+        label: label.map(str::to_owned),
+        probability: Some(0.9),
+        position_m,
+        orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+        size_m: [0.1; 3],
+        ..ObjectReport::default()
     }
 }
 

@@ -4,6 +4,7 @@ mod ablation;
 mod cross_validation;
 mod detection;
 mod find;
+mod isolated_scene;
 mod lighting;
 mod open_ended;
 mod open_set;

@@ -10,46 +10,7 @@ use std::path::{Path, PathBuf};
 mod test_flat_jpeg;
 
 /// COLLADA document with a square that nodes place.
-const SQUARE: &str = r##"<?xml version="1.0" encoding="utf-8"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><unit name="centimeter" meter="0.01"/><up_axis>Z_UP</up_axis></asset>
-<library_images><image id="image"><init_from>maps/a%20b.png</init_from></image></library_images>
-<library_effects>
-<effect id="painted"><profile_COMMON>
-<newparam sid="surface"><surface type="2D"><init_from>image</init_from></surface></newparam>
-<newparam sid="sampler"><sampler2D><source>surface</source></sampler2D></newparam>
-<technique sid="common"><phong><diffuse><texture texture="sampler" texcoord="UV"/></diffuse></phong>
-</technique></profile_COMMON></effect>
-<effect id="red"><profile_COMMON><technique sid="common"><lambert><diffuse>
-<color sid="diffuse">1 0 0 1</color></diffuse></lambert></technique></profile_COMMON></effect>
-</library_effects>
-<library_materials>
-<material id="painted-material"><instance_effect url="#painted"/></material>
-<material id="red-material"><instance_effect url="#red"/></material>
-</library_materials>
-<library_geometries><geometry id="square"><mesh>
-<source id="positions"><float_array id="p" count="12">0 0 0 2 0 0 2 2 0 0 2 0</float_array>
-<technique_common><accessor source="#p" count="4" stride="3"/></technique_common></source>
-<source id="uvs"><float_array id="u" count="8">0 0 1 0 1 1 0 1</float_array>
-<technique_common><accessor source="#u" count="4" stride="2"/></technique_common></source>
-<vertices id="vertices"><input semantic="POSITION" source="#positions"/></vertices>
-<triangles count="1" material="first"><input semantic="VERTEX" source="#vertices" offset="0"/>
-<input semantic="TEXCOORD" source="#uvs" offset="1" set="0"/><p>0 0 1 1 2 2</p></triangles>
-<polylist count="1" material="second"><input semantic="VERTEX" source="#vertices" offset="0"/>
-<vcount>4</vcount><p>0 1 2 3</p></polylist>
-</mesh></geometry></library_geometries>
-<library_nodes><node id="shared"><instance_geometry url="#square"><bind_material><technique_common>
-<instance_material symbol="first" target="#painted-material"/>
-<instance_material symbol="second" target="#red-material"/>
-</technique_common></bind_material></instance_geometry></node></library_nodes>
-<library_visual_scenes><visual_scene id="scene">
-<node><translate>0 0 5</translate><rotate>0 0 1 90</rotate><scale>1 1 1</scale>
-<node><matrix>1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1</matrix><instance_node url="#shared"/></node></node>
-<node><scale>-1 1 1</scale><instance_node url="#shared"/></node>
-</visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url="#scene"/></scene>
-</COLLADA>
-"##;
+const SQUARE: &str = include_str!("../../src/dae/test_square.dae");
 
 fn main() -> Result<(), Box<dyn Error>> {
     let corpus = std::env::args_os()

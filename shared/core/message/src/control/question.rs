@@ -122,22 +122,19 @@ mod tests {
     use super::*;
 
     fn object(track_id: u64, label: Option<&str>, probable: &[(&str, f64)]) -> ObjectReport {
-        let json = serde_json::json!({
-            "track_id": track_id, "state": "tracked", "label": label, "distance": 0.4,
-            "probability": probable.first().map(|(_, p)| *p), "position_m": [0.1, 0.2, 0.8],
-            "orientation_xyzw": [0.0, 0.0, 0.0, 1.0], "size_m": [0.1, 0.1, 0.1], "age_s": 9.0,
-            "unseen_s": 0.0, "n_points": 700, "n_views": 40, "mean_rgb": [9, 9, 9],
-            "cut_by_image": false, "memory_sequence": 3,
-        });
-        let object: ObjectReport = serde_json::from_value(json).unwrap();
         let near = |&(label, probability): &(&str, f64)| NearCategoryReport {
             label: label.to_owned(),
             distance: 0.4,
             probability,
         };
         ObjectReport {
+            track_id,
+            state: TrackState::Tracked.word().to_owned(),
+            label: label.map(str::to_owned),
+            position_m: [0.1, 0.2, 0.8],
+            n_views: 40,
             categories: probable.iter().map(near).collect(),
-            ..object
+            ..ObjectReport::default()
         }
     }
 

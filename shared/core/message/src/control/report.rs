@@ -72,7 +72,7 @@ pub struct CameraPoseReport {
 }
 
 /// Report of one tracked object.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct ObjectReport {
     /// Track-id of the object.
     pub track_id: u64,

@@ -9,7 +9,7 @@ mod report;
 mod report_page;
 mod resting_truth;
 mod scenario;
-mod simulated_sequence;
+pub(super) mod simulated_sequence;
 mod small_text_file;
 pub(super) mod tracking_pipeline;
 mod tracking_run;

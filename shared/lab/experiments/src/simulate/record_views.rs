@@ -5,7 +5,6 @@ use super::turntable::{ELEVATIONS, SegmentedView, Turntable, TurntableRoom};
 use crate::arguments::ViewsArguments;
 use command_line::{Output, progress_bar};
 use dataset::washington::{CAMERA, CroppedView, ViewName, write_view};
-use description::{LightColor, WhiteBalance};
 use indicatif::ProgressBar;
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
@@ -215,8 +214,7 @@ fn record(
 /// Converts a segmented view to a Washington-dataset view: crop to the bounding rectangle of the
 /// segmented points, with the white balance that perception finds in the whole frame.
 fn washington_view(cut_out: &SegmentedView<'_>) -> CroppedView {
-    let light = LightColor::of_frame(cut_out.cloud).unwrap_or_default();
-    let white_balance = WhiteBalance::from(light);
+    let white_balance = cut_out.white_balance();
     let width = CAMERA.width;
     let columns = cut_out.point_indices.iter().map(|index| index % width);
     let rows = cut_out.point_indices.iter().map(|index| index / width);

@@ -5,6 +5,7 @@
 //! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on. The distance, and unless a
 //! lighting is given the colour and strength of the lamps, are drawn for every view.
 
+use description::{LightColor, WhiteBalance};
 use detection::{
     Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
 };
@@ -70,6 +71,13 @@ pub(crate) struct SegmentedView<'a> {
     pub(crate) up_in_camera: Unit<Vector3<f64>>,
     /// Intersection over union of segmented and true pixels, 0 to 1.
     pub(crate) overlap: f64,
+}
+
+impl SegmentedView<'_> {
+    /// White balance that perception finds in the whole frame.
+    pub(crate) fn white_balance(&self) -> WhiteBalance {
+        LightColor::of_frame(self.cloud).unwrap_or_default().into()
+    }
 }
 
 impl Turntable {

@@ -63,9 +63,7 @@ pub(super) fn queries(scene: &QueryScene, n_queries: usize) -> Vec<TrueQuery> {
         kinds_of_things(scene),
     ];
     for queries in &mut kinds {
-        for last in (1..queries.len()).rev() {
-            queries.swap(last, random.below(last + 1));
-        }
+        random.shuffle(queries);
     }
     let n_most = kinds.iter().map(Vec::len).max().unwrap_or(0);
     let in_turn = (0..n_most).flat_map(|round| {

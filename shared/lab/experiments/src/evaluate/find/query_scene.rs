@@ -1,17 +1,17 @@
 //! Scene of a query: simulated objects, their tracks, and their true colours.
 
-use crate::evaluate::tracking::tracking_pipeline::{TrackerInput, TrackingPipeline};
+use crate::evaluate::isolated_scene::isolated_scene;
+use crate::evaluate::tracking::simulated_sequence::track;
+use crate::evaluate::tracking::tracking_pipeline::TrackingPipeline;
 use evaluation::scene_picture;
 use geometry::PinholeCamera;
-use nalgebra::{Unit, Vector3};
+use nalgebra::Vector3;
 use pipeline::Track;
-use point_cloud::{ColorTerm, OrganizedCloud, Point, Rgba};
+use point_cloud::{ColorTerm, Point, Rgba};
 use random::Random;
 use referring_expression::{Lesson, QueryWorld, Viewpoint, WorldObject};
 use service::Failure;
-use simulated_world::{
-    Error, ModelChoice, ModelLibrary, ObjectModel, Scene, SimulatedKinect, World,
-};
+use simulated_world::{ModelChoice, ModelLibrary, ObjectModel, SimulatedKinect, World};
 use tracking::TrackPhase;
 
 /// Number of frames after which the scene is asked about.
@@ -25,8 +25,6 @@ const N_OBJECTS: [usize; 2] = [6, 9];
 const REPEATED_SHARE: f64 = 0.45;
 /// Greatest distance of a track from its object, metres.
 const TRACK_DISTANCE_MAX_M: f64 = 0.06;
-/// Maximum number of placement attempts of a scene. Chosen.
-const N_TRIES: u64 = 20;
 /// Categories of the scenes, whose English names are everyday words.
 const CATEGORIES: [&str; 24] = [
     "mug",
@@ -115,7 +113,8 @@ impl QueryScene {
             kinect
                 .look(&world, frame, &mut points)
                 .map_err(Failure::general)?;
-            track(&mut tracker, &world, frame, &points)?;
+            let stamp = (frame, (frame + 1) * FRAME_NS);
+            track(&mut tracker, &world, stamp, &points, true)?;
         }
         let mut objects: Vec<TrueObject> = world.objects().iter().map(true_object).collect();
         let tracks = tracks(&tracker, &mut objects);
@@ -192,36 +191,8 @@ fn world(seed: u64, number: u64) -> Result<World, Failure> {
         });
     }
     let mut library = ModelLibrary::generated();
-    let seeds = (0..N_TRIES).map(|again| seed << 32 ^ again << 24 ^ number);
-    let mut laid = seeds.map(|seed| Scene::isolated(choices.clone(), seed, &mut library));
-    let is_final = |laid: &Result<Scene, Error>| !matches!(laid, Err(Error::NoRoom { .. }));
-    let laid = laid
-        .find(is_final)
-        .ok_or_else(|| Failure::general(format!("the objects of scene {number} find no room")))?;
-    World::new(laid.map_err(Failure::general)?, library).map_err(Failure::general)
-}
-
-fn track(
-    tracker: &mut TrackingPipeline,
-    world: &World,
-    frame: u64,
-    points: &[Point],
-) -> Result<(), Failure> {
-    let camera = PinholeCamera::KINECT_V1;
-    let world_from_camera = world.world_from_camera();
-    let up_in_camera = world_from_camera.rotation.inverse() * Vector3::z();
-    let (width, height) = (camera.width as usize, camera.height as usize);
-    let input = TrackerInput {
-        number: frame,
-        capture_ns: (frame + 1) * FRAME_NS,
-        cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
-        camera,
-        world_from_camera,
-        up_in_camera: Some(Unit::new_normalize(up_in_camera)),
-        people: None,
-        robot: None,
-    };
-    tracker.step(&input).map_err(Failure::general)
+    let scene = isolated_scene(&choices, (seed, number), &mut library)?;
+    World::new(scene, library).map_err(Failure::general)
 }
 
 fn true_object(object: &simulated_world::SimulatedObject) -> TrueObject {

@@ -4,9 +4,7 @@ use crate::evaluate::recognition::HypothesisDescriptors;
 use crate::parallel;
 use crate::simulate::turntable::{ELEVATIONS, SegmentedView, Turntable, TurntableRoom};
 use dataset::washington::CAMERA;
-use description::{
-    AppearanceDescriptor, AppearanceWeights, LightColor, ObjectPoints, WhiteBalance,
-};
+use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
 use indicatif::ProgressBar;
 use service::Failure;
 use simulated_world::{Lighting, ModelChoice, ModelLibrary, TableFinish, TablePattern};
@@ -180,9 +178,8 @@ impl Describer {
         view: &SegmentedView<'_>,
     ) -> Option<[HypothesisDescriptors; Treatment::ALL.len()]> {
         let points = ObjectPoints::selected(view.cloud, view.point_indices).ok()?;
-        let light = LightColor::of_frame(view.cloud).unwrap_or_default();
         let up = Some(&view.up_in_camera);
-        let balanced = points.balanced(WhiteBalance::from(light));
+        let balanced = points.balanced(view.white_balance());
         let balanced = self.appearance.describe(balanced, up).ok()?.to_vec();
         let as_seen = self.appearance.describe(points, up).ok()?.to_vec();
         let shape = self.shape.describe(points, up).ok()?.to_vec();

@@ -1,7 +1,8 @@
 //! Scene sampler: object sets on a table under a camera of two heights.
 
+use crate::evaluate::isolated_scene::isolated_scene;
 use service::Failure;
-use simulated_world::{CameraMount, Error, ModelChoice, ModelLibrary, Scene, World};
+use simulated_world::{CameraMount, ModelChoice, ModelLibrary, Scene, World};
 
 /// Object sets; a scene has one object of each category of its set.
 const SETS: [(&str, &[&str]); 6] = [
@@ -75,9 +76,6 @@ const SETS: [(&str, &[&str]); 6] = [
 const HEIGHTS_M: [f64; 2] = [0.5, 0.9];
 /// Horizontal distance of the camera from the middle of the table, metres. Chosen.
 const AWAY_M: f64 = 0.95;
-/// Maximum number of placement attempts of a scene. Chosen.
-const N_TRIES: u64 = 20;
-
 /// Source of simulated scenes: seed, categories and models.
 #[derive(Debug)]
 pub(super) struct SceneSampler {
@@ -142,13 +140,7 @@ impl SceneSampler {
         let objects = SETS[set].1.iter().map(|name| object(name, self.seed));
         let objects: Vec<ModelChoice> = objects.collect();
         let mut library = self.library.clone();
-        let seeds = (0..N_TRIES).map(|again| self.seed << 32 ^ again << 24 ^ scene as u64);
-        let mut laid = seeds.map(|seed| Scene::isolated(objects.clone(), seed, &mut library));
-        let is_final = |laid: &Result<Scene, Error>| !matches!(laid, Err(Error::NoRoom { .. }));
-        let laid = laid.find(is_final).ok_or_else(|| {
-            Failure::general(format!("the objects of scene {scene} find no room"))
-        })?;
-        let mut laid = laid.map_err(Failure::general)?;
+        let mut laid = isolated_scene(&objects, (self.seed, scene as u64), &mut library)?;
         laid.camera = mount(HEIGHTS_M[height], &laid);
         World::new(laid, library).map_err(Failure::general)
     }

@@ -52,7 +52,9 @@ pub(super) fn play(
             name.or_insert_with(|| object.model.name.clone());
         }
         let objects = truth.of_frame(&exact_view(&kinect, &world), &objects);
-        track(&mut tracker, &world, number, &points, hidden_people)?;
+        let capture_ns = FIRST_CAPTURE_NS + (world.time_s() * 1e9).round() as u64;
+        let stamp = (number, capture_ns);
+        track(&mut tracker, &world, stamp, &points, hidden_people)?;
         let tracks = tracker.track_states();
         sequence.frames.push(TrackedFrame {
             time_s: world.time_s(),
@@ -77,10 +79,12 @@ fn exact_view<'a>(kinect: &'a SimulatedKinect, world: &World) -> LabelledDepthIm
     }
 }
 
-fn track(
+/// Tracks the objects of a frame of a world, given by its number and capture time, nanoseconds.
+/// With `hidden_people` the poses of people are not told.
+pub(in super::super) fn track(
     tracker: &mut TrackingPipeline,
     world: &World,
-    number: u64,
+    (number, capture_ns): (u64, u64),
     points: &[Point],
     hidden_people: bool,
 ) -> Result<(), Failure> {
@@ -91,7 +95,7 @@ fn track(
     let (people, arm) = (world.person_capsules(), world.arm_capsules());
     let seen = TrackerInput {
         number,
-        capture_ns: FIRST_CAPTURE_NS + (world.time_s() * 1e9).round() as u64,
+        capture_ns,
         cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
         camera,
         world_from_camera,

@@ -13,23 +13,23 @@ const KNOWN_PROBABILITY_MIN: f32 = 0.5;
 
 /// Frame of a sequence with its camera pose and the known bodies.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct TrackerInput<'a> {
+pub(super) struct TrackerInput<'a> {
     /// Frame number, from 0; the seed of detection.
-    pub(in super::super) number: u64,
+    pub(super) number: u64,
     /// Capture stamp of the frame, nanoseconds.
-    pub(in super::super) capture_ns: u64,
+    pub(super) capture_ns: u64,
     /// Point cloud of the frame, camera frame.
-    pub(in super::super) cloud: OrganizedCloud<'a>,
+    pub(super) cloud: OrganizedCloud<'a>,
     /// Intrinsics of the camera.
-    pub(in super::super) camera: PinholeCamera,
+    pub(super) camera: PinholeCamera,
     /// Pose of the camera, `world_from_camera`.
-    pub(in super::super) world_from_camera: RigidTransform,
+    pub(super) world_from_camera: RigidTransform,
     /// Up direction, camera frame; `None` when unknown.
-    pub(in super::super) up_in_camera: Option<Unit<Vector3<f64>>>,
+    pub(super) up_in_camera: Option<Unit<Vector3<f64>>>,
     /// Capsules of people, world frame; `None` when no source reports people.
-    pub(in super::super) people: Option<&'a [Capsule]>,
+    pub(super) people: Option<&'a [Capsule]>,
     /// Capsules of the robot, world frame; `None` when no source reports the robot.
-    pub(in super::super) robot: Option<&'a [Capsule]>,
+    pub(super) robot: Option<&'a [Capsule]>,
 }
 
 /// Frame pipeline with its sequential executor.
@@ -53,10 +53,7 @@ impl TrackingPipeline {
     ///
     /// # Errors
     /// When the frame cannot be searched or an object cannot be described.
-    pub(in super::super) fn step(
-        &mut self,
-        input: &TrackerInput<'_>,
-    ) -> Result<(), pipeline::Error> {
+    pub(super) fn step(&mut self, input: &TrackerInput<'_>) -> Result<(), pipeline::Error> {
         let camera_from_world = input.world_from_camera.inverse();
         let in_camera = |capsules: Option<&[Capsule]>| -> Option<Vec<Capsule>> {
             let transformed = |capsule: &Capsule| capsule.transformed(&camera_from_world);
