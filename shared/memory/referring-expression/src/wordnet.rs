@@ -1,13 +1,14 @@
 //! WordNet: synonyms and hypernyms of nouns, read from the files of Debian's `wordnet-base`.
 //!
 //! Fellbaum (1998); the format is that of wndb(5WN). A word is found by binary search in the sorted
-//! index file, and its synsets by their offset in the data file. Neither file is held in memory;
-//! what was read of them is kept in a cache of bounded size. A damaged line counts as no match.
+//! index, which is held in memory (5 MB), and its synsets by their offset in the data file. What
+//! was read of that is kept in caches of bounded size. A damaged line counts as no match.
 
-mod sorted_file;
 mod synset;
+mod text_files;
 
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -16,18 +17,20 @@ use parking_lot::Mutex;
 use crate::error::Error;
 use crate::lexicon::{Kinship, Lexicon};
 use crate::names::singular;
-use sorted_file::SortedFile;
 use synset::{Synset, sense_offsets};
+use text_files::{LineFile, SortedLines};
 
 /// Reader of WordNet's nouns.
 #[derive(Debug)]
 pub struct WordNet {
-    index: SortedFile,
-    data: SortedFile,
+    index: SortedLines,
+    data: LineFile,
     /// Irregular plurals.
-    exceptions: SortedFile,
+    exceptions: SortedLines,
     /// Kin of a word, by the word.
-    cache: Mutex<HashMap<String, Arc<Kin>>>,
+    kin: Mutex<HashMap<String, Arc<Kin>>>,
+    /// Synsets by their offset; those above the words are common to many of them.
+    synsets: Mutex<HashMap<u64, Synset>>,
 }
 
 /// Synsets of a word and above, each with its least number of steps from the word.
@@ -36,8 +39,11 @@ struct Kin {
     levels: HashMap<u64, u8>,
 }
 
-/// Most words whose kin is kept; the cache is emptied when it is full.
-const CACHED_WORDS_MAX: usize = 1024;
+/// Most words whose kin is kept; the cache is emptied when it is full. Half a kilobyte each.
+const CACHED_WORDS_MAX: usize = 1 << 14;
+
+/// Most synsets that are kept; the cache is emptied when it is full. 0.1 kB each.
+const CACHED_SYNSETS_MAX: usize = 1 << 14;
 
 /// Senses of a word that are used, most frequent first.
 const SENSES_MAX: usize = 4;
@@ -62,14 +68,21 @@ impl WordNet {
     /// If a file cannot be read, or is not a file of WordNet.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let wordnet = Self {
-            index: SortedFile::open(&folder.join("index.noun"))?,
-            data: SortedFile::open(&folder.join("data.noun"))?,
-            exceptions: SortedFile::open(&folder.join("noun.exc"))?,
-            cache: Mutex::new(HashMap::new()),
+            index: SortedLines::read(&folder.join("index.noun"))?,
+            data: LineFile::open(&folder.join("data.noun"))?,
+            exceptions: SortedLines::read(&folder.join("noun.exc"))?,
+            kin: Mutex::default(),
+            synsets: Mutex::default(),
         };
-        for (file, name) in [(&wordnet.index, "index.noun"), (&wordnet.data, "data.noun")] {
-            // The licence at the top is indented by two spaces.
-            if !file.line_at(0).is_some_and(|line| line.starts_with("  ")) {
+        // The licence at the top is indented by two spaces.
+        let has_licence = |line: &[u8]| line.starts_with(b"  ");
+        let data_line = wordnet.data.line_at(0).unwrap_or_default();
+        let first_lines = [
+            (wordnet.index.first_line(), "index.noun"),
+            (data_line.as_bytes(), "data.noun"),
+        ];
+        for (line, name) in first_lines {
+            if !has_licence(line) {
                 return Err(Error::ForeignFile {
                     path: folder.join(name),
                 });
@@ -103,7 +116,7 @@ impl WordNet {
     fn senses_of_lemma(&self, lemma: &str) -> Vec<u64> {
         let lemma = lemma.to_lowercase();
         let exception = self.exceptions.find(&lemma);
-        let irregular = exception.as_deref().and_then(|line| line.split(' ').nth(1));
+        let irregular = exception.and_then(|line| line.split(' ').nth(1));
         let forms = [
             Some(lemma.clone()),
             irregular.map(str::to_owned),
@@ -111,7 +124,7 @@ impl WordNet {
         ];
         for form in forms.into_iter().flatten() {
             let line = self.index.find(&form);
-            let offsets = line.map(|line| sense_offsets(&line)).unwrap_or_default();
+            let offsets = line.map(sense_offsets).unwrap_or_default();
             if !offsets.is_empty() {
                 return offsets;
             }
@@ -119,21 +132,24 @@ impl WordNet {
         Vec::new()
     }
 
+    /// Synset at an offset, from the cache or the file.
     fn synset(&self, offset: u64) -> Option<Synset> {
-        Synset::parse(&self.data.line_at(offset)?, offset)
+        if let Some(synset) = self.synsets.lock().get(&offset) {
+            return Some(synset.clone());
+        }
+        let synset = Synset::parse(&self.data.line_at(offset)?, offset)?;
+        keep(&self.synsets, CACHED_SYNSETS_MAX, offset, synset.clone());
+        Some(synset)
     }
 
     /// Kin of a word, from the cache or the files.
     fn kin(&self, words: &str) -> Arc<Kin> {
-        if let Some(kin) = self.cache.lock().get(words) {
+        if let Some(kin) = self.kin.lock().get(words) {
             return Arc::clone(kin);
         }
         let kin = Arc::new(self.read_kin(words));
-        let mut cache = self.cache.lock();
-        if cache.len() >= CACHED_WORDS_MAX {
-            cache.clear();
-        }
-        cache.insert(words.to_owned(), Arc::clone(&kin));
+        let (words, kept) = (words.to_owned(), Arc::clone(&kin));
+        keep(&self.kin, CACHED_WORDS_MAX, words, kept);
         kin
     }
 
@@ -169,6 +185,15 @@ impl WordNet {
         }
         kin
     }
+}
+
+/// Inserts an entry into a cache, which is emptied first if it is full.
+fn keep<K: Eq + Hash, V>(cache: &Mutex<HashMap<K, V>>, n_max: usize, key: K, value: V) {
+    let mut cache = cache.lock();
+    if cache.len() >= n_max {
+        cache.clear();
+    }
+    cache.insert(key, value);
 }
 
 impl Kin {
