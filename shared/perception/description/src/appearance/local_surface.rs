@@ -241,13 +241,17 @@ mod tests {
             let mut order = [0, 1, 2];
             order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
             let found = eigenvalues(&packed);
+            // A double root of the equation has the square root of the rounding error.
+            let tolerance = f32::EPSILON.sqrt() * found[2].max(0.1);
             for (value, &i) in found.iter().zip(&order) {
-                prop_assert!((value - eigen.eigenvalues[i]).abs() < 1e-5, "{found:?}");
+                prop_assert!((value - eigen.eigenvalues[i]).abs() < tolerance, "{found:?}");
             }
             let normal: Vector3<f32> = eigen.eigenvectors.column(order[0]).into();
-            // The eigenvector is well determined only where the values differ.
+            // The eigenvector is well determined only where the values differ. The rounding error
+            // is that of its square.
             if found[1] - found[0] > 0.1 {
-                prop_assert!((vertical_component(&packed, found) - normal.z.abs()).abs() < 1e-3);
+                let vertical = vertical_component(&packed, found);
+                prop_assert!((vertical.powi(2) - normal.z.powi(2)).abs() < 1e-3);
             }
         }
     }
