@@ -62,7 +62,7 @@ impl Default for RawConfig {
         let detection = detection::RawConfig::default();
         Self {
             workers: 2,
-            known_probability_min: 0.5,
+            known_probability_min: pipeline::Config::KNOWN_PROBABILITY_MIN,
             actor_deadline_ms: 100,
             worker_stall_ms: 2_000,
             actor_restarts_max: 30,

@@ -174,6 +174,14 @@ impl AppearanceDescriptor {
         Ok(&self.described)
     }
 
+    /// Values of a stored descriptor that change their sign when the object is mirrored: the
+    /// descriptor of its mirror image, in one of the axis hypotheses, differs in these signs only.
+    /// True for such a value; as many as the descriptor has.
+    pub fn mirror_odd_values() -> &'static [bool] {
+        static VALUES: LazyLock<Vec<bool>> = LazyLock::new(axis_hypotheses::mirror_odd_values);
+        &VALUES
+    }
+
     /// Descriptor of a stored view in all axis hypotheses, the stored one first: the
     /// result of [`describe`](Self::describe), had it started with that hypothesis.
     /// Missing values are taken as 0.

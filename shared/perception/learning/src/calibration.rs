@@ -14,6 +14,10 @@ pub struct Calibration {
     /// All axis hypotheses of a stored descriptor, itself included; the distance of two
     /// views is the least over them.
     pub axis_hypotheses_of: fn(&[f32]) -> Vec<Vec<f32>>,
+    /// Values of a descriptor that change their sign when the object is mirrored. True for such a
+    /// value; values beyond the end change nothing. The regression takes an object for its mirror
+    /// image.
+    pub mirror_odd_values: fn() -> &'static [bool],
     /// Distance at which the kernel of the local ridge regression falls to 1/e.
     pub kernel_width: f32,
     /// Ridge of the local ridge regression.
@@ -107,6 +111,7 @@ mod tests {
 
     const CALIBRATION: Calibration = Calibration {
         axis_hypotheses_of: |stored| vec![stored.to_vec()],
+        mirror_odd_values: || &[],
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,

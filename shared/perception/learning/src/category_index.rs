@@ -253,7 +253,8 @@ impl CategoryIndex {
         if self.is_regression() {
             let mut found = NearestNeighbours::new(N_NEIGHBOURS);
             self.search_all(descriptors, &mut found)?;
-            let evidence = self.evidence(found.views());
+            let description = descriptors.first().map(AsRef::as_ref);
+            let evidence = self.evidence(description, found.views());
             return Ok(self.decide(std::iter::once(&evidence), rule));
         }
         let mut found = NearestCategories::default();
@@ -279,7 +280,8 @@ impl CategoryIndex {
         for side in sides {
             let mut found = NearestNeighbours::new(N_NEIGHBOURS);
             self.search_all(side.as_ref(), &mut found)?;
-            evidence.push(self.evidence(found.views()));
+            let description = side.as_ref().first().map(AsRef::as_ref);
+            evidence.push(self.evidence(description, found.views()));
         }
         Ok(self.decide(evidence.iter(), rule.into()))
     }
@@ -380,6 +382,7 @@ impl CategoryIndex {
             distance: f32::INFINITY,
             novelty: None,
             probability: None,
+            known_probability: None,
             n_sides: 1,
             nearest,
         };

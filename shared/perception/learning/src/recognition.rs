@@ -36,6 +36,9 @@ pub struct Recognition {
     /// Probability that the object belongs to the best category, 0 to 1; `None` without a
     /// calibration, 0 when nothing was taught.
     pub probability: Option<f32>,
+    /// Probability that the object belongs to any taught category, 0 to 1; `None` without a
+    /// calibration, 0 when nothing was taught.
+    pub known_probability: Option<f32>,
     /// Number of different sides of the object that the answer rests on.
     pub n_sides: usize,
     /// Best categories with their nearest views, best first, before rejection; unused
@@ -64,6 +67,7 @@ impl Recognition {
             distance: f32::INFINITY,
             novelty: Some(f32::INFINITY),
             probability: Some(0.0),
+            known_probability: Some(0.0),
             n_sides: 0,
             nearest: [const { None }; N_NEAREST],
         }

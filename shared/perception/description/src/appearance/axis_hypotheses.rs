@@ -100,6 +100,20 @@ impl SignedPermutation {
     }
 }
 
+/// Values of a stored descriptor that change their sign when the object is mirrored at the plane
+/// across its second axis; all others stay as they are.
+pub(super) fn mirror_odd_values() -> Vec<bool> {
+    let mirrored = 1;
+    let is_odd = |(axis, frequency): (usize, usize)| axis == mirrored && frequency % 2 == 1;
+    let mut computed = Vec::with_capacity(DIMENSION);
+    for (row, column) in PLANES {
+        computed.extend(frequencies().map(|(k, l)| is_odd((row, k)) != is_odd((column, l))));
+    }
+    computed.resize(DIMENSION, false);
+    let places = value_order::storage_order();
+    places.iter().map(|&place| computed[place]).collect()
+}
+
 /// Index of the coefficient with two frequencies along two axes.
 fn coefficient(axes: [usize; 2], frequencies_wanted: [usize; 2]) -> usize {
     let is_plane = |plane: &(usize, usize)| {

@@ -180,6 +180,22 @@ fn appearance_distinguishes_mirror_images() {
 }
 
 #[test]
+fn mirror_image_differs_in_the_signs_of_the_odd_values() {
+    let cloud = sheet(2000);
+    let up = Vector3::z_axis();
+    let is_odd = AppearanceDescriptor::mirror_odd_values();
+    assert_eq!(is_odd.len(), AppearanceDescriptor::DIMENSION);
+    for up in [None, Some(&up)] {
+        let stored = &described(&cloud, up)[0];
+        let signed = stored.iter().zip(is_odd);
+        let of_mirrored: Vec<f32> = signed.map(|(x, odd)| if *odd { -x } else { *x }).collect();
+        let mirrored = described(&mapped(&cloud, |p| Point3::new(-p.x, p.y, p.z)), up);
+        assert!(distance(&mirrored, stored) > 0.2);
+        assert!(distance(&mirrored, &of_mirrored) < 1e-3);
+    }
+}
+
+#[test]
 fn appearance_distinguishes_size_and_colour() {
     let cloud = sheet(2000);
     let stored = &described(&cloud, None)[0];

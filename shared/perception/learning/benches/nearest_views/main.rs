@@ -38,6 +38,7 @@ fn calibration() -> Calibration {
         axis_hypotheses_of: |stored| {
             AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Upright).into()
         },
+        mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,

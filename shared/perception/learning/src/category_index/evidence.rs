@@ -1,7 +1,7 @@
 //! Evidence of descriptions for categories, and the decision over several of them.
 
 use super::CategoryIndex;
-use super::local_ridge::ridge_weights;
+use super::local_ridge::local_regression;
 use crate::calibration::DistanceSum;
 use crate::nearest_categories::ScoredView;
 use crate::recognition::N_NEAREST;
@@ -49,35 +49,48 @@ impl Evidence {
 }
 
 impl CategoryIndex {
-    /// Evidence of a description with these nearest views, nearest first.
-    pub(super) fn evidence(&self, neighbours: &[ScoredView]) -> Evidence {
-        let Some(calibration) = self.calibration.as_ref().filter(|_| !neighbours.is_empty()) else {
+    /// Evidence of a description, in any axis hypothesis, with these nearest views, nearest first.
+    pub(super) fn evidence(
+        &self,
+        description: Option<&[f32]>,
+        neighbours: &[ScoredView],
+    ) -> Evidence {
+        let calibration = self.calibration.as_ref().filter(|_| !neighbours.is_empty());
+        let (Some(calibration), Some(description)) = (calibration, description) else {
             return Evidence::default();
         };
         let neighbours = &neighbours[..neighbours.len().min(N_NEIGHBOURS)];
-        let weights = ridge_weights(neighbours, &self.views, calibration);
+        let regression = local_regression(description, neighbours, &self.views, calibration);
         let mut scores: Vec<CategoryScore> = Vec::new();
-        for (neighbour, weight) in neighbours.iter().zip(weights.iter()) {
+        let weighted = regression.weights.iter().zip(regression.squared_distances);
+        for (neighbour, (weight, squared_distance)) in neighbours.iter().zip(weighted) {
             let name = &self.views.view(neighbour.row).name;
             let weight = *weight as f32;
+            let here = (self.distance_of(squared_distance), neighbour.view);
             match scores.iter_mut().find(|score| score.category == *name) {
-                Some(score) => score.score += weight,
+                Some(score) => {
+                    score.score += weight;
+                    if here.0 < score.nearest.0 {
+                        score.nearest = here;
+                    }
+                }
                 None => scores.push(CategoryScore {
                     category: name.clone(),
                     score: weight,
-                    nearest: (self.distance_of(neighbour), neighbour.view),
+                    nearest: here,
                 }),
             }
         }
         Evidence {
-            radius: neighbours.last().map_or(0.0, |last| self.distance_of(last)),
+            radius: neighbours
+                .last()
+                .map_or(0.0, |last| self.distance_of(last.score)),
             scores,
         }
     }
 
-    fn distance_of(&self, scored: &ScoredView) -> f32 {
-        self.metric
-            .distance_from_score(scored.score, self.dimension)
+    fn distance_of(&self, score: f32) -> f32 {
+        self.metric.distance_from_score(score, self.dimension)
     }
 
     /// Recognition of an object from the evidence of one or more of its descriptions: the
@@ -119,6 +132,7 @@ impl CategoryIndex {
             distance,
             novelty: Some(-probabilities.as_slice()[0].ln()),
             probability: Some(probabilities.as_slice()[0]),
+            known_probability: Some(1.0 - unknown),
             n_sides,
             nearest: best.map(|entry| {
                 let probability = probabilities.next();

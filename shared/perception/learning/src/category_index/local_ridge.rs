@@ -15,40 +15,62 @@ use nalgebra::{DMatrix, DVector};
 /// Number of imaginary views of the background class. Chosen.
 const N_BACKGROUND_VIEWS: usize = 4;
 
-/// Weights of the neighbours of a description, in their order: `(K + r I)⁻¹ k`, where
+/// Regression on the neighbours of a description, in their order.
+#[derive(Debug)]
+pub(super) struct LocalRegression {
+    /// Weights of the neighbours.
+    pub(super) weights: DVector<f64>,
+    /// Squared distances of the description to the neighbours or to their mirror images.
+    pub(super) squared_distances: Vec<f32>,
+}
+
+/// Ridge regression on the neighbours of a description: weights `(K + r I)⁻¹ k`, where
 /// `k` is the kernel between description and neighbours, `K` among the neighbours and
 /// `r` the ridge. The sum over the neighbours of a category is the regression of its
 /// indicator: about one for an object like them, about zero far from them.
 ///
-/// The kernel is `exp(-d / width)` with the least distance over the axis hypotheses. Four
-/// imaginary views of a background class, at the distance of unrelated objects from everything,
-/// take part, so that a memory with few views does not claim whatever is not quite unlike them.
+/// The kernel is `exp(-d / width)` with the least distance over the axis hypotheses and their
+/// mirror images. Four imaginary views of a background class, at the distance of unrelated objects
+/// from everything, take part, so that a memory with few views does not claim whatever is not quite
+/// unlike them.
 ///
 /// *Complexity*: cubic in the neighbours.
-pub(super) fn ridge_weights(
+pub(super) fn local_regression(
+    description: &[f32],
     neighbours: &[ScoredView],
     table: &ViewTable,
     calibration: &Calibration,
-) -> DVector<f64> {
+) -> LocalRegression {
     let n = neighbours.len();
     let kernel =
         |squared: f32| (-f64::from(squared.max(0.0).sqrt() / calibration.kernel_width)).exp();
-    let squared_distance = squared_distances(neighbours, table, calibration);
+    let stored: Vec<&[f32]> = neighbours
+        .iter()
+        .map(|view| table.descriptor(view.row))
+        .collect();
+    let distances = SquaredDistances::new(&stored, description, calibration);
+    let to_neighbours = neighbours.iter().enumerate();
+    let squared_distances: Vec<f32> = to_neighbours
+        .map(|(j, neighbour)| neighbour.score.min(distances.between(n, j).max(0.0)))
+        .collect();
     let n_all = n + N_BACKGROUND_VIEWS;
     let background = kernel(calibration.background_distance.powi(2));
     let mut gram = DMatrix::from_element(n_all, n_all, background);
     gram.fill_diagonal(1.0 + f64::from(calibration.ridge));
     for j in 0..n {
         for i in j + 1..n {
-            let value = kernel(squared_distance(i, j));
+            let value = kernel(distances.between(i, j));
             gram[(i, j)] = value;
             gram[(j, i)] = value;
         }
     }
-    let of_question = neighbours.iter().map(|neighbour| kernel(neighbour.score));
+    let of_question = squared_distances.iter().map(|squared| kernel(*squared));
     let of_question = of_question.chain(std::iter::repeat_n(background, N_BACKGROUND_VIEWS));
     let weights = solve(gram, &DVector::from_iterator(n_all, of_question));
-    weights.rows(0, n).into_owned()
+    LocalRegression {
+        weights: weights.rows(0, n).into_owned(),
+        squared_distances,
+    }
 }
 
 /// Solution of a symmetric system. The least distance over hypotheses makes a kernel that may be
@@ -61,30 +83,54 @@ fn solve(gram: DMatrix<f64>, of_question: &DVector<f64>) -> DVector<f64> {
     gram.lu().solve(of_question).unwrap_or_else(nothing)
 }
 
-/// Squared distance of two stored views by their places among the neighbours, the least over the
-/// axis hypotheses of the second.
-fn squared_distances(
-    neighbours: &[ScoredView],
-    table: &ViewTable,
-    calibration: &Calibration,
-) -> impl Fn(usize, usize) -> f32 + use<> {
-    let stored = neighbours.iter().map(|view| table.descriptor(view.row));
-    let stored: Vec<&[f32]> = stored.collect();
-    let dimension = stored.first().map_or(0, |view| view.len());
-    let turned: Vec<Vec<f32>> = stored
-        .iter()
-        .flat_map(|view| (calibration.axis_hypotheses_of)(view))
-        .collect();
-    let n_hypotheses = turned.len() / stored.len().max(1);
-    let values = stored.iter().flat_map(|view| view.iter().copied());
-    let rows = DMatrix::from_row_iterator(stored.len(), dimension, values);
-    let values = turned.iter().flatten().copied();
-    let products = rows * DMatrix::from_iterator(dimension, turned.len(), values);
-    let squared_lengths: Vec<f32> = stored.iter().map(|view| squared_length(view)).collect();
-    move |i, j| {
-        let products = (0..n_hypotheses).map(|h| products[(i, j * n_hypotheses + h)]);
+/// Squared distances among stored views and a description, the least over the axis hypotheses of
+/// the second view and their mirror images.
+///
+/// A mirror image differs in the signs of the odd values. The product of two descriptors is thus
+/// `even + odd`, and with the mirror image `even - odd`, where `even` and `odd` are the products
+/// over these values: the greater one is `even + |odd|`, at the cost of one product.
+struct SquaredDistances {
+    /// Products over the even values: of view `i` with hypothesis `h` of view `j` in column
+    /// `j * n_hypotheses + h`.
+    even: DMatrix<f32>,
+    odd: DMatrix<f32>,
+    n_hypotheses: usize,
+    /// Squared lengths of the views, the description last.
+    squared_lengths: Vec<f32>,
+}
+
+impl SquaredDistances {
+    fn new(stored: &[&[f32]], description: &[f32], calibration: &Calibration) -> Self {
+        let turned: Vec<Vec<f32>> = stored
+            .iter()
+            .flat_map(|view| (calibration.axis_hypotheses_of)(view))
+            .collect();
+        let views: Vec<&[f32]> = stored.iter().copied().chain([description]).collect();
+        let is_odd = (calibration.mirror_odd_values)();
+        let places = |wanted: bool| -> Vec<usize> {
+            let is_wanted = |place: &usize| is_odd.get(*place).copied().unwrap_or(false) == wanted;
+            (0..description.len()).filter(is_wanted).collect()
+        };
+        let products = |places: &[usize]| {
+            let of_views = |row: usize, place: usize| views[row][places[place]];
+            let of_turned = |place: usize, column: usize| turned[column][places[place]];
+            let rows = DMatrix::from_fn(views.len(), places.len(), of_views);
+            rows * DMatrix::from_fn(places.len(), turned.len(), of_turned)
+        };
+        Self {
+            even: products(&places(false)),
+            odd: products(&places(true)),
+            n_hypotheses: turned.len() / stored.len().max(1),
+            squared_lengths: views.iter().map(|view| squared_length(view)).collect(),
+        }
+    }
+
+    /// Squared distance of view `i` to stored view `j`; the description is behind the stored views.
+    fn between(&self, i: usize, j: usize) -> f32 {
+        let columns = j * self.n_hypotheses..(j + 1) * self.n_hypotheses;
+        let products = columns.map(|column| self.even[(i, column)] + self.odd[(i, column)].abs());
         let greatest = products.fold(f32::NEG_INFINITY, f32::max);
-        squared_lengths[i] + squared_lengths[j] - 2.0 * greatest
+        self.squared_lengths[i] + self.squared_lengths[j] - 2.0 * greatest
     }
 }
 
@@ -100,6 +146,7 @@ mod tests {
 
     const CALIBRATION: Calibration = Calibration {
         axis_hypotheses_of: |stored| vec![stored.to_vec(), stored.iter().map(|x| -x).collect()],
+        mirror_odd_values: || &[false, true],
         kernel_width: 1.5,
         ridge: 0.1,
         // Without a background.
@@ -140,13 +187,17 @@ mod tests {
         let views = [[1.0, 0.2, 0.0], [0.9, -0.1, 0.3], [-1.0, 0.1, 0.1]];
         let question = [0.95, 0.0, 0.1];
         let (neighbours, table) = neighbours(&question, &views);
-        let weights = ridge_weights(&neighbours, &table, &CALIBRATION);
+        let regression = local_regression(&question, &neighbours, &table, &CALIBRATION);
+        let weights = regression.weights;
+        // Turned by half, and mirrored by the sign of the second value.
         let distance = |a: &[f32; 3], b: &[f32; 3]| {
-            let to = |sign: f32| {
-                let turned = b.map(|x| sign * x);
+            let to = |turn: f32, mirror: f32| {
+                let turned = [turn * b[0], turn * mirror * b[1], turn * b[2]];
                 Metric::Euclidean.distance(a, &turned).unwrap()
             };
-            to(1.0).min(to(-1.0))
+            [to(1.0, 1.0), to(1.0, -1.0), to(-1.0, 1.0), to(-1.0, -1.0)]
+                .into_iter()
+                .fold(f32::INFINITY, f32::min)
         };
         let kernel = |d: f32| f64::from(-d / 1.5).exp();
         for (i, view) in views.iter().enumerate() {
@@ -154,8 +205,10 @@ mod tests {
                 let diagonal = if i == j { 0.1 } else { 0.0 };
                 (kernel(distance(view, other)) + diagonal) * weights[j]
             });
-            let expected = kernel(Metric::Euclidean.distance(&question, view).unwrap());
-            assert!((row.sum::<f64>() - expected).abs() < 1e-5, "{i}");
+            let nearest = distance(&question, view);
+            assert!((row.sum::<f64>() - kernel(nearest)).abs() < 1e-5, "{i}");
+            let squared = regression.squared_distances[i];
+            assert!((squared.sqrt() - nearest).abs() < 1e-5, "{i}: {squared}");
         }
     }
 
@@ -163,7 +216,7 @@ mod tests {
     fn a_view_stored_twice_shares_its_weight() {
         let views = [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
         let (neighbours, table) = neighbours(&views[0], &views);
-        let weights = ridge_weights(&neighbours, &table, &CALIBRATION);
+        let weights = local_regression(&views[0], &neighbours, &table, &CALIBRATION).weights;
         assert!((weights[0] - weights[1]).abs() < 1e-6);
         assert!((weights.sum() - 1.0 / 1.05).abs() < 1e-3, "{weights}");
     }

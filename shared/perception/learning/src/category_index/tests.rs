@@ -116,6 +116,7 @@ fn answers(index: &CategoryIndex) -> Vec<Recognition> {
 /// Calibration with two axis hypotheses: a descriptor and its reverse.
 const CALIBRATION: Calibration = Calibration {
     axis_hypotheses_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
+    mirror_odd_values: || &[],
     kernel_width: 1.0,
     ridge: 0.03,
     background_distance: 2.0,

@@ -170,7 +170,7 @@ impl CategoryIndex {
             row.is_some()
         });
         if is_changed {
-            side.evidence = self.evidence(&side.nearest);
+            side.evidence = self.evidence(side.description(), &side.nearest);
         }
     }
 
@@ -210,7 +210,7 @@ impl CategoryIndex {
             revision: self.revision,
             reach: found.worst_score(),
             nearest: found.views().to_vec(),
-            evidence: self.evidence(found.views()),
+            evidence: self.evidence(borrowed.first().copied(), found.views()),
             is_partial: false,
             queries,
         }
@@ -316,6 +316,11 @@ impl CategoryIndex {
 }
 
 impl Side {
+    /// Description in the first axis hypothesis.
+    fn description(&self) -> Option<&[f32]> {
+        self.queries.first().map(Vec::as_slice)
+    }
+
     fn neighbours(&self) -> impl Iterator<Item = &ScoredView> {
         self.nearest.iter().take(N_NEIGHBOURS)
     }

@@ -10,6 +10,7 @@ const N_VIEWS: usize = 600;
 
 const CALIBRATION: Calibration = Calibration {
     axis_hypotheses_of: |stored| vec![stored.to_vec()],
+    mirror_odd_values: || &[],
     kernel_width: 2.0,
     ridge: 0.03,
     background_distance: 2.0,
