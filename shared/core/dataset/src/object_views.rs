@@ -26,6 +26,9 @@ pub struct ViewFile {
     pub category: String,
     /// Instance within the category, if known from the layout.
     pub instance: Option<String>,
+    /// Frame number within the turn of the turntable, if known from the layout: views of an
+    /// instance with nearby numbers show the same side.
+    pub frame: Option<u32>,
 }
 
 /// Views of a dataset, by category in natural order. Files are read one at a time by
@@ -64,6 +67,7 @@ impl ObjectViews {
             path: path.strip_prefix(root).unwrap_or(&path).to_owned(),
             category: name.category().to_owned(),
             instance: Some(name.instance().to_string()),
+            frame: Some(name.frame()),
         });
         Self {
             files: files.collect(),
@@ -78,6 +82,7 @@ impl ObjectViews {
             path: path.to_owned(),
             category: category.to_owned(),
             instance: None,
+            frame: None,
         });
         Ok(Self {
             files: files.collect(),

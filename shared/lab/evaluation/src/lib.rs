@@ -37,6 +37,7 @@ pub mod hypothesis_image;
 pub mod id_f1;
 pub mod labelled_scenes;
 pub mod memory_floor;
+pub mod new_side_score;
 pub mod novelty_score;
 pub mod open_ended;
 pub mod recogniser;

@@ -29,7 +29,9 @@ impl NoveltyScore {
         if open.is_empty() || known.is_empty() {
             return None;
         }
-        let (open_novelties, known_novelties) = (sorted_novelties(open), sorted_novelties(known));
+        let novelty = |answer: &Answer| answer.novelty;
+        let open_novelties = sorted(open.iter().map(novelty));
+        let known_novelties = sorted(known.iter().map(novelty));
         // Novelty that 95 % of the open-set views reach.
         let n_not_found = open.len() - (0.95 * open.len() as f64).ceil() as usize;
         let threshold = open_novelties[n_not_found];
@@ -45,10 +47,19 @@ impl NoveltyScore {
     }
 }
 
-fn sorted_novelties(answers: &[Answer]) -> Vec<f32> {
-    let mut novelties: Vec<f32> = answers.iter().map(|answer| answer.novelty).collect();
-    novelties.sort_unstable_by(f32::total_cmp);
-    novelties
+/// Area under the ROC curve: probability that a value of the first group is greater than one of
+/// the second, ties counting half.
+pub(crate) fn area_under_roc(
+    greater: impl Iterator<Item = f32>,
+    smaller: impl Iterator<Item = f32>,
+) -> f64 {
+    auroc(&greater.collect::<Vec<_>>(), &sorted(smaller))
+}
+
+fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
+    let mut values: Vec<f32> = values.collect();
+    values.sort_unstable_by(f32::total_cmp);
+    values
 }
 
 fn rejection_rate(answers: &[Answer]) -> f64 {
@@ -86,6 +97,7 @@ mod tests {
                 distance: novelty,
                 novelty,
                 probability: None,
+                known_probability: None,
                 best: [None; 3],
             };
             novelties.map(answer).collect::<Vec<_>>()

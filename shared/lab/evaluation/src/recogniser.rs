@@ -35,6 +35,8 @@ pub struct Answer {
     pub novelty: f32,
     /// Probability that the best category is right, 0 to 1, if the recogniser tells one.
     pub probability: Option<f32>,
+    /// Probability that the category is any of those taught, 0 to 1, if the recogniser tells one.
+    pub known_probability: Option<f32>,
     /// Three best categories, best first, before rejection.
     pub best: [Option<u32>; 3],
 }

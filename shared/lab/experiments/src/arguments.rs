@@ -4,7 +4,7 @@ mod recognition;
 
 pub use recognition::{
     AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
-    DescriptorVariant, LearnArguments, OpenEndedArguments, UpAxis, ViewProtocol,
+    DescriptorVariant, FoldProtocol, LearnArguments, OpenEndedArguments, UpAxis, ViewProtocol,
 };
 
 use clap::{Args, Subcommand, ValueEnum};

@@ -219,6 +219,7 @@ mod tests {
             path: "view.pcd".into(),
             category: category.into(),
             instance: instance.map(ToOwned::to_owned),
+            frame: None,
         };
         let files = [
             file("mug", Some("1")),

@@ -14,6 +14,9 @@ pub enum FoldAssignment {
     /// Grouped by object in random order: all views of an object share a fold. A category with
     /// fewer than two known objects is assigned view by view.
     ByInstance,
+    /// Sides: the views of each object in contiguous slices of equal length, in their order around
+    /// the object, so that each fold shows it from another side.
+    BySide,
     /// Contiguous slices of equal length in the given order, the last one with the remainder; as
     /// in the public code of Kasaei's group.
     Contiguous,
@@ -77,6 +80,13 @@ impl Folds {
                     folds.assign_slices(&of_category);
                     continue;
                 }
+                FoldAssignment::BySide => {
+                    folds.n_grouped += 1;
+                    for object in by_instance(views, &of_category) {
+                        folds.assign_slices(&object);
+                    }
+                    continue;
+                }
                 FoldAssignment::ByView => ungrouped(&of_category),
                 FoldAssignment::ByInstance => grouped_by_instance(views, &of_category),
             };
@@ -104,10 +114,10 @@ impl Folds {
         }
     }
 
-    fn assign_slices(&mut self, of_category: &[usize]) {
-        let length = of_category.len() / self.n_folds as usize;
-        for (index, &view) in of_category.iter().enumerate() {
-            // A category with fewer views than folds is tested in the last one.
+    fn assign_slices(&mut self, views: &[usize]) {
+        let length = views.len() / self.n_folds as usize;
+        for (index, &view) in views.iter().enumerate() {
+            // A group with fewer views than folds is tested in the last one.
             let fold = index
                 .checked_div(length)
                 .map_or(u32::MAX, |fold| fold as u32);
@@ -122,17 +132,22 @@ fn ungrouped(of_category: &[usize]) -> Vec<Vec<usize>> {
 
 /// Groups views by object; if objects are unknown or there is only one, each view is a group.
 fn grouped_by_instance(views: &[LabelledView], of_category: &[usize]) -> Vec<Vec<usize>> {
+    let groups = by_instance(views, of_category);
+    if groups.len() < 2 {
+        return ungrouped(of_category);
+    }
+    groups
+}
+
+/// Views of each object; a view of an unknown object is a group.
+fn by_instance(views: &[LabelledView], of_category: &[usize]) -> Vec<Vec<usize>> {
     let mut sorted = of_category.to_vec();
     sorted.sort_by_key(|&view| views[view].instance);
     let is_same = |a: &usize, b: &usize| {
         let (a, b) = (views[*a].instance, views[*b].instance);
         a.is_some() && a == b
     };
-    let groups: Vec<Vec<usize>> = sorted.chunk_by(is_same).map(<[usize]>::to_vec).collect();
-    if groups.len() < 2 {
-        return ungrouped(of_category);
-    }
-    groups
+    sorted.chunk_by(is_same).map(<[usize]>::to_vec).collect()
 }
 
 #[cfg(test)]
@@ -202,6 +217,14 @@ mod tests {
                 .all(|&n| (6..=7).contains(&n))
         );
         assert_eq!(folds.n_grouped, 1);
+    }
+
+    #[test]
+    fn folds_by_side_share_the_views_of_each_object_in_their_order() {
+        let views = views(&[(0, Some(1), 4), (0, Some(2), 5), (1, Some(1), 1)]);
+        let folds = Folds::assign(&views, 2, FoldAssignment::BySide, 1).unwrap();
+        assert_eq!(folds.of_view, [0, 0, 1, 1, 0, 0, 1, 1, 1, 1]);
+        assert_eq!(folds.n_grouped, 2);
     }
 
     #[test]

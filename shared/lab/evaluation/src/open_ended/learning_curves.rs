@@ -204,6 +204,7 @@ mod tests {
                 distance: 0.1,
                 novelty: 0.1,
                 probability: None,
+                known_probability: None,
                 best: [None; 3],
             },
             accuracy: Some(0.8),

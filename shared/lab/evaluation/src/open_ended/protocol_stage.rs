@@ -109,6 +109,7 @@ mod tests {
                 distance: 0.0,
                 novelty: 0.0,
                 probability: None,
+                known_probability: None,
                 best: [None; 3],
             },
             accuracy: None,

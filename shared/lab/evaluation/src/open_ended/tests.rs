@@ -51,6 +51,7 @@ impl Recogniser for FixedAccuracyRecogniser<'_> {
             distance: 0.5,
             novelty,
             probability: None,
+            known_probability: None,
             best: [None; 3],
         }
     }

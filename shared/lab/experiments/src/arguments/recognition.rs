@@ -40,6 +40,17 @@ pub enum ViewProtocol {
     InstanceDisjoint,
 }
 
+/// Split of the views of a cross-validation into training and test views
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FoldProtocol {
+    /// Training and test views of the same objects
+    View,
+    /// Test views of other objects than the training views
+    InstanceDisjoint,
+    /// Test views of other sides of the objects of the training views
+    OtherSide,
+}
+
 /// Options of description and comparison.
 #[derive(Debug, Args)]
 pub struct DescriptionArguments {
@@ -196,10 +207,10 @@ pub struct CrossValidationArguments {
     /// Random seed of the folds
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Split: any views, or the views of an object in one fold [default: instance-disjoint where
-    /// objects are known]
+    /// Split: any views, the views of an object in one fold, or those of a side of it [default:
+    /// instance-disjoint where objects are known]
     #[arg(long, value_name = "NAME", value_enum, conflicts_with = "contiguous")]
-    pub(crate) protocol: Option<ViewProtocol>,
+    pub(crate) protocol: Option<FoldProtocol>,
     /// Share of the categories that each fold withholds from training and asks about, 0 to 0.9
     #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = open_set_share)]
     pub(crate) open_set_share: f64,

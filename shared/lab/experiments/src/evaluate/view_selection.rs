@@ -18,7 +18,8 @@ use std::time::Instant;
 /// Selected views of a data set.
 pub(super) struct ViewSelection {
     views: ObjectViews,
-    /// Indices of the selected views in the data set, ascending.
+    /// Indices of the selected views in the data set, by category and object; those of an object
+    /// go around it.
     selected: Vec<usize>,
 }
 
@@ -151,14 +152,19 @@ fn text_of(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Indices of at most `most` views of each category, spread evenly over its views.
+/// Indices of at most `most` views of each category, spread evenly over its views. The views of an
+/// object come in the order of the turntable, those from different heights beside each other.
 fn selected(files: &[ViewFile], most: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..files.len()).collect();
+    let object = |&index: &usize| (&files[index].category, &files[index].instance);
+    for of_object in order.chunk_by_mut(|a, b| object(a) == object(b)) {
+        of_object.sort_by_key(|&index| files[index].frame);
+    }
+    let is_same = |a: &usize, b: &usize| files[*a].category == files[*b].category;
     let mut selected = Vec::new();
-    let mut first = 0;
-    for of_category in files.chunk_by(|a, b| a.category == b.category) {
+    for of_category in order.chunk_by(is_same) {
         let n = of_category.len().min(most);
-        selected.extend((0..n).map(|i| first + i * of_category.len() / n));
-        first += of_category.len();
+        selected.extend((0..n).map(|i| of_category[i * of_category.len() / n]));
     }
     selected
 }
@@ -193,6 +199,7 @@ mod tests {
             path: category.into(),
             category: category.into(),
             instance: instance.map(str::to_owned),
+            frame: None,
         }
     }
 
@@ -203,6 +210,23 @@ mod tests {
             .collect();
         assert_eq!(selected(&files, 4), [0, 2, 5, 7, 10, 11, 12]);
         assert_eq!(selected(&files, usize::MAX), (0..13).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn views_of_an_object_go_around_it() {
+        let view = |instance: &str, frame: u32| ViewFile {
+            frame: Some(frame),
+            ..file("a", Some(instance))
+        };
+        // Two heights of the turntable, one after the other, and another object.
+        let files = [
+            view("1", 1),
+            view("1", 2),
+            view("1", 1),
+            view("1", 2),
+            view("2", 1),
+        ];
+        assert_eq!(selected(&files, usize::MAX), [0, 2, 1, 3, 4]);
     }
 
     #[test]

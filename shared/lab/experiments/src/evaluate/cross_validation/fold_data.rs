@@ -1,6 +1,6 @@
 //! Views with their fold assignment: from a data set or from simulated scenes.
 
-use crate::arguments::{CrossValidationArguments, ViewProtocol};
+use crate::arguments::{CrossValidationArguments, FoldProtocol};
 use crate::evaluate::recognition::{RecogniserFactory, RecognitionMethod};
 use crate::evaluate::scene_views::{self, SceneViews};
 use crate::evaluate::view_selection::read_and_describe;
@@ -57,14 +57,23 @@ impl FoldData {
         })?;
         let (views, recogniser_factory) =
             read_and_describe(dataset, &arguments.description, output)?;
-        let fold_assignment = fold_assignment(arguments, &views);
-        let folds = assign_folds(&views.labels, fold_assignment, arguments)?;
-        if arguments.sides > 1 && views.labels.iter().all(|view| view.instance.is_none()) {
-            return Err(Failure::usage(
-                "the data set does not tell which views show the same object, so several sides \
-                 cannot be asked together: leave out --sides",
-            ));
+        let is_object_known = views.labels.iter().any(|view| view.instance.is_some());
+        for (needs_objects, option) in [
+            (arguments.sides > 1, "--sides"),
+            (
+                arguments.protocol == Some(FoldProtocol::OtherSide),
+                "--protocol other-side",
+            ),
+        ] {
+            if needs_objects && !is_object_known {
+                return Err(Failure::usage(format!(
+                    "the data set does not tell which views show the same object, so its sides \
+                     are not known: leave out {option}"
+                )));
+            }
         }
+        let fold_assignment = fold_assignment(arguments, is_object_known);
+        let folds = assign_folds(&views.labels, fold_assignment, arguments)?;
         Ok(Self {
             source: dataset.display().to_string(),
             views,
@@ -134,6 +143,7 @@ fn name_of(fold_assignment: FoldAssignment, folds: &Folds) -> &'static str {
     match fold_assignment {
         FoldAssignment::ByInstance if folds.n_grouped > 0 => "instance-disjoint",
         FoldAssignment::ByInstance | FoldAssignment::ByView => "view",
+        FoldAssignment::BySide => "other-side",
         FoldAssignment::Contiguous => "contiguous",
     }
 }
@@ -147,12 +157,12 @@ fn assign_folds(
 }
 
 /// Fold assignment: by object where objects are known, unless the arguments say otherwise.
-fn fold_assignment(arguments: &CrossValidationArguments, views: &ViewTable) -> FoldAssignment {
-    let is_known = views.labels.iter().any(|view| view.instance.is_some());
+fn fold_assignment(arguments: &CrossValidationArguments, is_object_known: bool) -> FoldAssignment {
     match arguments.protocol {
         _ if arguments.contiguous => FoldAssignment::Contiguous,
-        Some(ViewProtocol::InstanceDisjoint) => FoldAssignment::ByInstance,
-        None if is_known => FoldAssignment::ByInstance,
-        Some(ViewProtocol::View) | None => FoldAssignment::ByView,
+        Some(FoldProtocol::OtherSide) => FoldAssignment::BySide,
+        Some(FoldProtocol::InstanceDisjoint) => FoldAssignment::ByInstance,
+        None if is_object_known => FoldAssignment::ByInstance,
+        Some(FoldProtocol::View) | None => FoldAssignment::ByView,
     }
 }

@@ -6,13 +6,15 @@ use crate::csv;
 use evaluation::recogniser::Answer;
 
 /// Column headings of the question log.
-const HEADS: [&str; 7] = [
+const HEADS: [&str; 9] = [
     "fold",
     "view",
     "truth",
     "prediction",
     "distance",
     "novelty",
+    "probability",
+    "known_probability",
     "open_set",
 ];
 
@@ -20,6 +22,7 @@ const HEADS: [&str; 7] = [
 /// empty view and truth.
 pub(super) fn csv(results: &[FoldResult], data: &FoldData) -> String {
     let views = &data.views;
+    let number = |value: Option<f32>| value.map_or_else(String::new, |value| value.to_string());
     let name = |category: u32| views.categories[category as usize].as_str();
     let line = |fold: usize, view: Option<usize>, answer: &Answer, open_set: &str| {
         csv::line(&[
@@ -29,6 +32,8 @@ pub(super) fn csv(results: &[FoldResult], data: &FoldData) -> String {
             answer.category.map_or("", name),
             &answer.distance.to_string(),
             &answer.novelty.to_string(),
+            &number(answer.probability),
+            &number(answer.known_probability),
             open_set,
         ])
     };

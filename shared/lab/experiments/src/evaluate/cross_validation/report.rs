@@ -9,8 +9,10 @@ use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
 use crate::evaluate::view_table::ViewTable;
 use evaluation::calibration_score::expected_calibration_error;
 use evaluation::cross_validation::ConfusionMatrix;
+use evaluation::new_side_score::{NamedAnswer, NewSideScore};
 use evaluation::novelty_score::NoveltyScore;
 use evaluation::recogniser::Answer;
+use message::control::QuestionKind;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -34,6 +36,9 @@ pub(super) struct CrossValidationReport {
     /// Open-set metrics over the views of withheld categories.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) open_set: Option<NoveltyScore>,
+    /// Telling new objects from new sides; only with folds by side and withheld categories.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) new_sides: Option<NewSideScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) scenes: Option<EndToEndScore>,
     pub(super) settings: Settings,
@@ -125,6 +130,7 @@ impl CrossValidationReport {
                 })
                 .collect(),
             open_set: novelty(results),
+            new_sides: new_sides(data, results),
             scenes: data
                 .scenes
                 .as_ref()
@@ -163,6 +169,26 @@ fn novelty(results: &[FoldResult]) -> Option<NoveltyScore> {
         questions.map(|(_, answer)| *answer).collect()
     };
     NoveltyScore::of(&answers(|fold| &fold.open), &answers(|fold| &fold.answers))
+}
+
+/// Score of the question "new object or new side?" by the rule of the live system.
+fn new_sides(data: &FoldData, results: &[FoldResult]) -> Option<NewSideScore> {
+    if data.fold_assignment != "other-side" {
+        return None;
+    }
+    let objects = results.iter().flat_map(|fold| &fold.open);
+    let objects: Vec<Answer> = objects.map(|(_, answer)| *answer).collect();
+    let sides = results.iter().flat_map(|fold| &fold.answers);
+    let named = |(view, answer): &(usize, Answer)| {
+        let category = data.views.labels[*view].category;
+        (*answer, answer.best[0] == Some(category))
+    };
+    let sides: Vec<NamedAnswer> = sides.map(named).collect();
+    let is_new_object = |probability: f32| {
+        QuestionKind::of_unknown(f64::from(probability)) == QuestionKind::NewObject
+    };
+    let known_probability_min = pipeline::Config::KNOWN_PROBABILITY_MIN;
+    NewSideScore::of(&objects, &sides, known_probability_min, is_new_object)
 }
 
 impl FoldFigures {

@@ -5,6 +5,7 @@ use super::fold_data::FoldData;
 use super::report::{CategoryFigures, CrossValidationReport};
 use crate::evaluate::open_set;
 use command_line::format_table;
+use evaluation::new_side_score::NewSideScore;
 use plot::figure_page::{PageFigure, PageTable, html};
 
 /// Column headings of the category table; the last two only for scenes.
@@ -103,9 +104,23 @@ fn notes(document: &CrossValidationReport) -> Vec<String> {
     ];
     notes.push(best_and_calibration(document));
     notes.extend(document.open_set.as_ref().map(open_set::sentence));
+    notes.extend(document.new_sides.as_ref().map(new_sides));
     notes.extend(document.scenes.iter().flat_map(EndToEndScore::sentences));
     notes.extend(document.omissions.left_out.iter().cloned());
     notes
+}
+
+fn new_sides(score: &NewSideScore) -> String {
+    format!(
+        "unknown are {} questions about new objects and {} about new sides; of these {:.1} % and \
+         {:.1} % are told as such, AUROC {:.3}; the best category of a new side is right in {:.1} %",
+        score.n_new_objects,
+        score.n_new_sides,
+        100.0 * score.new_objects_told,
+        100.0 * score.new_sides_told,
+        score.auroc,
+        100.0 * score.new_sides_named
+    )
 }
 
 fn best_and_calibration(document: &CrossValidationReport) -> String {
@@ -131,6 +146,7 @@ fn fold_assignment(document: &CrossValidationReport) -> String {
             "the views of an object together in {} of the categories",
             settings.n_grouped
         ),
+        "other-side" => "each side of the objects in one fold".to_owned(),
         "scene" => "scene by scene".to_owned(),
         "contiguous" => "in the order of their names".to_owned(),
         _ => "view by view: the same objects are taught and asked".to_owned(),

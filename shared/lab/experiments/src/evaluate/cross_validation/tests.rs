@@ -1,6 +1,6 @@
 use super::super::open_ended::tests::{description, write_points};
 use super::*;
-use crate::arguments::{DescriptionArguments, DescriptorVariant, ViewProtocol};
+use crate::arguments::{DescriptionArguments, DescriptorVariant, FoldProtocol};
 use dataset::washington::{CAMERA, CroppedView, ViewName, write_view};
 use point_cloud::Point;
 use serde_json::Value;
@@ -134,9 +134,75 @@ fn views_of_an_instance_stay_in_one_fold_by_default() {
     for object in ["cup_1/", "cup_5/", "pan_3/"] {
         assert_eq!(fold_of(object).len(), 1, "{object}");
     }
-    arguments.protocol = Some(ViewProtocol::View);
+    arguments.protocol = Some(FoldProtocol::View);
     run(&arguments, &Output::new(true)).unwrap();
     assert_eq!(document(&arguments.out)["settings"]["folds"], "view");
+}
+
+#[test]
+fn other_sides_are_asked_and_new_objects_told_from_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    // A cup that looks quite different from behind, and three other objects.
+    for (category, side, side_behind) in [
+        ("cup", 20, 60),
+        ("pan", 40, 42),
+        ("jar", 70, 71),
+        ("lid", 100, 102),
+    ] {
+        for frame in 1..=6 {
+            let shown = if frame > 3 { side_behind } else { side };
+            for height in [1, 2] {
+                let name = ViewName::new(category, 1, height, frame).unwrap();
+                write_view(&data, &name, &square_view(shown + frame), Some(&CAMERA)).unwrap();
+            }
+        }
+    }
+    let mut arguments = arguments(&data, &folder.path().join("out"));
+    arguments.description.variant = DescriptorVariant::Ours;
+    arguments.protocol = Some(FoldProtocol::OtherSide);
+    (arguments.folds, arguments.open_set_share) = (2, 0.5);
+    run(&arguments, &Output::new(true)).unwrap();
+    let document = document(&arguments.out);
+    assert_eq!(document["settings"]["folds"], "other-side");
+    assert_eq!(document["settings"]["n_grouped"], 4);
+    let log = fs::read_to_string(arguments.out.join("log.csv")).unwrap();
+    let n_asked = |fold: &str, frames: [u8; 3]| {
+        let is_asked = |line: &&str| {
+            let view = line.split(',').nth(1).unwrap();
+            let is_frame = |frame: &u8| view.contains(&format!("_{frame}."));
+            line.starts_with(fold) && frames.iter().any(is_frame)
+        };
+        log.lines().filter(is_asked).count()
+    };
+    // The first fold asks the first half of the turn, seen from both heights.
+    assert_eq!(
+        (n_asked("0,", [1, 2, 3]), n_asked("0,", [4, 5, 6])),
+        (24, 0)
+    );
+    assert_eq!(
+        (n_asked("1,", [1, 2, 3]), n_asked("1,", [4, 5, 6])),
+        (0, 24)
+    );
+    let new_sides = &document["new_sides"];
+    assert!(new_sides.is_object(), "{document}");
+    assert!(new_sides["n_new_objects"].as_u64() > Some(0), "{document}");
+}
+
+#[test]
+fn protocols_that_need_objects_are_refused_where_they_are_unknown() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data");
+    write_shapes(&data, 10);
+    let mut arguments = arguments(&data, &folder.path().join("out"));
+    arguments.protocol = Some(FoldProtocol::OtherSide);
+    let error = run(&arguments, &Output::new(true)).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("leave out --protocol other-side"),
+        "{error}"
+    );
 }
 
 #[test]

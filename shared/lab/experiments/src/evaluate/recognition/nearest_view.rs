@@ -82,6 +82,7 @@ impl Recogniser for NearestViewRecogniser<'_> {
             distance: f32::INFINITY,
             novelty: f32::INFINITY,
             probability: None,
+            known_probability: None,
             best: [None; 3],
         };
         let found = self.index.recognise_sides(&sides, *threshold);
@@ -93,6 +94,7 @@ impl Recogniser for NearestViewRecogniser<'_> {
                 distance: recognition.distance,
                 novelty: recognition.novelty.unwrap_or(recognition.distance),
                 probability: recognition.probability,
+                known_probability: recognition.known_probability,
                 best: [first, second, third],
             }
         })

@@ -7,10 +7,6 @@ use pipeline::{Config, FramePipeline, FramePose, SequentialFrame, SequentialStat
 use point_cloud::OrganizedCloud;
 use tracking::{AssociationConfig, MotionConfig, TrackPhase, Visibility};
 
-/// Probability below which an object is unknown. Nothing is taught here, so that its
-/// value does not matter.
-const KNOWN_PROBABILITY_MIN: f32 = 0.5;
-
 /// Frame of a sequence with its camera pose and the known bodies.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TrackerInput<'a> {
@@ -42,7 +38,7 @@ impl TrackingPipeline {
     /// Pipeline with the daemon's default settings and nothing taught.
     pub(in super::super) fn new() -> Result<Self, pipeline::Error> {
         let (motion, association) = (MotionConfig::default(), AssociationConfig::default());
-        let config = Config::new(motion, association, KNOWN_PROBABILITY_MIN)?;
+        let config = Config::new(motion, association, Config::KNOWN_PROBABILITY_MIN)?;
         Ok(Self {
             pipeline: FramePipeline::new(config),
             state: SequentialState::new(detection::Config::default(), config)?,
