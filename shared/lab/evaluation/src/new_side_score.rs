@@ -37,11 +37,7 @@ impl NewSideScore {
         known_probability_min: f32,
         is_new_object: impl Fn(f32) -> bool,
     ) -> Option<Self> {
-        let is_unknown = |answer: &Answer| {
-            answer
-                .known_probability
-                .is_some_and(|p| p < known_probability_min)
-        };
+        let is_unknown = |answer: &Answer| answer.is_unknown(known_probability_min);
         let objects: Vec<&Answer> = objects.iter().filter(|answer| is_unknown(answer)).collect();
         let sides: Vec<&NamedAnswer> = sides.iter().filter(|side| is_unknown(&side.0)).collect();
         if objects.is_empty() || sides.is_empty() {
@@ -72,7 +68,7 @@ mod tests {
 
     fn answer(probability: f32, known_probability: f32) -> Answer {
         Answer {
-            category: None,
+            category: Some(1),
             distance: 1.0,
             novelty: -probability.ln(),
             probability: Some(probability),

@@ -25,7 +25,9 @@ pub struct NoveltyScore {
 
 impl NoveltyScore {
     /// Metrics of the answers to open-set and to known questions; `None` if either is empty.
-    pub fn of(open: &[Answer], known: &[Answer]) -> Option<Self> {
+    /// "Unknown" is an answer without a category, or one that is less probably of any taught
+    /// category than `known_probability_min`.
+    pub fn of(open: &[Answer], known: &[Answer], known_probability_min: f32) -> Option<Self> {
         if open.is_empty() || known.is_empty() {
             return None;
         }
@@ -41,8 +43,8 @@ impl NoveltyScore {
             n_known: known.len(),
             auroc: auroc(&open_novelties, &known_novelties),
             false_alarms_at_95: (known.len() - n_quiet) as f64 / known.len() as f64,
-            rejected: rejection_rate(open),
-            known_rejected: rejection_rate(known),
+            rejected: rejection_rate(open, known_probability_min),
+            known_rejected: rejection_rate(known, known_probability_min),
         })
     }
 }
@@ -62,8 +64,9 @@ fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
     values
 }
 
-fn rejection_rate(answers: &[Answer]) -> f64 {
-    let rejected = answers.iter().filter(|answer| answer.category.is_none());
+fn rejection_rate(answers: &[Answer], known_probability_min: f32) -> f64 {
+    let is_unknown = |answer: &&Answer| answer.is_unknown(known_probability_min);
+    let rejected = answers.iter().filter(is_unknown);
     rejected.count() as f64 / answers.len() as f64
 }
 
@@ -106,9 +109,9 @@ mod tests {
         // Novelty 15 and more is above the threshold: 95 of the open-set views, 5 of the known
         // ones.
         let known = answers(&mut (0..20).map(|i| i as f32), Some(1));
-        let score = NoveltyScore::of(&open, &known).unwrap();
+        let score = NoveltyScore::of(&open, &known, 0.75).unwrap();
         assert_eq!(score.false_alarms_at_95, 0.25);
         assert_eq!((score.rejected, score.known_rejected), (1.0, 0.0));
-        assert_eq!(NoveltyScore::of(&open, &[]), None);
+        assert_eq!(NoveltyScore::of(&open, &[], 0.75), None);
     }
 }

@@ -42,6 +42,15 @@ pub struct Answer {
 }
 
 impl Answer {
+    /// True if there is no category, or the object is less probably of any taught category than
+    /// `known_probability_min`.
+    pub fn is_unknown(&self, known_probability_min: f32) -> bool {
+        let is_improbable = self
+            .known_probability
+            .is_some_and(|p| p < known_probability_min);
+        self.category.is_none() || is_improbable
+    }
+
     /// True if the category is among the three best.
     pub fn is_among_best(&self, category: u32) -> bool {
         self.best.contains(&Some(category))

@@ -40,9 +40,14 @@ pub fn html(title: &str, notes: &[String], tables: &[PageTable], figures: &[Page
 fn table(table: &PageTable) -> String {
     let row = |(index, cells): (usize, &Vec<String>)| {
         let tag = if index == 0 { "th" } else { "td" };
-        let cells = cells
-            .iter()
-            .map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell)));
+        let cells = cells.iter().enumerate().map(|(column, cell)| {
+            let class = if is_text(table, column) {
+                " class=\"text\""
+            } else {
+                ""
+            };
+            format!("<{tag}{class}>{}</{tag}>", escaped(cell))
+        });
         format!("<tr>{}</tr>", cells.collect::<String>())
     };
     let rows: Vec<String> = table.rows.iter().enumerate().map(row).collect();
@@ -51,6 +56,12 @@ fn table(table: &PageTable) -> String {
         escaped(&table.title),
         rows.join("\n")
     )
+}
+
+/// True for a column with words, which is aligned to the left, unlike numbers.
+fn is_text(table: &PageTable, column: usize) -> bool {
+    let mut cells = table.rows.iter().skip(1).filter_map(|row| row.get(column));
+    cells.any(|cell| cell.starts_with(|first: char| first.is_alphabetic() || first == '`'))
 }
 
 fn figure(figure: &PageFigure) -> String {
@@ -67,7 +78,10 @@ mod tests {
     fn text_is_escaped_on_the_page() {
         let table = PageTable {
             title: "a & b".into(),
-            rows: vec![vec!["<scene>".into()], vec!["1".into()]],
+            rows: vec![
+                vec!["<scene>".into(), "name".into()],
+                vec!["1".into(), "table".into()],
+            ],
         };
         let run = PageFigure {
             caption: "seed \"1\"".into(),
@@ -78,7 +92,8 @@ mod tests {
             "x &lt; y",
             "<caption>a &amp; b</caption>",
             "<th>&lt;scene&gt;</th>",
-            "<td>1</td>",
+            "<th class=\"text\">name</th>",
+            "<td>1</td><td class=\"text\">table</td>",
             "seed &quot;1&quot;",
             "src=\"tracks/a%20b.svg\"",
         ] {

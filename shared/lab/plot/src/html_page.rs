@@ -5,7 +5,7 @@ use std::fmt::Write;
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;margin:2em auto;max-width:1400px;\
     padding:0 1em;color:#222}table{border-collapse:collapse;margin:1em 0}\
     caption{text-align:left;font-weight:bold}th,td{padding:.2em .7em;text-align:right;border-bottom:1px solid #ddd;\
-    font-variant-numeric:tabular-nums}th:first-child,td:first-child{text-align:left}\
+    font-variant-numeric:tabular-nums}th:first-child,td:first-child,.text{text-align:left}\
     figure{margin:2em 0}img{width:100%;height:auto;display:block}\
     figcaption{margin-bottom:.4em}h2{margin-top:2em}";
 

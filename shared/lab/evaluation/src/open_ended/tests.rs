@@ -285,7 +285,7 @@ fn open_set_questions_leave_the_figures_as_they_are() {
     assert_eq!(without.taught, with.taught);
     let novelty = |run: &OpenEndedRun| {
         let [open, known] = [true, false].map(|kind| run.answers(kind).collect::<Vec<_>>());
-        NoveltyScore::of(&open, &known)
+        NoveltyScore::of(&open, &known, 0.75)
     };
     assert_eq!(novelty(&without), None);
     let score = novelty(&with).unwrap();

@@ -6,7 +6,7 @@ use evaluation::novelty_score::NoveltyScore;
 pub(super) fn sentence(score: &NoveltyScore) -> String {
     format!(
         "{} open-set questions: AUROC {:.3}, {:.1} % false alarms where 95 % are found; \
-         {:.1} % answered with unknown, and {:.1} % of the others",
+         the daemon answers {:.1} % with unknown, and {:.1} % of the others",
         score.n,
         score.auroc,
         100.0 * score.false_alarms_at_95,

@@ -168,7 +168,11 @@ fn novelty(results: &[FoldResult]) -> Option<NoveltyScore> {
         let questions = results.iter().flat_map(of_fold);
         questions.map(|(_, answer)| *answer).collect()
     };
-    NoveltyScore::of(&answers(|fold| &fold.open), &answers(|fold| &fold.answers))
+    NoveltyScore::of(
+        &answers(|fold| &fold.open),
+        &answers(|fold| &fold.answers),
+        pipeline::Config::KNOWN_PROBABILITY_MIN,
+    )
 }
 
 /// Score of the question "new object or new side?" by the rule of the live system.

@@ -54,18 +54,21 @@ pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> String 
     html("Cross-validation", &notes(document), &[table], &figures)
 }
 
-/// Table rows of the categories, worst first.
+/// Table rows of the categories, worst first; those that were never asked, being withheld in all
+/// folds, come last.
 fn rows(document: &CrossValidationReport) -> Vec<Vec<String>> {
     let right = |figures: &CategoryFigures| {
-        100.0 * f64::from(figures.n_right) / f64::from(figures.n_asked.max(1))
+        let share = f64::from(figures.n_right) / f64::from(figures.n_asked);
+        (figures.n_asked > 0).then_some(100.0 * share)
     };
     let mut categories: Vec<_> = document.categories.iter().collect();
-    categories.sort_by(|(_, a), (_, b)| right(a).total_cmp(&right(b)));
+    let order = |figures: &CategoryFigures| right(figures).unwrap_or(f64::INFINITY);
+    categories.sort_by(|(_, a), (_, b)| order(a).total_cmp(&order(b)));
     let row = |(name, figures): (&String, &CategoryFigures)| {
         let mut cells = vec![
             name.clone(),
             figures.n_asked.to_string(),
-            format!("{:5.1}", right(figures)),
+            right(figures).map_or_else(|| "-".to_owned(), |right| format!("{right:5.1}")),
             figures.taken_for.clone().unwrap_or_default(),
         ];
         let of_scenes = [figures.n_missed, figures.n_parts];

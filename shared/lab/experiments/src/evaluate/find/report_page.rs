@@ -5,7 +5,14 @@ use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 
 /// Column headings of the table of queries.
-const HEADS: [&str; 6] = ["scene", "source", "words", "meant", "found", "answer"];
+const HEADS: [&str; 6] = [
+    "scene",
+    "source",
+    "words",
+    "objects meant",
+    "objects found",
+    "answer",
+];
 
 /// Report as text for the terminal: the wrong answers and the figures.
 pub(super) fn text(document: &FindReport) -> String {
@@ -90,8 +97,10 @@ fn notes(document: &FindReport) -> Vec<String> {
             document.n_scenes, document.seed
         ),
         counts("generated", &document.generated),
-        counts("hand-written", &document.from_file),
     ];
+    if document.from_file.n_asked > 0 {
+        notes.push(counts("hand-written", &document.from_file));
+    }
     if let (Some(p50), Some(p99), Some(max)) = (document.p50_ms, document.p99_ms, document.max_ms) {
         notes.push(format!(
             "a query takes {p50:.2} ms (median), {p99:.2} ms (99th percentile), {max:.2} ms at most"

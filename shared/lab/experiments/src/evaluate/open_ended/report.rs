@@ -137,7 +137,8 @@ fn novelty(runs: &[OpenEndedRun]) -> Option<NoveltyScore> {
         let of_runs = runs.iter().flat_map(|run| run.answers(is_open_set));
         of_runs.collect()
     };
-    NoveltyScore::of(&answers(true), &answers(false))
+    let known_probability_min = pipeline::Config::KNOWN_PROBABILITY_MIN;
+    NoveltyScore::of(&answers(true), &answers(false), known_probability_min)
 }
 
 impl Settings {
