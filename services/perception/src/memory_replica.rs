@@ -210,7 +210,10 @@ impl MemoryReplica {
                     }
                 }
                 Reply::Changes(ChangesPage::Reload) => {
-                    tracing::warn!("the memory's history is another one; loading all views again");
+                    tracing::warn!(
+                        "the memory is another store, or so much changed that it does not list \
+                         it; loading all views again"
+                    );
                     self.load().await?;
                 }
                 other => return Err(SyncError::Unexpected(format!("{other:?}"))),
