@@ -75,14 +75,13 @@ impl WordNet {
             synsets: Mutex::default(),
         };
         // The licence at the top is indented by two spaces.
-        let has_licence = |line: &[u8]| line.starts_with(b"  ");
         let data_line = wordnet.data.line_at(0).unwrap_or_default();
         let first_lines = [
             (wordnet.index.first_line(), "index.noun"),
             (data_line.as_bytes(), "data.noun"),
         ];
         for (line, name) in first_lines {
-            if !has_licence(line) {
+            if !line.starts_with(b"  ") {
                 return Err(Error::ForeignFile {
                     path: folder.join(name),
                 });
