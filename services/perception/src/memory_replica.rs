@@ -6,10 +6,13 @@ use crate::redescription::{DescribedView, as_stored, describe_again, is_current,
 use channel::control::{CallError, Client};
 use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Subscriber};
-use learning::CategoryIndex;
-use message::control::{ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage};
+use learning::{CategoryIndex, IndexBatch};
+use message::control::{
+    ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage, ViewId,
+};
 use parking_lot::RwLock;
 use pipeline::category_index;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::{mpsc, oneshot};
@@ -257,9 +260,7 @@ impl MemoryReplica {
         let n_views = views.len();
         let views = self.with_current_descriptors(views).await?;
         let mut snapshot = CategorySnapshot::default();
-        for view in views {
-            self.insert(&mut snapshot.index, &view);
-        }
+        self.insert(&mut snapshot.index.batch(), &views);
         snapshot.position = HistoryPosition {
             store_id: Some(store_id),
             sequence,
@@ -278,17 +279,14 @@ impl MemoryReplica {
         if !changes.is_empty() {
             snapshot.index_sequence = up_to;
         }
-        for change in changes {
-            match change {
-                LearnedChange::Assigned(view) => {
-                    for view in self.with_current_descriptors(vec![view]).await? {
-                        self.insert(&mut snapshot.index, &view);
-                    }
-                }
-                LearnedChange::Unassigned(id) => {
-                    snapshot.index.remove_view(view_id(id));
-                }
+        let (assigned, unassigned) = last_changes(changes);
+        let assigned = self.with_current_descriptors(assigned).await?;
+        {
+            let mut batch = snapshot.index.batch();
+            for id in unassigned {
+                batch.remove_view(view_id(id));
             }
+            self.insert(&mut batch, &assigned);
         }
         self.categories.set(snapshot);
         Ok(())
@@ -334,12 +332,15 @@ impl MemoryReplica {
         Ok(described)
     }
 
-    /// Inserts a view into the index.
-    fn insert(&mut self, index: &mut CategoryIndex, view: &DescribedView) {
-        let inserted = index.insert(view.id, &view.category, &view.values);
-        if let Err(error) = inserted {
-            self.log_left_out(&[error.to_string()]);
-        }
+    /// Inserts views into the index; a view that it does not take is left out and logged once.
+    fn insert(&mut self, batch: &mut IndexBatch<'_>, views: &[DescribedView]) {
+        let inserted = views
+            .iter()
+            .map(|view| batch.insert(view.id, &view.category, &view.values));
+        let failed: Vec<String> = inserted
+            .filter_map(|inserted| Some(inserted.err()?.to_string()))
+            .collect();
+        self.log_left_out(&failed);
     }
 
     fn log_left_out(&mut self, reasons: &[String]) {
@@ -356,6 +357,26 @@ impl MemoryReplica {
             .await
             .map_err(SyncError::Call)
     }
+}
+
+/// Assigned and unassigned views by the last change of each.
+fn last_changes(changes: Vec<LearnedChange>) -> (Vec<LearnedView>, Vec<ViewId>) {
+    let mut last = BTreeMap::new();
+    for change in changes {
+        let (id, assigned) = match change {
+            LearnedChange::Assigned(view) => (view.id, Some(view)),
+            LearnedChange::Unassigned(id) => (id, None),
+        };
+        last.insert(id, assigned);
+    }
+    let (mut assigned, mut unassigned) = (Vec::new(), Vec::new());
+    for (id, change) in last {
+        match change {
+            Some(view) => assigned.push(view),
+            None => unassigned.push(id),
+        }
+    }
+    (assigned, unassigned)
 }
 
 #[cfg(test)]

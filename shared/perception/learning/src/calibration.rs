@@ -46,7 +46,7 @@ const GLOBAL_SPREAD_WEIGHT: f64 = 3.0;
 /// Chosen; sensitivity: see `tabula-lab sweep`.
 const PRIOR_SPREAD_WEIGHT: f64 = 10.0;
 
-/// Running sum and count of nearest-neighbour distances.
+/// Sum and count of nearest-neighbour distances.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct DistanceSum {
     pub(crate) sum: f64,
@@ -54,18 +54,6 @@ pub(crate) struct DistanceSum {
 }
 
 impl DistanceSum {
-    /// Replaces one distance by another; `None` stands for no distance.
-    pub(crate) fn replace(&mut self, before: Option<f32>, after: Option<f32>) {
-        if let Some(distance) = before {
-            self.sum -= f64::from(distance);
-            self.n -= 1;
-        }
-        if let Some(distance) = after {
-            self.sum += f64::from(distance);
-            self.n += 1;
-        }
-    }
-
     /// Replaces the distances of one category within the total of all categories.
     pub(crate) fn exchange(&mut self, before: Self, after: Self) {
         self.sum += after.sum - before.sum;

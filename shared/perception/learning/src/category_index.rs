@@ -1,5 +1,6 @@
 //! Nearest-neighbour index of taught views by category.
 
+mod batch;
 mod category_spreads;
 mod change_log;
 mod evidence;
@@ -23,15 +24,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use view_rows::ViewRows;
-use view_table::{IndexedView, ViewTable};
+use view_table::ViewTable;
 
+pub use batch::IndexBatch;
 pub use track_evidence::{TrackEvidence, ViewUse};
 
 /// Nearest-neighbour index over the descriptors of taught views.
 ///
-/// Changes of single views are idempotent: replaying them in the same order over a newer
-/// state gives the same index, since the last change of each view decides. Only the
-/// removal of a category must not be replayed over views that were added to it later.
+/// Changes are idempotent: replaying them in the same order over a newer state gives the
+/// same index, since the last change of each view decides.
 ///
 /// Clones share the views copy-on-write, in blocks of 64 views, so that one thread may
 /// read a clone while another one extends the index. A clone and the first change after
@@ -90,13 +91,17 @@ impl CategoryIndex {
 
     /// Empty index with a probability calibration; any views are removed.
     ///
-    /// *Complexity*: an inserted view is compared with all views of its category; a
-    /// removed one costs as much for each view whose nearest neighbour it was.
+    /// *Complexity*: a changed view is compared with at most 256 others on average.
     #[must_use]
     pub fn with_calibration(mut self, calibration: Calibration) -> Self {
         self.clear();
         self.calibration = Some(calibration);
         self
+    }
+
+    /// Begins a batch of changes, which costs less than one change after another.
+    pub fn batch(&mut self) -> IndexBatch<'_> {
+        IndexBatch::new(self)
     }
 
     /// Inserts a view into a category. A view with the same id is replaced.
@@ -110,74 +115,12 @@ impl CategoryIndex {
         category: &CategoryName,
         descriptor: &[f32],
     ) -> Result<(), Error> {
-        self.check(descriptor)?;
-        self.log_change(id);
-        if let Some(row) = self.rows.get(id) {
-            self.remove_from_spread(row);
-            self.views.describe(row, descriptor);
-            self.assign(row, category);
-            self.add_to_spread(row);
-        } else {
-            let number = self.add_to_category(category);
-            self.rows.insert(id, self.views.len());
-            let view = IndexedView {
-                id,
-                name: category.clone(),
-                category: number,
-            };
-            self.views.push(view, descriptor);
-            self.add_to_spread(self.views.len() - 1);
-        }
-        Ok(())
-    }
-
-    /// Moves a view to another category; `false` if the view is unknown.
-    pub fn move_view(&mut self, id: ViewId, category: &CategoryName) -> bool {
-        let row = self.rows.get(id);
-        if let Some(row) = row {
-            self.log_change(id);
-            self.remove_from_spread(row);
-            self.assign(row, category);
-            self.add_to_spread(row);
-        }
-        row.is_some()
+        self.batch().insert(id, category, descriptor)
     }
 
     /// Removes a view; `false` if the view is unknown.
     pub fn remove_view(&mut self, id: ViewId) -> bool {
-        let Some(row) = self.rows.get(id) else {
-            return false;
-        };
-        self.log_change(id);
-        self.remove_from_spread(row);
-        self.rows.remove(id);
-        if let Some(removed) = self.views.swap_remove(row) {
-            self.remove_from_category(&removed.name);
-        }
-        if row < self.views.len() {
-            self.rows.insert(self.views.view(row).id, row);
-        }
-        true
-    }
-
-    /// Removes a category with all its views and returns their number.
-    pub fn remove_category(&mut self, category: &CategoryName) -> usize {
-        // The distances within it end with it; its views are not compared again.
-        if let Some(ended) = self.categories.get_mut(category) {
-            let spread = std::mem::take(&mut ended.spread);
-            self.distances
-                .exchange(spread.distances(), DistanceSum::default());
-        }
-        let of_category = |view: &&IndexedView| view.name == *category;
-        let ids: Vec<ViewId> = self
-            .views
-            .blocks()
-            .iter()
-            .flat_map(|block| block.views())
-            .filter(of_category)
-            .map(|view| view.id)
-            .collect();
-        ids.into_iter().filter(|&id| self.remove_view(id)).count()
+        self.batch().remove_view(id)
     }
 
     /// Removes all views from the index.
@@ -418,50 +361,6 @@ impl CategoryIndex {
 
     fn check(&self, descriptor: &[f32]) -> Result<(), Error> {
         self.metric.check(descriptor, self.dimension)
-    }
-
-    /// Begins a new revision, which changes a view.
-    fn log_change(&mut self, view: ViewId) {
-        self.revision = new_revision();
-        self.changes.push(self.revision, view);
-    }
-
-    fn assign(&mut self, row: usize, category: &CategoryName) {
-        if self.views.view(row).name == *category {
-            return;
-        }
-        let number = self.add_to_category(category);
-        let view = self.views.view_mut(row);
-        view.category = number;
-        let left = std::mem::replace(&mut view.name, category.clone());
-        self.remove_from_category(&left);
-    }
-
-    /// Adds a view to the count of its category, which is created if needed, and returns
-    /// its number.
-    fn add_to_category(&mut self, category: &CategoryName) -> u64 {
-        let next = &mut self.next_category;
-        let entry = self.categories.entry(category.clone()).or_insert_with(|| {
-            *next += 1;
-            Category {
-                number: *next,
-                n_views: 0,
-                spread: Arc::default(),
-            }
-        });
-        entry.n_views += 1;
-        entry.number
-    }
-
-    /// Subtracts a view from the count of its category, which is removed with the last
-    /// view.
-    fn remove_from_category(&mut self, category: &CategoryName) {
-        if let Some(entry) = self.categories.get_mut(category) {
-            entry.n_views -= 1;
-            if entry.n_views == 0 {
-                self.categories.remove(category);
-            }
-        }
     }
 }
 

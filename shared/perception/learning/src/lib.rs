@@ -44,7 +44,7 @@ mod labelling;
 mod test_noise;
 
 pub use calibration::Calibration;
-pub use category_index::{CategoryIndex, TrackEvidence, ViewUse};
+pub use category_index::{CategoryIndex, IndexBatch, TrackEvidence, ViewUse};
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use error::Error;
 pub use instance_pruning::redundant_views;

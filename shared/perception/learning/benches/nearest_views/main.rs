@@ -1,6 +1,6 @@
 //! Benchmark of nearest-view search with the appearance descriptor: one object in its
 //! four axis hypotheses against 1 000 to 100 000 taught views, and the cost of teaching,
-//! of cloning and of teaching while a clone is held.
+//! of cloning, of teaching while a clone is held, and of a whole category.
 //!
 //! The views show generated objects, or those in the folder named by `TABULA_VIEWS`, in
 //! the Washington layout, augmented to the required number. The query objects are not
@@ -122,4 +122,28 @@ fn teach_and_forget(bencher: Bencher<'_, '_>, has_clone: bool) {
         (inserted, index.remove_view(new))
     });
     drop(clone);
+}
+
+/// Teaches a whole category in one batch and forgets it in another.
+#[divan::bench(args = [1000, 8000], sample_count = 5, sample_size = 1)]
+fn teach_and_forget_category(bencher: Bencher<'_, '_>, n_views: usize) {
+    let (mut index, _) = taught(1000);
+    let name = CategoryName::new("another").expect("the name is valid");
+    let views = &all()[..n_views];
+    let new = |number: usize| id(usize::MAX - number);
+    bencher.bench_local(|| {
+        let mut batch = index.batch();
+        let inserted: Vec<_> = views
+            .iter()
+            .enumerate()
+            .map(|(number, view)| batch.insert(new(number), &name, &view.queries[0]))
+            .collect();
+        drop(batch);
+        let mut batch = index.batch();
+        for number in 0..n_views {
+            batch.remove_view(new(number));
+        }
+        drop(batch);
+        inserted
+    });
 }

@@ -1,66 +1,98 @@
 //! Maintenance of the intra-category distances of a calibrated index.
 
 use super::CategoryIndex;
-use super::intra_category_distances::{NeighbourDistance, nearer};
+use super::intra_category_distances::{Member, ViewComparison};
 use super::view_rows::ViewRows;
 use super::view_table::ViewTable;
-use crate::{Metric, ViewId};
+use crate::calibration::Calibration;
+use crate::{CategoryName, Metric, ViewId};
+use random::mix64;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-impl CategoryIndex {
-    /// Adds a view to the intra-category distances of its category.
-    pub(super) fn add_to_spread(&mut self, row: usize) {
-        let Some(calibration) = self.calibration else {
-            return;
-        };
-        let (views, rows, metric) = (&self.views, &self.rows, self.metric);
-        let view = views.view(row);
-        let Some(category) = self.categories.get_mut(&view.name) else {
-            return;
-        };
-        let before = category.spread.distances();
-        let queries = (calibration.axis_hypotheses_of)(views.descriptor(row));
-        let distance = |other| least_distance(views, rows, metric, &queries, other);
-        Arc::make_mut(&mut category.spread).add(view.id, distance);
-        self.distances.exchange(before, category.spread.distances());
+/// Views that left a category and those that joined it, in this order.
+#[derive(Debug, Default)]
+pub(super) struct MembershipChange {
+    removed: BTreeSet<ViewId>,
+    added: BTreeSet<ViewId>,
+}
+
+/// Comparison of the stored views of an index.
+struct StoredViews<'a> {
+    views: &'a ViewTable,
+    rows: &'a ViewRows,
+    metric: Metric,
+    calibration: Calibration,
+}
+
+impl MembershipChange {
+    pub(super) fn add(&mut self, view: ViewId) {
+        self.added.insert(view);
     }
 
-    /// Removes a view from the intra-category distances of its category.
-    pub(super) fn remove_from_spread(&mut self, row: usize) {
-        let Some(calibration) = self.calibration else {
+    pub(super) fn remove(&mut self, view: ViewId) {
+        self.added.remove(&view);
+        self.removed.insert(view);
+    }
+}
+
+impl CategoryIndex {
+    /// Brings the intra-category distances of a category up to date with its views.
+    pub(super) fn update_spread(&mut self, category: &CategoryName, change: &MembershipChange) {
+        let (Some(calibration), Some(category)) =
+            (self.calibration, self.categories.get_mut(category))
+        else {
             return;
         };
-        let (views, rows, metric) = (&self.views, &self.rows, self.metric);
-        let view = views.view(row);
-        let Some(category) = self.categories.get_mut(&view.name) else {
-            return;
+        let stored = StoredViews {
+            views: &self.views,
+            rows: &self.rows,
+            metric: self.metric,
+            calibration,
         };
+        let member = |&id: &ViewId| {
+            let hash = hash_of(stored.descriptor(id));
+            Member { hash, id }
+        };
+        let added: Vec<Member> = change.added.iter().map(member).collect();
         let before = category.spread.distances();
-        let nearest_of = |of: ViewId, others: &[ViewId]| -> Option<NeighbourDistance> {
-            let queries = (calibration.axis_hypotheses_of)(views.descriptor(rows.get(of)?));
-            let distance =
-                |&other: &ViewId| (other, least_distance(views, rows, metric, &queries, other));
-            others.iter().map(distance).fold(None, nearer)
-        };
-        Arc::make_mut(&mut category.spread).remove(view.id, nearest_of);
+        Arc::make_mut(&mut category.spread).update(&change.removed, &added, &stored);
         self.distances.exchange(before, category.spread.distances());
     }
 }
 
-/// Distance of a view, over all its axis hypotheses, to a stored view.
-fn least_distance(
-    views: &ViewTable,
-    rows: &ViewRows,
-    metric: Metric,
-    queries: &[Vec<f32>],
-    other: ViewId,
-) -> f32 {
-    let Some(row) = rows.get(other) else {
-        return f32::INFINITY;
-    };
-    let stored = views.descriptor(row);
-    let score = queries.iter().fold(f32::INFINITY, |least, query| {
-        metric.bounded_score(query, stored, least).unwrap_or(least)
-    });
-    metric.distance_from_score(score, stored.len())
+impl StoredViews<'_> {
+    /// Descriptor of a view; empty for an unknown one.
+    fn descriptor(&self, view: ViewId) -> &[f32] {
+        let row = self.rows.get(view);
+        row.map_or(&[], |row| self.views.descriptor(row))
+    }
+}
+
+impl ViewComparison for StoredViews<'_> {
+    fn queries(&self, view: ViewId) -> Vec<Vec<f32>> {
+        (self.calibration.axis_hypotheses_of)(self.descriptor(view))
+    }
+
+    fn bounded_score(&self, queries: &[Vec<f32>], view: ViewId, bound: f32) -> Option<f32> {
+        let stored = self.descriptor(view);
+        let mut least = None;
+        for query in queries {
+            let bound = least.unwrap_or(bound);
+            least = self.metric.bounded_score(query, stored, bound).or(least);
+        }
+        least
+    }
+
+    fn distance(&self, score: f32) -> f32 {
+        self.metric
+            .distance_from_score(score, self.views.dimension())
+    }
+}
+
+/// Hash of a descriptor, the same on every machine.
+fn hash_of(descriptor: &[f32]) -> u64 {
+    descriptor
+        .iter()
+        .fold(0, |hash, value| mix64(hash ^ u64::from(value.to_bits())))
 }

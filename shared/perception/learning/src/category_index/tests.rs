@@ -8,9 +8,7 @@ const DIMENSION: usize = 150;
 #[derive(Debug, Clone)]
 enum Change {
     Insert(ViewId, u8, u8),
-    Move(ViewId, u8),
-    RemoveView(ViewId),
-    RemoveCategory(u8),
+    Remove(ViewId),
 }
 
 fn name(number: u8) -> CategoryName {
@@ -33,22 +31,18 @@ fn view() -> impl Strategy<Value = ViewId> {
 fn change() -> impl Strategy<Value = Change> {
     prop_oneof![
         6 => (view(), 0_u8..6, any::<u8>()).prop_map(|(v, c, d)| Change::Insert(v, c, d)),
-        2 => (view(), 0_u8..6).prop_map(|(v, c)| Change::Move(v, c)),
-        2 => view().prop_map(Change::RemoveView),
-        1 => (0_u8..6).prop_map(Change::RemoveCategory),
+        2 => view().prop_map(Change::Remove),
     ]
 }
 
-fn apply(index: &mut CategoryIndex, change: &Change) {
+fn apply(batch: &mut IndexBatch<'_>, change: &Change) {
     match *change {
         Change::Insert(id, category, number) => {
-            index
+            batch
                 .insert(id, &name(category), &descriptor(number))
                 .unwrap();
         }
-        Change::Move(id, category) => drop(index.move_view(id, &name(category))),
-        Change::RemoveView(id) => drop(index.remove_view(id)),
-        Change::RemoveCategory(category) => drop(index.remove_category(&name(category))),
+        Change::Remove(id) => drop(batch.remove_view(id)),
     }
 }
 
@@ -60,15 +54,7 @@ fn apply_to_model(model: &mut Model, change: &Change) {
         Change::Insert(id, category, number) => {
             model.insert(id, (name(category), descriptor(number)));
         }
-        Change::Move(id, category) => {
-            if let Some((present, _)) = model.get_mut(&id) {
-                *present = name(category);
-            }
-        }
-        Change::RemoveView(id) => drop(model.remove(&id)),
-        Change::RemoveCategory(category) => {
-            model.retain(|_, (present, _)| *present != name(category));
-        }
+        Change::Remove(id) => drop(model.remove(&id)),
     }
 }
 
@@ -101,7 +87,7 @@ fn brute_force(model: &Model, metric: Metric, query: &[f32]) -> Vec<Neighbour> {
 fn filled(changes: &[Change], metric: Metric) -> (CategoryIndex, Model) {
     let (mut index, mut model) = (CategoryIndex::new(DIMENSION, metric), Model::new());
     for change in changes {
-        apply(&mut index, change);
+        apply(&mut index.batch(), change);
         apply_to_model(&mut model, change);
     }
     (index, model)
@@ -133,13 +119,16 @@ fn calibrated() -> CategoryIndex {
 proptest! {
     #[test]
     fn probabilities_are_independent_of_the_history_of_the_index(
-        changes in prop::collection::vec(change(), 0..40),
+        batches in prop::collection::vec(prop::collection::vec(change(), 0..8), 0..8),
         asked in any::<u8>(),
     ) {
         let (mut index, mut model) = (calibrated(), Model::new());
-        for change in &changes {
-            apply(&mut index, change);
-            apply_to_model(&mut model, change);
+        for changes in &batches {
+            let mut batch = index.batch();
+            for change in changes {
+                apply(&mut batch, change);
+                apply_to_model(&mut model, change);
+            }
         }
         let mut fresh = calibrated();
         for (id, (name, descriptor)) in &model {
@@ -218,17 +207,14 @@ proptest! {
     }
 
     #[test]
-    fn changes_of_single_views_may_be_replayed_over_a_newer_state(
-        changes in prop::collection::vec(
-            change().prop_filter("of one view", |c| !matches!(c, Change::RemoveCategory(_))),
-            0..60,
-        ),
+    fn changes_may_be_replayed_over_a_newer_state(
+        changes in prop::collection::vec(change(), 0..60),
         from in 0_usize..60,
     ) {
         let (mut index, _) = filled(&changes, Metric::default());
         let expected = answers(&index);
         for change in changes.iter().skip(from) {
-            apply(&mut index, change);
+            apply(&mut index.batch(), change);
         }
         prop_assert_eq!(answers(&index), expected);
     }
@@ -239,9 +225,9 @@ proptest! {
         twice in change(),
     ) {
         let (mut index, _) = filled(&changes, Metric::default());
-        apply(&mut index, &twice);
+        apply(&mut index.batch(), &twice);
         let expected = answers(&index);
-        apply(&mut index, &twice);
+        apply(&mut index.batch(), &twice);
         prop_assert_eq!(answers(&index), expected);
     }
 
@@ -340,7 +326,7 @@ fn a_cleared_index_is_empty() {
     index.clear();
     assert_eq!((index.n_views(), index.categories().len()), (0, 0));
     assert_eq!(index.recognise(&descriptor(3), 1.0).unwrap().label, None);
-    assert!(!index.move_view(id, &name(2)) && !index.remove_view(id));
+    assert!(!index.remove_view(id));
 }
 
 #[test]

@@ -45,6 +45,11 @@ impl ViewTable {
         }
     }
 
+    /// Length of the descriptors, values.
+    pub(super) fn dimension(&self) -> usize {
+        self.dimension
+    }
+
     pub(super) fn len(&self) -> usize {
         self.n_views
     }

@@ -170,13 +170,11 @@ fn apply(
             model.remove(&number).is_some()
         ),
         1 => {
-            let present = model.get_mut(&number);
-            assert_eq!(
-                index.move_view(id(number), &name(category)),
-                present.is_some()
-            );
-            if let Some(present) = present {
-                present.0 = category;
+            if let Some((present, descriptor)) = model.get_mut(&number) {
+                index
+                    .insert(id(number), &name(category), descriptor)
+                    .unwrap();
+                *present = category;
             }
         }
         _ => {
