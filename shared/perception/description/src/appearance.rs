@@ -182,21 +182,29 @@ impl AppearanceDescriptor {
         &VALUES
     }
 
-    /// Descriptor of a stored view in all axis hypotheses, the stored one first: the
-    /// result of [`describe`](Self::describe), had it started with that hypothesis.
-    /// Missing values are taken as 0.
-    pub fn axis_hypotheses_of(stored: &[f32], kind: AxesKind) -> [Vec<f32>; N_AXIS_HYPOTHESES] {
+    /// Values of a stored descriptor that change their sign between hypotheses `i` and `i + 2`,
+    /// which differ in these signs only: by a half turn about the third axis. True for such a
+    /// value; as many as the descriptor has.
+    pub fn half_turn_odd_values() -> &'static [bool] {
+        static VALUES: LazyLock<Vec<bool>> = LazyLock::new(axis_hypotheses::half_turn_odd_values);
+        &VALUES
+    }
+
+    /// Descriptor of a stored view in one of the [`N_AXIS_HYPOTHESES`], of which 0 is the stored
+    /// one: what [`describe`](Self::describe) gives for it. Missing values are taken as 0.
+    ///
+    /// # Panics
+    /// When there is no such hypothesis.
+    pub fn axis_hypothesis_of(stored: &[f32], kind: AxesKind, hypothesis: usize) -> Vec<f32> {
         static HYPOTHESES: LazyLock<AxisHypotheses> = LazyLock::new(AxisHypotheses::new);
         static STORAGE_ORDER: LazyLock<Vec<usize>> = LazyLock::new(value_order::storage_order);
-        let mut computed = vec![0.0; DIMENSION];
+        let mut computed = [0.0; DIMENSION];
         for (&place, &value) in STORAGE_ORDER.iter().zip(stored) {
             computed[place] = value;
         }
-        std::array::from_fn(|hypothesis| {
-            let mut described = Vec::with_capacity(DIMENSION);
-            HYPOTHESES.apply(kind, hypothesis, &computed, &mut described);
-            described
-        })
+        let mut described = Vec::with_capacity(DIMENSION);
+        HYPOTHESES.apply(kind, hypothesis, &computed, &mut described);
+        described
     }
 }
 

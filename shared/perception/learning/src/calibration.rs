@@ -11,13 +11,8 @@
 /// towards a prior.
 #[derive(Debug, Clone, Copy)]
 pub struct Calibration {
-    /// All axis hypotheses of a stored descriptor, itself included; the distance of two
-    /// views is the least over them.
-    pub axis_hypotheses_of: fn(&[f32]) -> Vec<Vec<f32>>,
-    /// Values of a descriptor that change their sign when the object is mirrored. True for such a
-    /// value; values beyond the end change nothing. The regression takes an object for its mirror
-    /// image.
-    pub mirror_odd_values: fn() -> &'static [bool],
+    /// Symmetries over which views are compared.
+    pub symmetries: DescriptorSymmetries,
     /// Distance at which the kernel of the local ridge regression falls to 1/e.
     pub kernel_width: f32,
     /// Ridge of the local ridge regression.
@@ -33,6 +28,45 @@ pub struct Calibration {
     pub unknown_bias: f32,
     /// Growth of that logit with the logarithm of the distance.
     pub unknown_slope: f32,
+}
+
+/// Symmetries of a descriptor: turns of an object that its description may have to be compared
+/// in, and its mirror image. A half turn and the mirror image change signs of values only.
+#[derive(Debug, Clone, Copy)]
+pub struct DescriptorSymmetries {
+    /// Axis hypotheses of a stored descriptor, itself the first, without those that a half turn
+    /// makes of them.
+    pub turns_of: fn(&[f32]) -> Vec<Vec<f32>>,
+    /// Values that change their sign by a half turn. True for such a value; values beyond the end
+    /// change nothing.
+    pub half_turn_odd_values: fn() -> &'static [bool],
+    /// Values that change their sign when the object is mirrored, likewise.
+    pub mirror_odd_values: fn() -> &'static [bool],
+}
+
+impl DescriptorSymmetries {
+    /// Symmetries of a descriptor that has none.
+    pub const NONE: Self = Self {
+        turns_of: |stored| vec![stored.to_vec()],
+        half_turn_odd_values: || &[],
+        mirror_odd_values: || &[],
+    };
+
+    /// All axis hypotheses of a stored descriptor.
+    pub(crate) fn axis_hypotheses_of(&self, stored: &[f32]) -> Vec<Vec<f32>> {
+        let is_odd = (self.half_turn_odd_values)();
+        let mut hypotheses = (self.turns_of)(stored);
+        if is_odd.contains(&true) {
+            for turn in 0..hypotheses.len() {
+                let mut turned = hypotheses[turn].clone();
+                for (value, _) in turned.iter_mut().zip(is_odd).filter(|(_, odd)| **odd) {
+                    *value = -*value;
+                }
+                hypotheses.push(turned);
+            }
+        }
+        hypotheses
+    }
 }
 
 /// Least distance in spreads, so that its logarithm is finite.
@@ -98,8 +132,7 @@ mod tests {
     use super::*;
 
     const CALIBRATION: Calibration = Calibration {
-        axis_hypotheses_of: |stored| vec![stored.to_vec()],
-        mirror_odd_values: || &[],
+        symmetries: DescriptorSymmetries::NONE,
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,

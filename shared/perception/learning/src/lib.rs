@@ -43,7 +43,7 @@ mod labelling;
 #[cfg(test)]
 mod test_noise;
 
-pub use calibration::Calibration;
+pub use calibration::{Calibration, DescriptorSymmetries};
 pub use category_index::{CategoryIndex, IndexBatch, TrackEvidence, ViewUse};
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use error::Error;

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use description::{AppearanceDescriptor, AxesKind};
-use learning::{Calibration, CategoryIndex, Metric, UnknownRule};
+use learning::{Calibration, CategoryIndex, DescriptorSymmetries, Metric, UnknownRule};
 use tracking::{AssociationConfig, MotionConfig};
 
 /// Descriptor kind of this version; only descriptors of equal kind are comparable.
@@ -77,10 +77,11 @@ pub fn category_index() -> CategoryIndex {
 /// is unknown.
 pub fn calibration(kind: AxesKind) -> Calibration {
     let upright = Calibration {
-        axis_hypotheses_of: |stored| {
-            AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Upright).into()
+        symmetries: DescriptorSymmetries {
+            turns_of: |stored| turns_of(stored, AxesKind::Upright),
+            half_turn_odd_values: AppearanceDescriptor::half_turn_odd_values,
+            mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
         },
-        mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,
@@ -92,8 +93,9 @@ pub fn calibration(kind: AxesKind) -> Calibration {
     match kind {
         AxesKind::Upright => upright,
         AxesKind::Principal => Calibration {
-            axis_hypotheses_of: |stored| {
-                AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Principal).into()
+            symmetries: DescriptorSymmetries {
+                turns_of: |stored| turns_of(stored, AxesKind::Principal),
+                ..upright.symmetries
             },
             score_weight: 6.3,
             unknown_bias: 2.2,
@@ -101,4 +103,10 @@ pub fn calibration(kind: AxesKind) -> Calibration {
             ..upright
         },
     }
+}
+
+/// Axis hypotheses of a stored descriptor without their half turns.
+fn turns_of(stored: &[f32], kind: AxesKind) -> Vec<Vec<f32>> {
+    let turned = AppearanceDescriptor::axis_hypothesis_of(stored, kind, 1);
+    vec![stored.to_vec(), turned]
 }

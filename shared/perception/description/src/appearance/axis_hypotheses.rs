@@ -10,7 +10,8 @@ pub const N_AXIS_HYPOTHESES: usize = 4;
 
 /// Signed permutations of the four axis hypotheses, for each kind of axes. Reversing an
 /// axis only changes signs of coefficients, and a quarter turn only permutes them, so no
-/// hypothesis needs the points again.
+/// hypothesis needs the points again. The last two are the first two after a half turn about
+/// the third axis.
 #[derive(Debug, Clone)]
 pub(super) struct AxisHypotheses {
     principal: [SignedPermutation; N_AXIS_HYPOTHESES],
@@ -38,7 +39,7 @@ const PLANES: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
 impl AxisHypotheses {
     pub(super) fn new() -> Self {
         let keep = [0, 1, 2];
-        let principal = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]
+        let principal = [[1, 1, 1], [1, -1, -1], [-1, -1, 1], [-1, 1, -1]]
             .map(|sign| SignedPermutation::new(AxisPermutation { axis: keep, sign }));
         let swap = [1, 0, 2];
         let upright = [
@@ -100,18 +101,29 @@ impl SignedPermutation {
     }
 }
 
-/// Values of a stored descriptor that change their sign when the object is mirrored at the plane
-/// across its second axis; all others stay as they are.
-pub(super) fn mirror_odd_values() -> Vec<bool> {
-    let mirrored = 1;
-    let is_odd = |(axis, frequency): (usize, usize)| axis == mirrored && frequency % 2 == 1;
+/// Values of a stored descriptor that change their sign when these axes are reversed, where only
+/// coefficients change.
+fn odd_values(is_reversed: [bool; 3]) -> Vec<bool> {
+    let is_odd = |axis: usize, frequency: usize| is_reversed[axis] && frequency % 2 == 1;
     let mut computed = Vec::with_capacity(DIMENSION);
     for (row, column) in PLANES {
-        computed.extend(frequencies().map(|(k, l)| is_odd((row, k)) != is_odd((column, l))));
+        computed.extend(frequencies().map(|(k, l)| is_odd(row, k) != is_odd(column, l)));
     }
     computed.resize(DIMENSION, false);
     let places = value_order::storage_order();
     places.iter().map(|&place| computed[place]).collect()
+}
+
+/// Values of a stored descriptor that change their sign when the object is mirrored at the plane
+/// across its second axis; all others stay as they are.
+pub(super) fn mirror_odd_values() -> Vec<bool> {
+    odd_values([false, true, false])
+}
+
+/// Values of a stored descriptor that change their sign when the object is turned by half about
+/// its third axis; all others stay as they are.
+pub(super) fn half_turn_odd_values() -> Vec<bool> {
+    odd_values([true, true, false])
 }
 
 /// Index of the coefficient with two frequencies along two axes.

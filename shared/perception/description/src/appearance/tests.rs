@@ -164,10 +164,25 @@ fn axis_hypotheses_of_a_stored_view_equal_those_of_the_object() {
     let up = Vector3::z_axis();
     for (up, kind) in [(None, AxesKind::Principal), (Some(&up), AxesKind::Upright)] {
         let hypotheses = described(&cloud, up);
-        assert_eq!(
-            AppearanceDescriptor::axis_hypotheses_of(&hypotheses[0], kind),
-            hypotheses
-        );
+        let of_stored =
+            |hypothesis| AppearanceDescriptor::axis_hypothesis_of(&hypotheses[0], kind, hypothesis);
+        assert_eq!(std::array::from_fn(of_stored), hypotheses);
+    }
+}
+
+#[test]
+fn hypotheses_differ_by_a_half_turn_in_the_signs_of_the_odd_values() {
+    let cloud = sheet(800);
+    let up = Vector3::z_axis();
+    let is_odd = AppearanceDescriptor::half_turn_odd_values();
+    assert_eq!(is_odd.len(), AppearanceDescriptor::DIMENSION);
+    for up in [None, Some(&up)] {
+        let [first, second, of_first, of_second] = described(&cloud, up);
+        for (described, turned) in [(first, of_first), (second, of_second)] {
+            let signed = described.iter().zip(is_odd);
+            let expected: Vec<f32> = signed.map(|(x, odd)| if *odd { -x } else { *x }).collect();
+            assert_eq!(turned, expected);
+        }
     }
 }
 

@@ -10,7 +10,10 @@ mod views;
 
 use description::{AppearanceDescriptor, AxesKind};
 use divan::{Bencher, black_box};
-use learning::{Calibration, CategoryIndex, CategoryName, Metric, TrackEvidence, ViewId, ViewUse};
+use learning::{
+    Calibration, CategoryIndex, CategoryName, DescriptorSymmetries, Metric, TrackEvidence, ViewId,
+    ViewUse,
+};
 use std::sync::OnceLock;
 use views::{N_AXIS_HYPOTHESES, View, views};
 
@@ -35,10 +38,14 @@ fn all() -> &'static [View] {
 /// Calibration like that of the live system.
 fn calibration() -> Calibration {
     Calibration {
-        axis_hypotheses_of: |stored| {
-            AppearanceDescriptor::axis_hypotheses_of(stored, AxesKind::Upright).into()
+        symmetries: DescriptorSymmetries {
+            turns_of: |stored| {
+                let turned = AppearanceDescriptor::axis_hypothesis_of(stored, AxesKind::Upright, 1);
+                vec![stored.to_vec(), turned]
+            },
+            half_turn_odd_values: AppearanceDescriptor::half_turn_odd_values,
+            mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
         },
-        mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,

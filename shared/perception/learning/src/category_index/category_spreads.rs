@@ -4,7 +4,7 @@ use super::CategoryIndex;
 use super::intra_category_distances::{Member, ViewComparison};
 use super::view_rows::ViewRows;
 use super::view_table::ViewTable;
-use crate::calibration::Calibration;
+use crate::calibration::DescriptorSymmetries;
 use crate::{CategoryName, Metric, ViewId};
 use random::mix64;
 use std::collections::BTreeSet;
@@ -22,7 +22,7 @@ struct StoredViews<'a> {
     views: &'a ViewTable,
     rows: &'a ViewRows,
     metric: Metric,
-    calibration: Calibration,
+    symmetries: DescriptorSymmetries,
 }
 
 impl MembershipChange {
@@ -48,7 +48,7 @@ impl CategoryIndex {
             views: &self.views,
             rows: &self.rows,
             metric: self.metric,
-            calibration,
+            symmetries: calibration.symmetries,
         };
         let member = |&id: &ViewId| {
             let hash = hash_of(stored.descriptor(id));
@@ -71,7 +71,7 @@ impl StoredViews<'_> {
 
 impl ViewComparison for StoredViews<'_> {
     fn queries(&self, view: ViewId) -> Vec<Vec<f32>> {
-        (self.calibration.axis_hypotheses_of)(self.descriptor(view))
+        self.symmetries.axis_hypotheses_of(self.descriptor(view))
     }
 
     fn bounded_score(&self, queries: &[Vec<f32>], view: ViewId, bound: f32) -> Option<f32> {

@@ -8,9 +8,9 @@
 //! Neural Computation 4, 1992.
 
 use super::view_table::ViewTable;
-use crate::Calibration;
+use crate::calibration::{Calibration, DescriptorSymmetries};
 use crate::nearest_categories::ScoredView;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView};
 
 /// Number of imaginary views of the background class. Chosen.
 const N_BACKGROUND_VIEWS: usize = 4;
@@ -86,56 +86,77 @@ fn solve(gram: DMatrix<f64>, of_question: &DVector<f64>) -> DVector<f64> {
 /// Squared distances among stored views and a description, the least over the axis hypotheses of
 /// the second view and their mirror images.
 ///
-/// A mirror image differs in the signs of the odd values. The product of two descriptors is thus
-/// `even + odd`, and with the mirror image `even - odd`, where `even` and `odd` are the products
-/// over these values: the greater one is `even + |odd|`, at the cost of one product.
+/// A half turn and the mirror image only change signs of values, so the product of two views
+/// follows in all four cases from the products over four classes of values: those that neither
+/// changes, that one of them changes, and that both change.
 struct SquaredDistances {
-    /// Products over the even values: of view `i` with hypothesis `h` of view `j` in column
-    /// `j * n_hypotheses + h`.
-    even: DMatrix<f32>,
-    odd: DMatrix<f32>,
-    n_hypotheses: usize,
+    /// Products over each sign class: of view `i` with turn `t` of view `j` in column
+    /// `j * n_turns + t`.
+    products: [DMatrix<f32>; 4],
+    n_turns: usize,
     /// Squared lengths of the views, the description last.
     squared_lengths: Vec<f32>,
 }
 
 impl SquaredDistances {
     fn new(stored: &[&[f32]], description: &[f32], calibration: &Calibration) -> Self {
-        let turned: Vec<Vec<f32>> = stored
+        let symmetries = &calibration.symmetries;
+        let turns: Vec<Vec<f32>> = stored
             .iter()
-            .flat_map(|view| (calibration.axis_hypotheses_of)(view))
+            .flat_map(|view| (symmetries.turns_of)(view))
             .collect();
+        let turns: Vec<&[f32]> = turns.iter().map(Vec::as_slice).collect();
         let views: Vec<&[f32]> = stored.iter().copied().chain([description]).collect();
-        let is_odd = (calibration.mirror_odd_values)();
-        let places = |wanted: bool| -> Vec<usize> {
-            let is_wanted = |place: &usize| is_odd.get(*place).copied().unwrap_or(false) == wanted;
-            (0..description.len()).filter(is_wanted).collect()
-        };
-        let products = |places: &[usize]| {
-            let of_views = |row: usize, place: usize| views[row][places[place]];
-            let of_turned = |place: usize, column: usize| turned[column][places[place]];
-            let rows = DMatrix::from_fn(views.len(), places.len(), of_views);
-            rows * DMatrix::from_fn(places.len(), turned.len(), of_turned)
-        };
+        let products = sign_classes(description.len(), symmetries)
+            .map(|places| columns_of(&places, &views).transpose() * columns_of(&places, &turns));
         Self {
-            even: products(&places(false)),
-            odd: products(&places(true)),
-            n_hypotheses: turned.len() / stored.len().max(1),
+            products,
+            n_turns: turns.len() / stored.len().max(1),
             squared_lengths: views.iter().map(|view| squared_length(view)).collect(),
         }
     }
 
     /// Squared distance of view `i` to stored view `j`; the description is behind the stored views.
     fn between(&self, i: usize, j: usize) -> f32 {
-        let columns = j * self.n_hypotheses..(j + 1) * self.n_hypotheses;
-        let products = columns.map(|column| self.even[(i, column)] + self.odd[(i, column)].abs());
+        let columns = j * self.n_turns..(j + 1) * self.n_turns;
+        let products = columns.map(|column| {
+            let of_class = |class: &DMatrix<f32>| class[(i, column)];
+            let [even, half_turn_odd, mirror_odd, both_odd] =
+                self.products.each_ref().map(of_class);
+            let unturned = even + half_turn_odd + (mirror_odd + both_odd).abs();
+            let turned = even - half_turn_odd + (mirror_odd - both_odd).abs();
+            unturned.max(turned)
+        });
         let greatest = products.fold(f32::NEG_INFINITY, f32::max);
         self.squared_lengths[i] + self.squared_lengths[j] - 2.0 * greatest
     }
 }
 
+/// Places of the values that neither a half turn nor the mirror image changes, that the half turn
+/// changes, that the mirror image changes, and that both change.
+fn sign_classes(dimension: usize, symmetries: &DescriptorSymmetries) -> [Vec<usize>; 4] {
+    let is_set = |is_odd: &[bool], place| is_odd.get(place).copied().unwrap_or(false);
+    let half_turn = (symmetries.half_turn_odd_values)();
+    let mirror = (symmetries.mirror_odd_values)();
+    let mut classes: [Vec<usize>; 4] = Default::default();
+    for place in 0..dimension {
+        let class = usize::from(is_set(half_turn, place)) + 2 * usize::from(is_set(mirror, place));
+        classes[class].push(place);
+    }
+    classes
+}
+
+/// Matrix with some values of each view as a column.
+fn columns_of(places: &[usize], views: &[&[f32]]) -> DMatrix<f32> {
+    let mut values = Vec::with_capacity(places.len() * views.len());
+    for view in views {
+        values.extend(places.iter().map(|&place| view[place]));
+    }
+    DMatrix::from_vec(places.len(), views.len(), values)
+}
+
 fn squared_length(values: &[f32]) -> f32 {
-    values.iter().map(|value| value * value).sum()
+    DVectorView::from_slice(values, values.len()).norm_squared()
 }
 
 #[cfg(test)]
@@ -145,8 +166,11 @@ mod tests {
     use crate::{CategoryName, Metric, ViewId};
 
     const CALIBRATION: Calibration = Calibration {
-        axis_hypotheses_of: |stored| vec![stored.to_vec(), stored.iter().map(|x| -x).collect()],
-        mirror_odd_values: || &[false, true],
+        symmetries: DescriptorSymmetries {
+            half_turn_odd_values: || &[true, true, true],
+            mirror_odd_values: || &[false, true],
+            ..DescriptorSymmetries::NONE
+        },
         kernel_width: 1.5,
         ridge: 0.1,
         // Without a background.

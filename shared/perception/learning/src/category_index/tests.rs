@@ -1,4 +1,5 @@
 use super::*;
+use crate::DescriptorSymmetries;
 use crate::recognition::N_NEAREST;
 use proptest::prelude::*;
 
@@ -101,8 +102,10 @@ fn answers(index: &CategoryIndex) -> Vec<Recognition> {
 
 /// Calibration with two axis hypotheses: a descriptor and its reverse.
 const CALIBRATION: Calibration = Calibration {
-    axis_hypotheses_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
-    mirror_odd_values: || &[],
+    symmetries: DescriptorSymmetries {
+        turns_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
+        ..DescriptorSymmetries::NONE
+    },
     kernel_width: 1.0,
     ridge: 0.03,
     background_distance: 2.0,

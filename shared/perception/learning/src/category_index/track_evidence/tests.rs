@@ -3,14 +3,13 @@
 use super::*;
 use crate::category_index::test_views::{clustered, id, name};
 use crate::test_noise::noise;
-use crate::{Calibration, CategoryName};
+use crate::{Calibration, CategoryName, DescriptorSymmetries};
 
 const DIMENSION: usize = 90;
 const N_VIEWS: usize = 600;
 
 const CALIBRATION: Calibration = Calibration {
-    axis_hypotheses_of: |stored| vec![stored.to_vec()],
-    mirror_odd_values: || &[],
+    symmetries: DescriptorSymmetries::NONE,
     kernel_width: 2.0,
     ridge: 0.03,
     background_distance: 2.0,
