@@ -26,12 +26,14 @@
 
 mod color_histogram;
 mod color_term;
+mod least_eigenvector;
 mod organized_cloud;
 mod point;
 mod principal_axes;
 
 pub use color_histogram::ColorHistogram;
 pub use color_term::{ColorShares, ColorTerm};
+pub use least_eigenvector::least_eigenvector;
 pub use organized_cloud::{OrganizedCloud, SizeMismatch};
 pub use point::{Point, Rgba};
 pub use principal_axes::{Moments, PrincipalAxes};

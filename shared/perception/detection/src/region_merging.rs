@@ -4,7 +4,6 @@
 mod adjacency;
 mod boundary;
 mod decision_tree;
-mod least_eigenvector;
 mod pair_features;
 mod region;
 #[allow(

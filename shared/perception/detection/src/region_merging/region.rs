@@ -1,9 +1,9 @@
 //! Region statistics: colour, area, plane and extent; sums, so that regions can be merged.
 
-use super::least_eigenvector::least_eigenvector;
 use crate::cielab::{CieLab, ColorSum};
 use crate::segmentation::Cell;
 use nalgebra::{Matrix3, Vector3};
+use point_cloud::least_eigenvector;
 
 /// Number of yaws at which the footprint of a region is measured: 15 degrees each.
 const N_YAWS: usize = 6;
@@ -139,7 +139,8 @@ impl RegionSums {
             };
         }
         let mean = sum / n;
-        let (variance_m2, normal) = least_eigenvector(&(products / n - mean * mean.transpose()));
+        let ([variance_m2, ..], normal) =
+            least_eigenvector(&(products / n - mean * mean.transpose()));
         let [normal, centroid]: [Vector3<f32>; 2] = [normal.cast(), mean.cast()];
         let is_towards = normal.dot(&(camera - centroid)) >= 0.0;
         Region {
