@@ -133,6 +133,35 @@ pub enum EvaluateVerb {
     Lighting(LightingArguments),
     /// Queries in words over the tracked objects of simulated scenes
     Find(FindArguments),
+    /// Registration of two views of an object from poses that are far off
+    Registration(RegistrationArguments),
+}
+
+/// Arguments of `evaluate registration`.
+#[derive(Debug, Args)]
+pub struct RegistrationArguments {
+    /// Folder of pairs of views: files `NAME_src.f32` and `NAME_tgt.f32`, three little-endian
+    /// single-precision numbers for each point, metres, both in one frame
+    #[arg(value_name = "PAIRS", conflicts_with = "models")]
+    pub(crate) pairs: Option<PathBuf>,
+    /// In place of pairs: folder of models, or `generated`, of which views are simulated
+    #[arg(long, value_name = "DIR")]
+    pub(crate) models: Option<PathBuf>,
+    /// Number of models, spread over the categories
+    #[arg(long, value_name = "N", default_value_t = 20, requires = "models", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) objects: u32,
+    /// Angle between the two simulated views, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 30.0, requires = "models")]
+    pub(crate) angle: f64,
+    /// Random directions of each rotation with each translation
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) starts: u32,
+    /// Random seed; the same seed gives the same figures, but for the times
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the figures and the page [default: none are written]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
 }
 
 /// Arguments of `evaluate find`.
@@ -228,6 +257,15 @@ pub struct TrackingArguments {
 }
 
 impl SceneArguments {
+    /// Source of the object models.
+    pub(crate) fn models(&self) -> ModelSource {
+        self.models
+            .as_deref()
+            .map_or(ModelSource::Generated, model_source)
+    }
+}
+
+impl RegistrationArguments {
     /// Source of the object models.
     pub(crate) fn models(&self) -> ModelSource {
         self.models

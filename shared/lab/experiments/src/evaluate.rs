@@ -9,6 +9,7 @@ mod lighting;
 mod open_ended;
 mod open_set;
 mod recognition;
+mod registration;
 mod report_parts;
 mod scene_views;
 mod tracking;
@@ -33,5 +34,6 @@ pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
         EvaluateVerb::CrossValidation(arguments) => cross_validation::run(arguments, output),
         EvaluateVerb::Find(arguments) => find::run(arguments, output),
         EvaluateVerb::Lighting(arguments) => lighting::run(arguments, output),
+        EvaluateVerb::Registration(arguments) => registration::run(arguments, output),
     }
 }

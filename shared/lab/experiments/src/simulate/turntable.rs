@@ -10,7 +10,7 @@ use detection::{
     Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
 };
 use geometry::PinholeCamera;
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use random::Random;
 use rendering::{Illuminant, Light, Lights};
@@ -69,6 +69,8 @@ pub(crate) struct SegmentedView<'a> {
     pub(crate) point_indices: &'a [u32],
     /// Direction against gravity, camera frame.
     pub(crate) up_in_camera: Unit<Vector3<f64>>,
+    /// Pose of the camera in the world.
+    pub(crate) world_from_camera: Isometry3<f64>,
     /// Intersection over union of segmented and true pixels, 0 to 1.
     pub(crate) overlap: f64,
 }
@@ -160,6 +162,7 @@ impl Turntable {
         Ok(Some(SegmentedView {
             cloud: &self.points,
             up_in_camera,
+            world_from_camera: self.world.world_from_camera(),
             overlap: overlap(point_indices, self.kinect.mask(), &self.points),
             point_indices,
         }))
