@@ -1,5 +1,6 @@
 //! Generalised ICP: alignment of surfels plane to plane.
 
+use crate::prior::Prior;
 use crate::view_surface::{Surfel, ViewSurface};
 use nalgebra::{
     Isometry3, Matrix3, Matrix3x6, Matrix6, Point3, Translation3, UnitQuaternion, Vector3, Vector6,
@@ -21,14 +22,6 @@ const N_CORRESPONDENCES_MIN: usize = 10;
 
 /// Change of a pose: a rotation vector about the centre, radians, then a translation, metres.
 pub(crate) type Twist = Vector6<f64>;
-
-/// Prior of an alignment as a normal distribution.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PosePrior {
-    pub(crate) target_from_source: Isometry3<f64>,
-    pub(crate) translation_sigma_m: f64,
-    pub(crate) rotation_sigma_rad: f64,
-}
 
 /// Schedule of an alignment.
 #[derive(Debug, Clone, Copy)]
@@ -52,6 +45,13 @@ pub(crate) struct Alignment {
     pub(crate) n_correspondences: usize,
 }
 
+impl Alignment {
+    /// `true` if there were correspondences enough for a step.
+    pub(crate) fn has_overlap(&self) -> bool {
+        self.n_correspondences >= N_CORRESPONDENCES_MIN
+    }
+}
+
 /// Alignment of one surface with another.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Aligner<'a> {
@@ -60,7 +60,7 @@ pub(crate) struct Aligner<'a> {
     pub(crate) source: &'a [Surfel],
     /// Centre of the rotations, in the source.
     pub(crate) centre: Point3<f64>,
-    pub(crate) prior: PosePrior,
+    pub(crate) prior: Prior,
     /// Rotation axis about which the pose is held.
     pub(crate) held: Option<Vector3<f64>>,
 }
@@ -87,7 +87,7 @@ impl Aligner<'_> {
             let equations = self.normal_equations(&pose, reach_m.max(reach_min_m));
             alignment.curvature = equations.curvature;
             alignment.n_correspondences = equations.n_correspondences;
-            if equations.n_correspondences < N_CORRESPONDENCES_MIN {
+            if !alignment.has_overlap() {
                 break;
             }
             let Some(change) = self.solve(&equations, &pose) else {

@@ -36,11 +36,13 @@ mod error;
 mod generalized_icp;
 mod kd_tree;
 mod near_grid;
+mod prior;
 mod range_image;
 mod register;
 mod view_surface;
 mod weak_rotation;
 
 pub use error::Error;
-pub use register::{Prior, Registration, register};
-pub use view_surface::{ViewSurface, Viewpoint};
+pub use prior::Prior;
+pub use register::{Registration, register};
+pub use view_surface::{ViewOrigin, ViewSurface};

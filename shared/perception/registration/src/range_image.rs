@@ -1,6 +1,6 @@
 //! Range image of a view: which places its camera would have seen.
 
-use crate::Viewpoint;
+use crate::ViewOrigin;
 use nalgebra::{Point3, UnitVector3, Vector3};
 
 /// Side of the cells at the centroid of the view, metres. Chosen: larger than the distance of
@@ -14,7 +14,7 @@ const N_CELLS_MAX: usize = 512;
 /// a camera.
 #[derive(Debug)]
 pub(crate) struct RangeImage {
-    viewpoint: Viewpoint,
+    viewpoint: ViewOrigin,
     /// Axes of the image; the third one points to the viewer.
     axes: [Vector3<f64>; 3],
     /// Distance of the centroid from a camera, metres.
@@ -30,10 +30,10 @@ type ImagePlace = ([f64; 2], f64);
 
 impl RangeImage {
     /// Range image of the points of a view.
-    pub(crate) fn new(points: &[[f32; 3]], centroid: &Point3<f64>, viewpoint: Viewpoint) -> Self {
+    pub(crate) fn new(points: &[[f32; 3]], centroid: &Point3<f64>, viewpoint: ViewOrigin) -> Self {
         let (towards, distance_m) = match viewpoint {
-            Viewpoint::Direction(direction) => (direction, 1.0),
-            Viewpoint::Camera(camera) => {
+            ViewOrigin::Direction(direction) => (direction, 1.0),
+            ViewOrigin::Camera(camera) => {
                 let (towards, distance_m) = UnitVector3::new_and_get(camera - centroid);
                 let is_apart = distance_m > f64::EPSILON;
                 (
@@ -103,11 +103,11 @@ impl RangeImage {
     /// Projection of a point; `None` behind the camera.
     fn project(&self, point: &Point3<f64>) -> Option<ImagePlace> {
         match self.viewpoint {
-            Viewpoint::Direction(_) => {
+            ViewOrigin::Direction(_) => {
                 let [x, y, height] = self.axes.map(|axis| axis.dot(&point.coords));
                 Some(([x, y], height))
             }
-            Viewpoint::Camera(camera) => {
+            ViewOrigin::Camera(camera) => {
                 let [x, y, height] = self.axes.map(|axis| axis.dot(&(point - camera)));
                 let scale = self.distance_m / -height;
                 (height < -1e-3).then_some(([x * scale, y * scale], height))
@@ -140,8 +140,8 @@ mod tests {
     fn points_are_in_front_of_a_surface_behind_it_or_beside_it() {
         let middle = Point3::new(0.05, 0.05, 0.2);
         for viewpoint in [
-            Viewpoint::Direction(Vector3::z_axis()),
-            Viewpoint::Camera(Point3::new(0.05, 0.05, 1.2)),
+            ViewOrigin::Direction(Vector3::z_axis()),
+            ViewOrigin::Camera(Point3::new(0.05, 0.05, 1.2)),
         ] {
             let image = RangeImage::new(&sheet(0.2), &middle, viewpoint);
             let above = |x: f64, z: f64| image.height_above(&Point3::new(x, 0.05, z));
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_camera_sees_less_behind_a_near_surface() {
-        let camera = Viewpoint::Camera(Point3::new(0.05, 0.05, 0.4));
+        let camera = ViewOrigin::Camera(Point3::new(0.05, 0.05, 0.4));
         let image = RangeImage::new(&sheet(0.2), &Point3::new(0.05, 0.05, 0.2), camera);
         // The shadow of the sheet grows with the distance; nothing is seen behind the camera.
         let hidden = Point3::new(0.12, 0.05, 0.0);

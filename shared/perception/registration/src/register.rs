@@ -2,7 +2,8 @@
 
 use crate::Error;
 use crate::correspondence_score::contradiction;
-use crate::generalized_icp::{Aligner, Alignment, PosePrior, Schedule};
+use crate::generalized_icp::{Aligner, Alignment, Schedule};
+use crate::prior::Prior;
 use crate::view_surface::{Surfel, ViewSurface};
 use crate::weak_rotation::WeakRotation;
 use nalgebra::{Isometry3, Translation3};
@@ -26,28 +27,6 @@ const FINE_SCHEDULE: Schedule = Schedule {
     factor: 0.85,
     rotation_min_rad: 1e-4,
 };
-
-/// Expected pose of the source in the frame of the target, with its uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Prior {
-    /// Expected pose.
-    pub target_from_source: Isometry3<f64>,
-    /// Standard deviation of the place of the source's centre along each axis, metres.
-    pub translation_sigma_m: f64,
-    /// Standard deviation of the rotation about each axis, radians.
-    pub rotation_sigma_rad: f64,
-}
-
-impl Prior {
-    /// Prior of a hand-guided or unknown motion: 3 cm and 10°.
-    pub fn at(target_from_source: Isometry3<f64>) -> Self {
-        Self {
-            target_from_source,
-            translation_sigma_m: 0.03,
-            rotation_sigma_rad: 10.0_f64.to_radians(),
-        }
-    }
-}
 
 /// Result of a registration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,11 +62,7 @@ pub fn register(
         target,
         source: &coarse,
         centre: source.centroid(),
-        prior: PosePrior {
-            target_from_source: prior.target_from_source,
-            translation_sigma_m: prior.translation_sigma_m.max(1e-6),
-            rotation_sigma_rad: prior.rotation_sigma_rad.max(1e-6),
-        },
+        prior: prior.with_positive_sigmas(),
         held: None,
     };
     let (start, first) = best_start(&aligner, source, prior)?;
@@ -99,9 +74,9 @@ pub fn register(
         ..aligner
     };
     let mut pose = first.target_from_source;
-    if let Some(weak) = weak {
+    if weak.is_some() {
         let held = Aligner {
-            held: Some(weak.axis.into_inner()),
+            held: last.held,
             ..aligner
         };
         let at_prior = held.align(start, &coarse_schedule(prior));
@@ -134,7 +109,7 @@ fn best_start(
     let mut best: Option<(f64, Isometry3<f64>, Alignment)> = None;
     for start in std::iter::once(at_prior).chain(is_probable.then_some(centred)) {
         let alignment = aligner.align(start, &coarse_schedule(prior));
-        if alignment.n_correspondences == 0 {
+        if !alignment.has_overlap() {
             continue;
         }
         let score = contradiction(aligner.target, source, &alignment.target_from_source);

@@ -23,7 +23,7 @@ const N_SPACING_SAMPLES: usize = 400;
 
 /// Place from which a view was taken, in the frame of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Viewpoint {
+pub enum ViewOrigin {
     /// Optical centre of a camera, metres.
     Camera(Point3<f64>),
     /// Direction towards a camera that is far away.
@@ -68,7 +68,7 @@ impl ViewSurface {
     ///
     /// # Errors
     /// When a coordinate is not finite, or the points are too few for a surface.
-    pub fn new(points: &[[f32; 3]], viewpoint: Option<Viewpoint>) -> Result<Self, Error> {
+    pub fn new(points: &[[f32; 3]], viewpoint: Option<ViewOrigin>) -> Result<Self, Error> {
         if let Some(place) = points.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
             return Err(Error::NotFinite(place));
         }
@@ -155,14 +155,14 @@ pub(crate) fn place_of(point: &Point3<f64>) -> [f32; 3] {
 }
 
 /// Direction from which most of the outward normals are seen.
-fn seen_from(surfels: &[Surfel], centroid: &Point3<f64>) -> Viewpoint {
+fn seen_from(surfels: &[Surfel], centroid: &Point3<f64>) -> ViewOrigin {
     let outward = |surfel: &Surfel| {
         let side = surfel.normal.dot(&(surfel.place - centroid)).signum();
         surfel.flatness * side * surfel.normal
     };
     let sum: Vector3<f64> = surfels.iter().map(outward).sum();
     let direction = UnitVector3::try_new(sum, f64::EPSILON).unwrap_or_else(Vector3::z_axis);
-    Viewpoint::Direction(direction)
+    ViewOrigin::Direction(direction)
 }
 
 /// Surfels of the points: a mean for each voxel, a normal from it and its neighbours.

@@ -76,7 +76,8 @@ impl WeakRotation {
         Isometry3::from_parts(Translation3::from(shift), rotation)
     }
 
-    /// Pose of the turn that the points prefer, if they clearly prefer one, else the start.
+    /// Pose of the turn that the points prefer, if they clearly prefer one, else the start. The
+    /// aligner holds the turn.
     ///
     /// Where two views share only a part of the surface, fits by the number of correspondences
     /// turn one over the other. The mean distance of the points that are near each other does
@@ -91,10 +92,6 @@ impl WeakRotation {
         let reach_m = REACH_IN_SPACINGS * target.spacing_m();
         let grid = NearGrid::new(target.points(), reach_m as f32);
         let candidate = |pose| Candidate::new(pose, &grid, source.points());
-        let held = Aligner {
-            held: Some(self.axis.into_inner()),
-            ..*aligner
-        };
         let schedule = Schedule {
             n_steps: 3,
             reach_m: [0.006; 2],
@@ -107,7 +104,7 @@ impl WeakRotation {
         let candidates: Vec<Candidate> = (-n_steps..=n_steps)
             .map(|i| {
                 let pose = turned(&start, f64::from(i) * STEP_RAD);
-                let pose = held.align(pose, &schedule).target_from_source;
+                let pose = aligner.align(pose, &schedule).target_from_source;
                 candidate(pose)
             })
             .collect();

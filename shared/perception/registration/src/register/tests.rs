@@ -1,5 +1,5 @@
 use super::*;
-use crate::Viewpoint;
+use crate::ViewOrigin;
 use nalgebra::{Point3, UnitQuaternion, UnitVector3, Vector3};
 use random::Random;
 
@@ -155,8 +155,8 @@ fn known_viewpoints_give_the_same_result_as_estimated_ones() {
         .collect();
     let viewpoints = [
         None,
-        Some(Viewpoint::Direction(UnitVector3::new_unchecked(towards))),
-        Some(Viewpoint::Camera(Point3::from(0.8 * towards))),
+        Some(ViewOrigin::Direction(UnitVector3::new_unchecked(towards))),
+        Some(ViewOrigin::Camera(Point3::from(0.8 * towards))),
     ];
     for viewpoint in viewpoints {
         let surfaces = [(); 2].map(|()| ViewSurface::new(&points, viewpoint).unwrap());

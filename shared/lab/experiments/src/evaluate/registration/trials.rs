@@ -4,7 +4,7 @@ use crate::arguments::RegistrationArguments;
 use indicatif::ProgressBar;
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use random::{Random, mix64};
-use registration::{Prior, ViewSurface, Viewpoint, register};
+use registration::{Prior, ViewOrigin, ViewSurface, register};
 use service::Failure;
 use std::time::Instant;
 
@@ -90,7 +90,8 @@ fn direction(random: &mut Random) -> Unit<Vector3<f64>> {
     }
 }
 
-fn centroid(points: &[[f32; 3]]) -> Point3<f64> {
+/// Mean of points.
+pub(super) fn centroid(points: &[[f32; 3]]) -> Point3<f64> {
     let sum: Vector3<f64> = points.iter().map(|p| Vector3::from(*p).cast::<f64>()).sum();
     Point3::from(sum / points.len().max(1) as f64)
 }
@@ -106,7 +107,7 @@ fn trial(pair: &ViewPair, moved: &Isometry3<f64>) -> Result<Trial, Failure> {
         })
         .collect();
     let [of_target, of_source] = match pair.viewpoints {
-        Some([target, source]) => [target, moved * source].map(|at| Some(Viewpoint::Camera(at))),
+        Some([target, source]) => [target, moved * source].map(|at| Some(ViewOrigin::Camera(at))),
         None => [None; 2],
     };
     let unusable = |error: registration::Error| {
