@@ -151,7 +151,7 @@ pub struct RegistrationArguments {
     #[arg(long, value_name = "N", default_value_t = 20, requires = "models", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) objects: u32,
     /// Angle between the two simulated views, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 30.0, requires = "models")]
+    #[arg(long, value_name = "DEG", default_value_t = 30.0, requires = "models", value_parser = view_angle)]
     pub(crate) angle: f64,
     /// Random directions of each rotation with each translation
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -263,6 +263,14 @@ impl SceneArguments {
             .as_deref()
             .map_or(ModelSource::Generated, model_source)
     }
+}
+
+fn view_angle(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|angle| (0.0..=180.0).contains(angle));
+    number.ok_or_else(|| "choose from 0 to 180".to_owned())
 }
 
 impl RegistrationArguments {
