@@ -104,11 +104,10 @@ impl CategoryIndex {
         IndexBatch::new(self)
     }
 
-    /// Inserts a view into a category. A view with the same id is replaced.
+    /// Inserts a view: a [batch](IndexBatch::insert) of one.
     ///
     /// # Errors
-    /// When the descriptor has another length, or a value that the metric does not
-    /// take; the index is unchanged then.
+    /// As for [`IndexBatch::insert`].
     pub fn insert(
         &mut self,
         id: ViewId,

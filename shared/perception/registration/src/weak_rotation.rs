@@ -79,9 +79,9 @@ impl WeakRotation {
     /// Pose of the turn that the points prefer, if they clearly prefer one, else the start. The
     /// aligner holds the turn.
     ///
-    /// Where two views share only a part of the surface, fits by the number of correspondences
-    /// turn one over the other. The mean distance of the points that are near each other does
-    /// not: it is least where the same details lie on each other.
+    /// The number of correspondences is no score for this: it turns two views that share only a
+    /// part of the surface one over the other. The mean distance of the points that are near each
+    /// other is least where the same details lie on each other.
     pub(crate) fn search(
         &self,
         aligner: &Aligner<'_>,

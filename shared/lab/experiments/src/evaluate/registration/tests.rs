@@ -45,7 +45,7 @@ fn corner_is_registered_with_itself_from_all_starts() {
 }
 
 #[test]
-fn simulated_views_are_registered() {
+fn simulated_pairs_show_one_object_and_are_read_back() {
     let pairs = simulated_pairs::simulate(
         &arguments(None, Some("generated".into())),
         &Output::new(true),
