@@ -21,7 +21,12 @@ const OWNERS: [(&str, &[&str]); 20] = [
     ("rayon", &["experiments", "statistics"]),
     (
         "ciborium",
-        &["channel", "durable-leveldb", "perceptual-memory"],
+        &[
+            "object-model",
+            "channel",
+            "durable-leveldb",
+            "perceptual-memory",
+        ],
     ),
     ("hdrhistogram", &["latency-report"]),
     ("libc", &["channel", "system-noise", "service"]),
