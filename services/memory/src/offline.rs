@@ -1,8 +1,8 @@
 //! Offline mode: the control protocol on standard input, without a daemon.
 //!
-//! `tabula memory` and `tabula knowledge` start this when no daemon runs, so that
-//! no client links the database. Standard input is one end of a socket pair; its
-//! other end closes when the client is done.
+//! `tabula memory`, `tabula knowledge` and `tabula model` start this when no daemon
+//! runs, so that no client links the database. Standard input is one end of a socket
+//! pair; its other end closes when the client is done.
 #![expect(
     clippy::print_stderr,
     reason = "without a log, a person reads what was found when the store was opened"
@@ -31,7 +31,7 @@ use std::time::Duration;
 const IDLE_LIMIT: Duration = Duration::from_secs(7 * 24 * 3600);
 /// Capacity of the queue of requests that wait for the store.
 const QUEUE_REQUESTS: usize = 64;
-/// Limits of imports: the disk is this user's own.
+/// Limits of uploads: the disk is this user's own.
 const UPLOADS: UploadLimits = UploadLimits {
     max_bytes: u64::MAX,
     free_disk_min_bytes: 0,

@@ -3,18 +3,12 @@
 use crate::arguments::{KnowledgeVerb, PutArguments};
 use crate::time::utc;
 use command_line::{Output, format_table};
-use control_client::{MemoryClient, author_or_user, mutation_id, unexpected_reply};
-use message::control::{
-    Command, DocumentKind, DocumentName, DocumentReport, LearningReport, MemoryAnswer, MemoryQuery,
-    Reply, Revision, RevisionChange,
-};
+use control_client::{MemoryClient, NewDocument, StoredDocument};
+use message::control::{DocumentKind, DocumentName, DocumentReport, MAX_DOCUMENT_BYTES};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::io::{Read, Write};
 use std::process::ExitCode;
-
-/// Maximum size of a document, bytes: the part of a message that one request leaves for it.
-const MAX_BYTES: u64 = 384 * 1024;
 
 /// Runs a subcommand of `tabula knowledge`.
 pub(crate) fn run(
@@ -22,16 +16,13 @@ pub(crate) fn run(
     verb: &KnowledgeVerb,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryClient::open(common, output)?;
+    let mut memory = MemoryClient::open(common)?;
     match verb {
         KnowledgeVerb::List => list(&mut memory, output),
         KnowledgeVerb::Get { name } => get(&mut memory, name, output),
         KnowledgeVerb::Put(arguments) => put(&mut memory, arguments, output),
         KnowledgeVerb::Remove { name, author } => {
-            let change = RevisionChange::RemoveDocument {
-                document: document(name),
-            };
-            let report = revise(&mut memory, author.as_deref(), change)?;
+            let report = memory.remove_document(&document(name), author.as_deref())?;
             output.answer(&report, || {
                 format!("removed {name:?}, history {}, on disk", report.sequence)
             });
@@ -47,33 +38,13 @@ fn document(name: &str) -> DocumentName {
     }
 }
 
-fn revise(
-    memory: &mut MemoryClient,
-    author: Option<&str>,
-    change: RevisionChange,
-) -> Result<LearningReport, Failure> {
-    let revision = Revision {
-        id: mutation_id()?,
-        author: author_or_user(author),
-        change,
-    };
-    match memory.change(&Command::Revise(revision))? {
-        Reply::Learned(report) => Ok(report),
-        other => Err(unexpected_reply(&other)),
-    }
-}
-
 #[derive(Serialize)]
 struct ListDocument {
     documents: Vec<DocumentReport>,
 }
 
 fn list(memory: &mut MemoryClient, output: &Output) -> Result<ExitCode, Failure> {
-    let mut documents = match memory.call(Command::Memory(MemoryQuery::Documents))? {
-        Reply::Memory(MemoryAnswer::Documents(documents)) => documents,
-        other => return Err(unexpected_reply(&other)),
-    };
-    documents.retain(|report| report.document.kind == DocumentKind::TaskKnowledge);
+    let documents = memory.documents(DocumentKind::TaskKnowledge)?;
     let document = ListDocument { documents };
     output.answer(&document, || list_text(&document.documents));
     Ok(ExitCode::SUCCESS)
@@ -106,18 +77,11 @@ struct GetDocument<'a> {
 }
 
 fn get(memory: &mut MemoryClient, name: &str, output: &Output) -> Result<ExitCode, Failure> {
-    let query = MemoryQuery::Document(document(name));
-    let (media_type, content) = match memory.call(Command::Memory(query))? {
-        Reply::Memory(MemoryAnswer::Document {
-            media_type,
-            content,
-        }) => (media_type, content),
-        other => return Err(unexpected_reply(&other)),
-    };
+    let StoredDocument { report, content } = memory.document(&document(name))?;
     if output.is_json() {
         let document = GetDocument {
             name,
-            media_type,
+            media_type: report.media_type,
             bytes: content.len(),
             text: String::from_utf8(content).ok(),
         };
@@ -138,12 +102,12 @@ fn put(
 ) -> Result<ExitCode, Failure> {
     let name = &arguments.name;
     let content = read(arguments)?;
-    let change = RevisionChange::PutDocument {
-        document: document(name),
-        media_type: arguments.media_type.clone(),
-        content,
+    let new = NewDocument {
+        document: &document(name),
+        media_type: &arguments.media_type,
+        content: &content,
     };
-    let report = revise(memory, arguments.author.as_deref(), change)?;
+    let report = memory.put_document(new, arguments.author.as_deref())?;
     output.answer(&report, || {
         format!("stored {name:?}, history {}, on disk", report.sequence)
     });
@@ -158,15 +122,16 @@ fn read(arguments: &PutArguments) -> Result<Vec<u8>, Failure> {
     };
     let result = match &arguments.file {
         Some(file) => std::fs::File::open(file)
-            .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut content)),
+            .and_then(|file| file.take(MAX_DOCUMENT_BYTES + 1).read_to_end(&mut content)),
         None => std::io::stdin()
             .lock()
-            .take(MAX_BYTES + 1)
+            .take(MAX_DOCUMENT_BYTES + 1)
             .read_to_end(&mut content),
     };
     result.map_err(|error| Failure::general(format!("{from} could not be read: {error}")))?;
-    if content.len() as u64 > MAX_BYTES {
-        let sentence = format!("{from} is too long: store at most {MAX_BYTES} bytes under a name");
+    if content.len() as u64 > MAX_DOCUMENT_BYTES {
+        let sentence =
+            format!("{from} is too long: store at most {MAX_DOCUMENT_BYTES} bytes under a name");
         return Err(Failure::new(exit_code::REFUSED, sentence));
     }
     Ok(content)

@@ -3,11 +3,9 @@
 use crate::daemon::Sandbox;
 use channel::DomainName;
 use channel::RunFolder;
-use channel::control::SocketClient;
-use message::control::{
-    Command, DocumentKind, DocumentName, MemoryAnswer, MemoryQuery, MutationId, Reply, Revision,
-    RevisionChange,
-};
+use channel::control::{CallError, SocketClient};
+use control_client::{NewDocument, read_document, try_put_document};
+use message::control::{Command, DocumentKind, DocumentName, MutationId, Reply};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -28,8 +26,8 @@ struct Client {
 }
 
 impl Client {
-    fn ask(&self, command: &Command) -> Option<Reply> {
-        SocketClient::call_once(&self.domain, &self.folders, ANSWER, command).ok()
+    fn ask(&self, command: &Command) -> Result<Reply, CallError> {
+        SocketClient::call_once(&self.domain, &self.folders, ANSWER, command)
     }
 }
 
@@ -110,7 +108,7 @@ impl DocumentWriter {
         }
         let newest = self.progress.newest.lock().unwrap().clone();
         let known = newest.into_iter().filter(|number| *number > 0);
-        let is_lost = |number: &u64| self.stored(document(*number)) != Some(*number);
+        let is_lost = |number: &u64| self.stored(&document(*number)) != Some(*number);
         known
             .filter(is_lost)
             .map(|number| document(number).name)
@@ -118,14 +116,9 @@ impl DocumentWriter {
     }
 
     /// Number in a stored document.
-    fn stored(&self, name: DocumentName) -> Option<u64> {
-        let query = Command::Memory(MemoryQuery::Document(name));
-        match self.client.ask(&query)? {
-            Reply::Memory(MemoryAnswer::Document { content, .. }) => {
-                String::from_utf8(content).ok()?.parse().ok()
-            }
-            _ => None,
-        }
+    fn stored(&self, name: &DocumentName) -> Option<u64> {
+        let document = read_document(name, |command| self.client.ask(&command)).ok()?;
+        String::from_utf8(document.content).ok()?.parse().ok()
     }
 }
 
@@ -137,20 +130,20 @@ impl Drop for DocumentWriter {
 
 /// Stores a document; false when the teacher is over.
 fn store(client: &Client, progress: &Acknowledged, number: u64) -> bool {
-    let command = Command::Revise(Revision {
-        id: MutationId(u128::from(number)),
-        author: "chaos".into(),
-        change: RevisionChange::PutDocument {
-            document: document(number),
-            media_type: "text/plain".into(),
-            content: number.to_string().into_bytes(),
-        },
-    });
+    let (id, name) = (MutationId(u128::from(number)), document(number));
+    let content = number.to_string();
+    let new = NewDocument {
+        document: &name,
+        media_type: "text/plain",
+        content: content.as_bytes(),
+    };
+    let mut upload = None;
     loop {
         if progress.is_over.load(Ordering::Relaxed) {
             return false;
         }
-        if let Some(Reply::Learned(_)) = client.ask(&command) {
+        let call = |command| client.ask(&command);
+        if let Ok(Reply::Learned(_)) = try_put_document(id, "chaos", new, &mut upload, call) {
             progress.newest.lock().unwrap()[(number % N_NAMES) as usize] = number;
             progress.n_acknowledged.fetch_add(1, Ordering::Relaxed);
             return true;

@@ -35,7 +35,7 @@ pub(super) fn export(
     file: &Path,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryClient::open(common, output)?;
+    let mut memory = MemoryClient::open(common)?;
     let failed = |error: &io::Error| file_failed("written", file, error);
     // A new file of a random name, for this user only; a failure removes it again.
     let folder = file.parent().filter(|folder| *folder != Path::new(""));
@@ -144,7 +144,7 @@ pub(super) fn import(
     });
     let renames = renames.collect::<Result<Vec<_>, _>>()?;
     let mut file = open_file(&arguments.file)?;
-    let mut memory = MemoryClient::open(common, output)?;
+    let mut memory = MemoryClient::open(common)?;
     let source = arguments.file.file_name().unwrap_or_default();
     let request = ImportRequest {
         author: author_or_user(arguments.author.as_deref()),

@@ -24,7 +24,7 @@ fn unexpected_answer(answer: MemoryAnswer) -> Failure {
 
 /// Runs `tabula memory stats`.
 pub(super) fn stats(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryClient::open(common, output)?;
+    let mut memory = MemoryClient::open(common)?;
     let stats = match ask(&mut memory, MemoryQuery::Stats)? {
         MemoryAnswer::Stats(stats) => stats,
         other => return Err(unexpected_answer(other)),
@@ -80,7 +80,7 @@ pub(super) fn views(
     arguments: &InspectArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryClient::open(common, output)?;
+    let mut memory = MemoryClient::open(common)?;
     let mut all = Vec::new();
     let mut after = None;
     loop {
@@ -153,7 +153,7 @@ pub(super) fn history(
     arguments: &EntriesArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryClient::open(common, output)?;
+    let mut memory = MemoryClient::open(common)?;
     let (entries, last_sequence) = memory.history(arguments.from, arguments.count.into())?;
     let document = HistoryDocument {
         entries,

@@ -81,7 +81,7 @@ fn text(found: &VerificationReport) -> String {
 
 /// Runs `tabula memory repair`.
 pub(super) fn repair(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryClient::open(common, output)?;
+    let mut memory = MemoryClient::open(common)?;
     let outcome = job(&mut memory, JobKind::Repair, "views", output)?;
     let JobOutcome::Repaired { what, is_loss, .. } = &outcome else {
         return Err(unexpected_answer(outcome));
@@ -100,7 +100,7 @@ pub(super) fn compact(
     arguments: &CompactArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryClient::open(common, output)?;
+    let mut memory = MemoryClient::open(common)?;
     let kind = JobKind::Compact {
         forgotten_for_s: u64::from(arguments.forgotten_days) * S_PER_DAY,
     };

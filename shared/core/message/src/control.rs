@@ -16,6 +16,7 @@
 //! ```
 
 mod arm;
+mod document;
 mod find;
 mod learning;
 mod memory;
@@ -30,15 +31,19 @@ mod user_role;
 mod world;
 
 pub use arm::{ArmCommand, ArmReport};
+pub use document::{
+    ContentDigest, DOCUMENT_PAGE_BYTES, DocumentKind, DocumentName, DocumentPage, DocumentReport,
+    DocumentVersionReport, MAX_DOCUMENT_BYTES, PageRequest,
+};
 pub use find::{FindQuery, FindReport, FoundObjectReport, WordUseReport};
 pub use learning::{
     ChangesPage, LearnedChange, LearnedView, MutationId, RandomIdError, SnapshotCursor,
     SnapshotPage, StoredView, ViewId,
 };
 pub use memory::{
-    DocumentKind, DocumentName, DocumentReport, ExportReport, HistoryOperation, HistoryReport,
-    ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery,
-    MemoryStats, Revision, RevisionChange, VerificationReport, ViewReport,
+    ExportReport, HistoryOperation, HistoryReport, ImportReport, JobCommand, JobKind, JobOutcome,
+    JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision, RevisionChange,
+    VerificationReport, ViewReport,
 };
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use question::{QuestionKind, QuestionReport, QuestionsReport};

@@ -3,10 +3,15 @@
 //! A job reads a checkpoint or sends small requests to the store, so that teaching is not delayed.
 //! A job that its client no longer polls is ended: its thread, and its files, are freed.
 
+mod admission;
+mod document_upload;
+
 use crate::job_context::{JobContext, Progress};
 use crate::upload::Upload;
 use crate::{compaction, export, import, verification};
-use message::control::{JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply};
+use message::control::{
+    JobCommand, JobKind, JobOutcome, JobReport, MAX_DOCUMENT_BYTES, Refusal, RefusalKind, Reply,
+};
 use parking_lot::Mutex;
 use perceptual_memory::Requester;
 use std::collections::BTreeMap;
@@ -15,14 +20,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Maximum number of concurrent jobs.
-const MAX_JOBS: usize = 4;
-/// Maximum number of concurrent jobs of one user.
-const MAX_JOBS_OF_USER: usize = 2;
 /// Time without polling after which a job is abandoned. Chosen.
-const ABANDON_AFTER: Duration = Duration::from_secs(20);
-/// Period in which abandoned jobs are ended.
-const EXPIRY_PERIOD: Duration = Duration::from_secs(1);
+pub(crate) const ABANDON_AFTER: Duration = Duration::from_secs(20);
 
 /// Table of the long-running jobs.
 pub(crate) struct Jobs {
@@ -35,7 +34,7 @@ struct Job {
     kind: JobKind,
     owner: Requester,
     progress: Arc<Progress>,
-    /// File of an import.
+    /// File of an import or a document.
     upload: Option<Arc<Upload>>,
     /// `true` once an import has begun to read its file.
     is_importing: bool,
@@ -59,15 +58,8 @@ impl Jobs {
         }
     }
 
-    /// Ends jobs that are no longer polled, until the future is dropped.
-    pub(crate) async fn expire(&self) {
-        loop {
-            tokio::time::sleep(EXPIRY_PERIOD).await;
-            self.end_abandoned(ABANDON_AFTER);
-        }
-    }
-
-    fn end_abandoned(&self, after: Duration) {
+    /// Ends jobs that were not polled for some time.
+    pub(crate) fn end_abandoned(&self, after: Duration) {
         self.jobs
             .lock()
             .retain(|_, job| job.asked.elapsed() < after);
@@ -110,14 +102,7 @@ impl Jobs {
 
     fn begin(&self, kind: JobKind, owner: Requester) -> Result<Reply, Refusal> {
         let mut jobs = self.jobs.lock();
-        let n_own = jobs.values().filter(|job| job.owner.uid == owner.uid);
-        if jobs.len() >= MAX_JOBS || n_own.count() >= MAX_JOBS_OF_USER {
-            let sentence = format!(
-                "at most {MAX_JOBS} jobs run on the memory, {MAX_JOBS_OF_USER} of one user; try \
-                 again later"
-            );
-            return Err(Refusal::new(RefusalKind::Unavailable, sentence));
-        }
+        admission::make_room(&mut jobs, &kind, owner)?;
         let progress = Arc::new(Progress::default());
         let mut upload = None;
         match &kind {
@@ -131,7 +116,11 @@ impl Jobs {
                 })?;
             }
             // Starts when the upload is complete.
-            JobKind::Import => upload = Some(Arc::new(Upload::begin(&self.context.scratch)?)),
+            JobKind::Import => upload = Some(Upload::of_import(&self.context.scratch)?),
+            JobKind::Document => {
+                let scratch = &self.context.scratch;
+                upload = Some(Upload::of_document(scratch, MAX_DOCUMENT_BYTES));
+            }
             other => {
                 let sentence = format!("this memory does not know the job {other:?}");
                 return Err(Refusal::new(RefusalKind::Invalid, sentence));
@@ -142,7 +131,7 @@ impl Jobs {
             kind,
             owner,
             progress: progress.clone(),
-            upload,
+            upload: upload.map(Arc::new),
             is_importing: false,
             asked: Instant::now(),
         };
@@ -180,8 +169,7 @@ impl Jobs {
         let write = move || upload.write(offset, &bytes, n_others, &limits);
         let written = tokio::task::spawn_blocking(write).await;
         written.unwrap_or_else(|lost| {
-            let sentence =
-                format!("the bytes of the import were not kept: {lost}; send them again");
+            let sentence = format!("the uploaded bytes were not kept: {lost}; send them again");
             Err(Refusal::new(RefusalKind::Internal, sentence))
         })?;
         Ok(Reply::Job(report(job, &progress)))
@@ -202,15 +190,13 @@ impl Jobs {
         request: import::ImportRequest,
     ) -> Result<Reply, Refusal> {
         let (upload, progress) = self.with(job, requester, |entry| {
-            let is_first = !std::mem::replace(&mut entry.is_importing, true);
+            let is_import = entry.kind == JobKind::Import;
+            let is_first = is_import && !std::mem::replace(&mut entry.is_importing, true);
             let upload = entry.upload.clone().filter(|_| is_first);
             (upload, entry.progress.clone())
         })?;
         let upload = upload.ok_or_else(|| not_that_kind(job))?;
-        let file = upload.open().map_err(|error| {
-            let sentence = format!("the bytes of the import cannot be read again: {error}");
-            Refusal::new(RefusalKind::Unavailable, sentence)
-        })?;
+        let file = upload.open()?;
         self.spawn(progress.clone(), move |context, progress| {
             import::run(context, progress, &file, &request)
         })?;
@@ -271,7 +257,9 @@ impl Job {
 }
 
 fn not_that_kind(job: u64) -> Refusal {
-    let sentence = format!("job {job} is no import, or all its bytes were sent already");
+    let sentence = format!(
+        "job {job} is no upload of this kind, or all its bytes were sent already; begin another one"
+    );
     Refusal::new(RefusalKind::Invalid, sentence)
 }
 
@@ -284,5 +272,7 @@ fn report(job: u64, progress: &Progress) -> JobReport {
     }
 }
 
+#[cfg(test)]
+mod document_tests;
 #[cfg(test)]
 mod tests;

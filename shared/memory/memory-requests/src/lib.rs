@@ -26,12 +26,15 @@
 //! ```
 
 mod change_text;
+mod document_pages;
+mod document_storing;
 mod history_page;
 mod job_context;
 mod jobs;
 mod memory_request_handler;
 mod queries;
 mod revision;
+mod store_client;
 mod translate;
 
 mod compaction;

@@ -1,11 +1,9 @@
 //! Read queries on the perceptual memory: statistics, views, history, documents.
 
 use crate::job_context::wall_ns;
-use crate::{history_page, revision, translate};
-use message::control::{
-    DocumentReport, MemoryAnswer, MemoryQuery, MemoryStats, Refusal, RefusalKind, ViewReport,
-};
-use perceptual_memory::{DocumentSummary, Error, PerceptualMemory, Stats, Target, ViewSummary};
+use crate::{document_pages, history_page, translate};
+use message::control::{MemoryAnswer, MemoryQuery, MemoryStats, Refusal, RefusalKind, ViewReport};
+use perceptual_memory::{Error, PerceptualMemory, Stats, Target, ViewSummary};
 
 /// Maximum number of views on a page.
 const PAGE_VIEWS: usize = 500;
@@ -42,22 +40,8 @@ pub(crate) fn answer(
                 last_sequence: memory.sequence(),
             }))
         }
-        MemoryQuery::Documents => {
-            let documents = memory.documents();
-            let reports = documents.iter().filter_map(document).collect();
-            Ok(Ok(MemoryAnswer::Documents(reports)))
-        }
-        MemoryQuery::Document(name) => {
-            let key = match revision::key(name) {
-                Ok(key) => key,
-                Err(refusal) => return Ok(Err(refusal)),
-            };
-            let document = memory.document(&key)?;
-            Ok(Ok(MemoryAnswer::Document {
-                media_type: document.media_type,
-                content: document.content,
-            }))
-        }
+        MemoryQuery::Documents { after } => Ok(document_pages::list(memory, after)),
+        MemoryQuery::DocumentVersions(name) => Ok(document_pages::versions(memory, name)),
         other => {
             let sentence = format!("this memory does not know the question {other:?}");
             Ok(Err(Refusal::new(RefusalKind::Invalid, sentence)))
@@ -112,15 +96,4 @@ fn view(summary: ViewSummary) -> ViewReport {
         descriptor_bytes: summary.n_descriptor_bytes,
         cloud_bytes: summary.n_cloud_bytes,
     }
-}
-
-fn document(summary: &DocumentSummary) -> Option<DocumentReport> {
-    Some(DocumentReport {
-        document: revision::name(&summary.key)?,
-        media_type: summary.content.media_type.clone(),
-        bytes: u64::from(summary.content.n_bytes),
-        author: summary.decided.author.to_string(),
-        decided_ns: summary.decided.stamp_ns,
-        sequence: summary.sequence,
-    })
 }

@@ -1,10 +1,11 @@
-//! Conversion of revisions (changes other than teaching) into store changes.
+//! Conversion of revisions (changes other than teaching and the storing of documents) into store
+//! changes.
 
 use crate::translate;
 use message::control::{
     DocumentKind as WireKind, DocumentName, Refusal, RefusalKind, RevisionChange,
 };
-use perceptual_memory::{DocumentKey, DocumentKind, MemoryDocument, StoreChange, Target};
+use perceptual_memory::{DocumentKey, DocumentKind, StoreChange, Target};
 
 /// Store change of a revision, and its subject for the answer.
 pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Refusal> {
@@ -42,19 +43,6 @@ pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Re
             (change, into)
         }
         RevisionChange::Undo { sequence } => (StoreChange::Undo { sequence }, String::new()),
-        RevisionChange::PutDocument {
-            document,
-            media_type,
-            content,
-        } => {
-            let about = document.name.clone();
-            let document = MemoryDocument {
-                key: key(document)?,
-                media_type,
-                content,
-            };
-            (StoreChange::PutDocument(document), about)
-        }
         RevisionChange::RemoveDocument { document } => {
             let about = document.name.clone();
             (StoreChange::RemoveDocument(key(document)?), about)

@@ -109,3 +109,14 @@ pub struct DocumentSummary {
     /// Sequence number of the history entry of the last change.
     pub sequence: u64,
 }
+
+/// Version of a document without its content.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DocumentRevision {
+    /// Sequence number of the history entry that made the version.
+    pub sequence: u64,
+    /// Content reference of the version; `None` if it records a removal.
+    pub content: Option<DocumentContent>,
+    /// Author and time of the version.
+    pub decided: DecisionStamp,
+}

@@ -104,7 +104,8 @@ pub use archiving::{ArchivingStep, HistoryLimits};
 pub use checkpoint::{Checkpoint, CheckpointReader, Verification, verify_folder};
 pub use digest::Digest;
 pub use document::{
-    DocumentContent, DocumentSummary, MAX_DOCUMENT_BYTES, MAX_DOCUMENT_VERSIONS, MemoryDocument,
+    DocumentContent, DocumentRevision, DocumentSummary, MAX_DOCUMENT_BYTES, MAX_DOCUMENT_VERSIONS,
+    MemoryDocument,
 };
 pub use document_key::{DocumentKey, DocumentKind};
 pub use durable_leveldb::{MutationId, WRITE_BUFFER_BYTES};

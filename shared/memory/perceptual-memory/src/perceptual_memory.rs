@@ -147,14 +147,26 @@ impl PerceptualMemory {
         Ok(self.engine.close()?)
     }
 
+    /// Receipt of a mutation that was applied; `None` for an id that is not known.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::apply`].
+    pub fn receipt(&mut self, id: MutationId) -> Result<Option<MutationReceipt>, Error> {
+        self.usable()?;
+        let recent = self.index.answered.get(&id).copied();
+        let Some(sequence) = recent.or_else(|| self.archive.answered(id)) else {
+            return Ok(None);
+        };
+        self.acknowledgeable(sequence)?;
+        Ok(Some(self.entry(sequence)?.answer()))
+    }
+
     /// Stages a mutation in the index; [`Self::commit`] makes it durable. Later staged mutations
     /// see it.
     pub(crate) fn stage(&mut self, mutation: &Mutation) -> Result<MutationReceipt, Error> {
-        self.usable()?;
-        let recent = self.index.answered.get(&mutation.id).copied();
-        if let Some(sequence) = recent.or_else(|| self.archive.answered(mutation.id)) {
-            self.acknowledgeable(sequence)?;
-            return Ok(self.entry(sequence)?.answer());
+        if let Some(answer) = self.receipt(mutation.id)? {
+            return Ok(answer);
         }
         self.writable()?;
         mutation.check()?;

@@ -7,7 +7,7 @@ use learning::{CategoryName, ViewId};
 use serde_bytes::ByteBuf;
 
 use crate::digest::Digest;
-use crate::document::{DocumentSummary, MemoryDocument};
+use crate::document::{DocumentContent, DocumentRevision, DocumentSummary, MemoryDocument};
 use crate::document_key::DocumentKey;
 use crate::error::{Error, StoreRefusal};
 use crate::history::HistoryEntry;
@@ -230,6 +230,45 @@ impl PerceptualMemory {
         self.index.documents().collect()
     }
 
+    /// Present version of a document, without its content.
+    ///
+    /// # Errors
+    ///
+    /// [`StoreRefusal::UnknownDocument`] when there is none, or it was removed.
+    pub fn document_summary(&self, key: &DocumentKey) -> Result<DocumentSummary, StoreRefusal> {
+        let summary = self.index.document_summary(key);
+        summary.ok_or_else(|| StoreRefusal::UnknownDocument {
+            document: key.clone(),
+        })
+    }
+
+    /// Versions of a document that are not purged, oldest first; the last one is the present one.
+    ///
+    /// # Errors
+    ///
+    /// [`StoreRefusal::UnknownDocument`] when there is none.
+    pub fn document_versions(
+        &self,
+        key: &DocumentKey,
+    ) -> Result<Vec<DocumentRevision>, StoreRefusal> {
+        let versions: Vec<_> = self.index.document_revisions(key).collect();
+        if versions.is_empty() {
+            let document = key.clone();
+            return Err(StoreRefusal::UnknownDocument { document });
+        }
+        Ok(versions)
+    }
+
+    /// Reads the content of a document version.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`].
+    pub fn document_content(&mut self, content: &DocumentContent) -> Result<Vec<u8>, Error> {
+        let key = keys::digest_key(keys::BLOB, content.digest);
+        self.read(|reader| read_content(reader, &key))
+    }
+
     /// Reads a document with its content.
     ///
     /// # Errors
@@ -237,17 +276,11 @@ impl PerceptualMemory {
     /// [`Error::Refused`] when there is none,
     /// [`StorageError::Damaged`](crate::StorageError::Damaged) or [`Error::Failed`].
     pub fn document(&mut self, key: &DocumentKey) -> Result<MemoryDocument, Error> {
-        let present = self.index.document(key);
-        let Some(content) = present.and_then(|(_, version)| version.content.clone()) else {
-            let document = key.clone();
-            return Err(StoreRefusal::UnknownDocument { document }.into());
-        };
-        let bytes = self
-            .read(|reader| read_content(reader, &keys::digest_key(keys::BLOB, content.digest)))?;
+        let DocumentSummary { key, content, .. } = self.document_summary(key)?;
         Ok(MemoryDocument {
-            key: key.clone(),
+            key,
+            content: self.document_content(&content)?,
             media_type: content.media_type,
-            content: bytes,
         })
     }
 

@@ -9,7 +9,7 @@ use durable_leveldb::{MutationId, record::seal};
 use learning::{CategoryName, ViewId, ViewLabel};
 
 use crate::digest::Digest;
-use crate::document::{DocumentSummary, DocumentVersion};
+use crate::document::{DocumentRevision, DocumentSummary, DocumentVersion};
 use crate::document_key::DocumentKey;
 use crate::index_loading::DigestedRow;
 use crate::index_row::IndexedView;
@@ -397,14 +397,32 @@ impl StoreIndex {
 
     /// All documents that are present.
     pub(crate) fn documents(&self) -> impl Iterator<Item = DocumentSummary> {
-        self.documents.iter().filter_map(|(key, versions)| {
-            let (sequence, version) = versions.last_key_value()?;
-            Some(DocumentSummary {
-                key: key.clone(),
-                content: version.content.clone()?,
-                decided: version.decided.clone(),
-                sequence: *sequence,
-            })
+        self.documents
+            .keys()
+            .filter_map(|key| self.document_summary(key))
+    }
+
+    /// Present version of a document; `None` if it was removed.
+    pub(crate) fn document_summary(&self, key: &DocumentKey) -> Option<DocumentSummary> {
+        let (sequence, version) = self.document(key)?;
+        Some(DocumentSummary {
+            key: key.clone(),
+            content: version.content.clone()?,
+            decided: version.decided.clone(),
+            sequence,
+        })
+    }
+
+    /// Versions of a document, oldest first.
+    pub(crate) fn document_revisions(
+        &self,
+        key: &DocumentKey,
+    ) -> impl Iterator<Item = DocumentRevision> {
+        let versions = self.documents.get(key).into_iter().flatten();
+        versions.map(|(sequence, version)| DocumentRevision {
+            sequence: *sequence,
+            content: version.content.clone(),
+            decided: version.decided.clone(),
         })
     }
 

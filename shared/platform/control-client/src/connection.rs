@@ -60,7 +60,7 @@ pub fn refusal_failure(refusal: Refusal) -> Failure {
     Failure::new(code, refusal)
 }
 
-fn call_failure(error: &CallError) -> Failure {
+pub(crate) fn call_failure(error: &CallError) -> Failure {
     let code = match error {
         CallError::NoDaemon { .. } | CallError::NotThere { .. } => exit_code::NO_DAEMON,
         CallError::TimedOut { .. } => exit_code::TIMED_OUT,

@@ -20,6 +20,7 @@
 mod authorship;
 mod change;
 mod connection;
+mod document;
 mod history;
 mod import;
 mod memory_client;
@@ -28,6 +29,7 @@ mod spawned_daemon;
 pub use authorship::{author_or_user, mutation_id};
 pub use change::change;
 pub use connection::{call, call_once, connect, refusal_failure, unexpected_reply};
+pub use document::{NewDocument, StoredDocument, read_document, try_put_document};
 pub use history::read_history;
 pub use import::{ImportError, ImportRequest, import};
 pub use memory_client::{MemoryClient, connect_if_running, local_memory_folder};

@@ -4,8 +4,8 @@
 use crate::change::{PATIENCE, until_known};
 use crate::connection::{call, connect, try_connect, unexpected_reply};
 use channel::control::SocketClient;
-use command_line::Output;
 use message::control::{Command, JobCommand, JobKind, JobOutcome, JobReport, Reply};
+use message::escape_unprintable_lines;
 use service::{CommonArguments, Failure, exit_code};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
@@ -21,9 +21,9 @@ const OFFLINE_DEADLINE: Duration = Duration::from_secs(24 * 3600);
 /// Client connection to the perceptual memory.
 #[derive(Debug)]
 pub struct MemoryClient {
-    client: SocketClient,
+    pub(crate) client: SocketClient,
     /// Arguments to connect to the daemon again; `None` without a daemon.
-    daemon: Option<CommonArguments>,
+    pub(crate) daemon: Option<CommonArguments>,
     /// Child process, if any. Dropped after the connection, whose end makes the child close the
     /// store and exit.
     _offline: Option<OfflineProcess>,
@@ -65,6 +65,12 @@ pub fn local_memory_folder(common: &CommonArguments) -> Result<PathBuf, Failure>
     ))
 }
 
+/// Prints a remark beside the output of the command, which may be the bytes of a document.
+#[expect(clippy::print_stderr, reason = "standard output is the command's own")]
+fn print_aside(text: &str) {
+    eprintln!("tabula: {}", escape_unprintable_lines(text));
+}
+
 /// Connection to the daemon; `None` if no daemon runs.
 ///
 /// # Errors
@@ -91,16 +97,17 @@ impl MemoryClient {
     ///
     /// # Errors
     /// If there is neither a daemon nor a memory, or the program cannot be started.
-    pub fn open(common: &CommonArguments, output: &Output) -> Result<Self, Failure> {
+    pub fn open(common: &CommonArguments) -> Result<Self, Failure> {
         if let Some(client) = connect_if_running(common)? {
             return Ok(Self::of_daemon(common, client));
         }
         let folder = local_memory_folder(common)?;
-        output.print_status(&format!(
+        let opening = format!(
             "no daemon runs in the domain {}; opening {}",
             common.domain,
             folder.display()
-        ));
+        );
+        print_aside(&opening);
         Self::open_offline(common)
     }
 

@@ -1,6 +1,9 @@
 //! Administration of the perceptual memory: queries, revisions, maintenance jobs, export and
 //! import.
 
+use super::document::{
+    ContentDigest, DocumentName, DocumentPage, DocumentReport, DocumentVersionReport, PageRequest,
+};
 use super::learning::{MutationId, ViewId, hex_id};
 use serde::{Deserialize, Serialize};
 
@@ -56,41 +59,22 @@ pub enum RevisionChange {
         /// Sequence number of the history entry to undo.
         sequence: Option<u64>,
     },
-    /// Store a document.
+    /// Store a document whose content was uploaded.
     PutDocument {
         /// Name of the document to store.
         document: DocumentName,
         /// Media type (MIME) of the content.
         media_type: String,
-        /// Content of the document.
-        #[serde(with = "serde_bytes")]
-        content: Vec<u8>,
+        /// Id of the [`JobKind::Document`] job that holds the content.
+        upload: u64,
+        /// Digest of the whole content.
+        digest: ContentDigest,
     },
     /// Remove a document.
     RemoveDocument {
         /// Name of the document to remove.
         document: DocumentName,
     },
-}
-
-/// Kind of a document.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum DocumentKind {
-    /// Fused surface model of an object.
-    ObjectModel,
-    /// Knowledge document for a task.
-    TaskKnowledge,
-}
-
-/// Name of a document, unique within its kind.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct DocumentName {
-    /// Kind of the document.
-    pub kind: DocumentKind,
-    /// Name of the document within its kind.
-    pub name: String,
 }
 
 /// Query of the perceptual memory.
@@ -116,10 +100,15 @@ pub enum MemoryQuery {
         /// Maximum number of history entries.
         max: u32,
     },
-    /// List all stored documents.
-    Documents,
-    /// Read one stored document.
-    Document(DocumentName),
+    /// One page of the stored documents, ordered by kind and name.
+    Documents {
+        /// Last document on the previous page.
+        after: Option<DocumentName>,
+    },
+    /// One page of the content of a document.
+    Document(PageRequest),
+    /// List the versions of a document that the memory keeps, oldest first.
+    DocumentVersions(DocumentName),
 }
 
 /// Answer to a [`MemoryQuery`].
@@ -144,15 +133,16 @@ pub enum MemoryAnswer {
         last_sequence: u64,
     },
     /// Reply to [`MemoryQuery::Documents`].
-    Documents(Vec<DocumentReport>),
-    /// Reply to [`MemoryQuery::Document`].
-    Document {
-        /// Media type (MIME) of the document.
-        media_type: String,
-        /// Content of the document.
-        #[serde(with = "serde_bytes")]
-        content: Vec<u8>,
+    Documents {
+        /// Documents of the page.
+        documents: Vec<DocumentReport>,
+        /// Last document of this page, for the next request; `None` after the last page.
+        next: Option<DocumentName>,
     },
+    /// Reply to [`MemoryQuery::Document`].
+    Document(DocumentPage),
+    /// Reply to [`MemoryQuery::DocumentVersions`].
+    DocumentVersions(Vec<DocumentVersionReport>),
 }
 
 /// Sizes and counts of a perceptual memory.
@@ -334,24 +324,6 @@ pub enum HistoryOperation {
     Other,
 }
 
-/// Metadata of a document.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DocumentReport {
-    /// Name of the document.
-    #[serde(flatten)]
-    pub document: DocumentName,
-    /// Media type (MIME) of the document.
-    pub media_type: String,
-    /// Size of the document's content, bytes.
-    pub bytes: u64,
-    /// Author of the document's present version.
-    pub author: String,
-    /// Time at which the document was stored, nanoseconds since 1970.
-    pub decided_ns: u64,
-    /// Sequence number of the history entry that stored the document.
-    pub sequence: u64,
-}
-
 /// Command for a long-running job on the perceptual memory. Only [`Self::Begin`] starts a job;
 /// a job without requests for a minute is abandoned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -372,13 +344,13 @@ pub enum JobCommand {
         /// Offset in the exported file of the first byte to read.
         offset: u64,
     },
-    /// Write the next bytes of an import.
+    /// Write the next bytes of an import or of a document.
     Write {
-        /// Id of the import job.
+        /// Id of the job with the upload.
         job: u64,
-        /// Offset in the imported file of the first byte sent.
+        /// Offset in the uploaded file of the first byte sent.
         offset: u64,
-        /// Bytes of the imported file.
+        /// Bytes of the uploaded file.
         #[serde(with = "serde_bytes")]
         bytes: Vec<u8>,
     },
@@ -417,6 +389,8 @@ pub enum JobKind {
     Export,
     /// Import an exported file.
     Import,
+    /// Upload of the content of a document, which [`RevisionChange::PutDocument`] stores.
+    Document,
 }
 
 /// Progress and outcome of a job.

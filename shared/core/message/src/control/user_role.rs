@@ -70,12 +70,15 @@ impl WorldCommand {
 }
 
 impl JobCommand {
-    /// A job is followed by whoever began it.
+    /// A job is followed by whoever began it. So bytes of an import are written by administrators
+    /// alone, although those of a document need a teacher only.
     fn required_role(&self) -> UserRole {
         match self {
             Self::Ask { .. } => UserRole::Reader,
-            Self::Begin(JobKind::Verify | JobKind::Export) | Self::Read { .. } => UserRole::Teacher,
-            Self::Begin(_) | Self::Write { .. } | Self::Import { .. } => UserRole::Administrator,
+            Self::Begin(JobKind::Verify | JobKind::Export | JobKind::Document)
+            | Self::Read { .. }
+            | Self::Write { .. } => UserRole::Teacher,
+            Self::Begin(_) | Self::Import { .. } => UserRole::Administrator,
         }
     }
 }
@@ -119,6 +122,14 @@ mod tests {
             (
                 Command::Job(JobCommand::Begin(JobKind::Export)),
                 UserRole::Teacher,
+            ),
+            (
+                Command::Job(JobCommand::Begin(JobKind::Document)),
+                UserRole::Teacher,
+            ),
+            (
+                Command::Job(JobCommand::Begin(JobKind::Import)),
+                UserRole::Administrator,
             ),
             (
                 Command::Job(JobCommand::Begin(compact)),

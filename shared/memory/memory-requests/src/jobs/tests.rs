@@ -1,28 +1,29 @@
 use super::*;
+use crate::jobs::admission::MAX_JOBS_OF_USER;
 use crate::upload::UploadLimits;
 use message::control::MutationId;
 use perceptual_memory::{RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES};
 use tokio::sync::watch;
 
-const ANNA: Requester = Requester {
+pub(super) const ANNA: Requester = Requester {
     uid: Some(1000),
     may_undo_others: true,
 };
-const BEN: Requester = Requester {
+pub(super) const BEN: Requester = Requester {
     uid: Some(1001),
     may_undo_others: true,
 };
 
 /// Jobs on an empty store.
-struct Fixture {
-    jobs: Jobs,
-    runtime: tokio::runtime::Runtime,
+pub(super) struct Fixture {
+    pub(super) jobs: Jobs,
+    pub(super) runtime: tokio::runtime::Runtime,
     _store: StoreThread,
     folder: tempfile::TempDir,
 }
 
 impl Fixture {
-    fn new(max_bytes: u64) -> Self {
+    pub(super) fn new(max_bytes: u64) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let (thread, store, _) = StoreThread::start(StoreConfig {
             folder: folder.path().join("store"),
@@ -56,11 +57,11 @@ impl Fixture {
         }
     }
 
-    fn answer(&self, command: JobCommand, user: Requester) -> Result<Reply, Refusal> {
+    pub(super) fn answer(&self, command: JobCommand, user: Requester) -> Result<Reply, Refusal> {
         self.runtime.block_on(self.jobs.answer(command, user))
     }
 
-    fn begin(&self, kind: JobKind, user: Requester) -> Result<u64, Refusal> {
+    pub(super) fn begin(&self, kind: JobKind, user: Requester) -> Result<u64, Refusal> {
         match self.answer(JobCommand::Begin(kind), user)? {
             Reply::Job(report) => Ok(report.job),
             other => panic!("{other:?}"),
@@ -86,7 +87,7 @@ impl Fixture {
     }
 }
 
-fn kind(refused: Result<impl std::fmt::Debug, Refusal>) -> RefusalKind {
+pub(super) fn kind(refused: Result<impl std::fmt::Debug, Refusal>) -> RefusalKind {
     refused.unwrap_err().kind
 }
 
