@@ -2,6 +2,7 @@
 //! and the doctor.
 
 use crate::daemon::{Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, run_to_end, with_mounts};
+use crate::documents::store_model;
 use crate::skeleton::{id, wait_for_all};
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
@@ -197,6 +198,55 @@ const STARTED: &[(&str, JsonType)] = &[
 ];
 const STARTED_PROCESS: &[(&str, JsonType)] = &[("process", Text), ("pid", Count)];
 const FINDING: &[(&str, JsonType)] = &[("check", Text), ("verdict", Text), ("sentence", Text)];
+const DOCUMENT: &[(&str, JsonType)] = &[
+    ("kind", Text),
+    ("name", Text),
+    ("media_type", Text),
+    ("bytes", Count),
+    ("digest", Text),
+    ("author", Text),
+    ("decided_ns", Count),
+    ("sequence", Count),
+];
+const MODEL: &[(&str, JsonType)] = &[
+    ("name", Text),
+    ("bytes", Count),
+    ("author", Text),
+    ("decided_ns", Count),
+    ("sequence", Count),
+    ("extents_m", Vector(3)),
+    ("n_vertices", Count),
+    ("n_triangles", Count),
+    ("is_closed_loop", Truth),
+    ("completeness", Number),
+    ("missing", List),
+    ("unseen_directions", List),
+    ("views", List),
+    ("refused", List),
+    ("versions", List),
+];
+const MODEL_VIEW: &[(&str, JsonType)] = &[
+    ("captured_ns", Count),
+    ("n_points", Count),
+    ("new_surface_share", Number),
+    ("position_m", Vector(3)),
+    ("orientation_xyzw", Vector(4)),
+];
+const REFUSED_VIEW: &[(&str, JsonType)] = &[("captured_ns", Count), ("reason", Text)];
+const DOCUMENT_VERSION: &[(&str, JsonType)] = &[
+    ("sequence", Count),
+    ("decided_ns", Count),
+    ("author", Text),
+    ("bytes", CountOrNull),
+    ("digest", TextOrNull),
+];
+const MODEL_EXPORT: &[(&str, JsonType)] = &[
+    ("file", Text),
+    ("bytes", Count),
+    ("n_vertices", Count),
+    ("n_triangles", Count),
+    ("sequence", Count),
+];
 const ERROR: &[(&str, JsonType)] = &[("error", Text), ("exit_code", Count)];
 
 /// Asserts that the document has exactly these keys, with values of these types.
@@ -286,6 +336,39 @@ fn commands_answer_with_exactly_the_documented_keys() {
     let findings = daemon.ask(&["doctor"]);
     check_shape(&findings, &[("findings", List)]);
     check_list(&findings["findings"], FINDING);
+    daemon.stop();
+}
+
+#[test]
+fn document_commands_answer_with_exactly_the_documented_keys() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
+    assert_eq!(daemon.ask(&["model", "list"]), json!({"models": []}));
+    let put = daemon.ask(&["knowledge", "put", "note", "/etc/hostname"]);
+    check_shape(&put, LEARNED);
+    let listed = daemon.ask(&["knowledge", "list"]);
+    check_shape(&listed, &[("documents", List)]);
+    check_list(&listed["documents"], DOCUMENT);
+
+    store_model(&sandbox, "box");
+    let listed = daemon.ask(&["model", "list"]);
+    check_shape(&listed, &[("models", List)]);
+    check_list(&listed["models"], DOCUMENT);
+    assert_eq!(listed["models"].as_array().unwrap().len(), 1, "{listed}");
+    let model = daemon.ask(&["model", "show", "box"]);
+    check_shape(&model, MODEL);
+    check_list(&model["views"], MODEL_VIEW);
+    check_list(&model["refused"], REFUSED_VIEW);
+    check_list(&model["versions"], DOCUMENT_VERSION);
+    assert_eq!(model["missing"][0], "the underside");
+    assert!(Vector(3).fits(&model["unseen_directions"][0]), "{model}");
+    let file = sandbox.home().join("box.ply");
+    let export = ["model", "export", "box", "--out", file.to_str().unwrap()];
+    let exported = daemon.ask(&export);
+    check_shape(&exported, MODEL_EXPORT);
+    let length = std::fs::metadata(&file).unwrap().len();
+    assert_eq!(exported["bytes"], json!(length));
+    check_shape(&daemon.ask(&["model", "forget", "box"]), LEARNED);
     daemon.stop();
 }
 

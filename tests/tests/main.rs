@@ -19,6 +19,8 @@ mod chaos;
 mod command_line;
 /// Layers of the configuration, its commands, and its reload.
 mod configuration;
+/// Documents in pages, and models of objects.
+mod documents;
 /// Upgrade from an earlier version.
 mod earlier_versions;
 /// Recordings played through the real libfreenect.

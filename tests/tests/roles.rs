@@ -108,6 +108,8 @@ fn as_root_reader_reads_and_stops_and_changes_nothing() {
         &["ask", &track],
         &["categories"],
         &["memory", "history"],
+        &["knowledge", "list"],
+        &["model", "list"],
     ] {
         allowed(&as_member(&sandbox, &folder, reading));
     }
@@ -118,6 +120,9 @@ fn as_root_reader_reads_and_stops_and_changes_nothing() {
         &["memory", "compact"],
         &["memory", "repair"],
         &["memory", "verify"],
+        &["knowledge", "put", "note", "/etc/hostname"],
+        &["knowledge", "remove", "note"],
+        &["model", "forget", "mug"],
     ] {
         let sentence = refused(&as_member(&sandbox, &folder, changing));
         assert!(sentence.contains("has the role of a reader"), "{sentence}");
@@ -154,6 +159,10 @@ fn as_root_teacher_undoes_only_its_own_changes() {
     let sentence = refused(&member(&["undo", "--author", "anna"]));
     assert!(sentence.contains("nothing to undo"), "{sentence}");
     let sentence = refused(&member(&["memory", "compact"]));
+    assert!(sentence.contains("administrator"), "{sentence}");
+    // A teacher uploads documents, and no memory.
+    allowed(&member(&["knowledge", "put", "note", "/etc/hostname"]));
+    let sentence = refused(&member(&["memory", "import", "/etc/hostname"]));
     assert!(sentence.contains("administrator"), "{sentence}");
     // The daemon's own user may undo what others did.
     allowed(&member(&["teach", &bowl, "bowl", "--author", "ben"]));

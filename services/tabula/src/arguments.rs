@@ -2,6 +2,7 @@
 
 mod config;
 mod memory;
+mod model;
 mod world;
 
 pub(crate) use config::ConfigVerb;
@@ -10,6 +11,8 @@ pub(crate) use memory::{
     CompactArguments, EntriesArguments, ForgetArguments, ImportArguments, InspectArguments,
     KnowledgeVerb, MemoryVerb, PutArguments,
 };
+
+pub(crate) use model::ModelVerb;
 
 pub(crate) use world::{
     EventsArguments, HistoryArguments, TimeArgument, WorldArguments, WorldPoint, WorldVerb,
@@ -101,6 +104,12 @@ pub(crate) enum Verb {
         /// Action on the stored knowledge
         #[command(subcommand)]
         verb: KnowledgeVerb,
+    },
+    /// List, show, export and forget the full models of objects
+    Model {
+        /// Action on the stored models
+        #[command(subcommand)]
+        verb: ModelVerb,
     },
     /// Show the present and past of the world model: objects, robot, events, tasks
     World(WorldArguments),

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod arm;
+mod complete_file;
 mod config_command;
 mod daemon;
 mod daemon_reload;
@@ -11,6 +12,7 @@ mod knowledge;
 mod lab_program;
 mod learn;
 mod memory;
+mod model;
 mod objects;
 mod sensor;
 mod status;
@@ -63,6 +65,7 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Categories => learn::categories(&arguments.common, output),
         Verb::Memory { verb } => memory::run(&arguments.common, verb, output),
         Verb::Knowledge { verb } => knowledge::run(&arguments.common, verb, output),
+        Verb::Model { verb } => model::run(&arguments.common, verb, output),
         Verb::Simulate(lab) => lab_program::become_lab(arguments, "simulate", &lab.words),
         Verb::Evaluate(lab) => lab_program::become_lab(arguments, "evaluate", &lab.words),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),

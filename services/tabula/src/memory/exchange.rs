@@ -1,6 +1,7 @@
 //! `tabula memory export` and `tabula memory import`.
 
 use crate::arguments::ImportArguments;
+use crate::complete_file::{file_failed, write_complete};
 use command_line::{Output, progress_bar};
 use control_client::{
     ImportError, ImportRequest, MemoryClient, author_or_user, import as import_file,
@@ -36,21 +37,9 @@ pub(super) fn export(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let mut memory = MemoryClient::open(common)?;
-    let failed = |error: &io::Error| file_failed("written", file, error);
-    // A new file of a random name, for this user only; a failure removes it again.
-    let folder = file.parent().filter(|folder| *folder != Path::new(""));
-    let folder = folder.unwrap_or(Path::new("."));
-    let mut partial = tempfile::Builder::new()
-        .prefix("tabula-export-")
-        .suffix(".partial")
-        .tempfile_in(folder)
-        .map_err(|error| failed(&error))?;
-    let report = write_export(&mut memory, partial.as_file_mut(), file, output)?;
-    partial
-        .persist(file)
-        .map_err(|error| failed(&error.error))?;
-    let synced = File::open(folder).and_then(|folder| folder.sync_all());
-    synced.map_err(|error| failed(&error))?;
+    let report = write_complete(file, |partial| {
+        write_export(&mut memory, partial, file, output)
+    })?;
     output.answer(&ExportDocument { file, report }, || {
         let ExportReport {
             bytes,
@@ -66,11 +55,6 @@ pub(super) fn export(
         )
     });
     Ok(ExitCode::SUCCESS)
-}
-
-fn file_failed(doing: &str, file: &Path, error: &io::Error) -> Failure {
-    let sentence = format!("{} could not be {doing}: {error}", file.display());
-    Failure::general(sentence)
 }
 
 fn write_export(
@@ -105,7 +89,6 @@ fn write_export(
         }
     };
     bar.finish_and_clear();
-    file.sync_all().map_err(failed)?;
     Ok(report)
 }
 
