@@ -6,6 +6,7 @@ mod detection;
 mod find;
 mod isolated_scene;
 mod lighting;
+mod object_model;
 mod open_ended;
 mod open_set;
 mod recognition;
@@ -35,5 +36,6 @@ pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
         EvaluateVerb::Find(arguments) => find::run(arguments, output),
         EvaluateVerb::Lighting(arguments) => lighting::run(arguments, output),
         EvaluateVerb::Registration(arguments) => registration::run(arguments, output),
+        EvaluateVerb::Model(arguments) => object_model::run(arguments, output),
     }
 }

@@ -1,7 +1,8 @@
 //! Generalised ICP: alignment of surfels plane to plane.
 
 use crate::prior::Prior;
-use crate::view_surface::{Surfel, ViewSurface};
+use crate::surfels::Surfel;
+use crate::view_surface::ViewSurface;
 use nalgebra::{
     Isometry3, Matrix3, Matrix3x6, Matrix6, Point3, Translation3, UnitQuaternion, Vector3, Vector6,
 };
@@ -71,6 +72,25 @@ struct NormalEquations {
     curvature: Matrix6<f64>,
     vector: Vector6<f64>,
     n_correspondences: usize,
+    color_offset: MeanColor,
+}
+
+/// Weighted mean difference of the colours: the exposure of one view against the other.
+#[derive(Debug, Clone, Copy, Default)]
+struct MeanColor {
+    sum: Vector3<f64>,
+    weight: f64,
+}
+
+impl MeanColor {
+    fn add(&mut self, difference: &Vector3<f64>, weight: f64) {
+        self.sum += weight * difference;
+        self.weight += weight;
+    }
+
+    fn mean(&self) -> Vector3<f64> {
+        self.sum / self.weight.max(f64::MIN_POSITIVE)
+    }
 }
 
 impl Aligner<'_> {
@@ -82,9 +102,11 @@ impl Aligner<'_> {
             n_correspondences: 0,
         };
         let [mut reach_m, reach_min_m] = schedule.reach_m;
+        let mut color_offset = Vector3::zeros();
         for _ in 0..schedule.n_steps {
             let pose = alignment.target_from_source;
-            let equations = self.normal_equations(&pose, reach_m.max(reach_min_m));
+            let equations = self.normal_equations(&pose, reach_m.max(reach_min_m), &color_offset);
+            color_offset = equations.color_offset.mean();
             alignment.curvature = equations.curvature;
             alignment.n_correspondences = equations.n_correspondences;
             if !alignment.has_overlap() {
@@ -105,12 +127,18 @@ impl Aligner<'_> {
         alignment
     }
 
-    fn normal_equations(&self, pose: &Isometry3<f64>, reach_m: f64) -> NormalEquations {
+    fn normal_equations(
+        &self,
+        pose: &Isometry3<f64>,
+        reach_m: f64,
+        color_offset: &Vector3<f64>,
+    ) -> NormalEquations {
         let mut equations = NormalEquations {
             matrix: Matrix6::zeros(),
             curvature: Matrix6::zeros(),
             vector: Vector6::zeros(),
             n_correspondences: 0,
+            color_offset: MeanColor::default(),
         };
         let centre = pose * self.centre;
         for surfel in self.source {
@@ -136,6 +164,16 @@ impl Aligner<'_> {
             let across = jacobian.transpose() * target.normal;
             equations.curvature += weight * across * across.transpose();
             equations.n_correspondences += 1;
+            if let Some((target_color, source_color)) = target.color.zip(surfel.color) {
+                let off = target_color.difference(&source_color, &(place - target.place));
+                equations.color_offset.add(&off, weight);
+                let off = off - color_offset;
+                let (slope, off) = target_color.equations(&off, &jacobian, RESIDUAL_SIGMA_M);
+                let squared = weight * slope.transpose() * slope;
+                equations.matrix += squared;
+                equations.curvature += squared;
+                equations.vector += weight * slope.transpose() * off;
+            }
         }
         equations
     }

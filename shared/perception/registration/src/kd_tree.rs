@@ -5,7 +5,7 @@ const LEAF_LEN: usize = 8;
 
 /// Balanced k-d tree over points, split at the median of the longest side of their box.
 #[derive(Debug, Clone)]
-pub(crate) struct KdTree {
+pub struct KdTree {
     /// Points in the order of the leaves.
     points: Vec<[f32; 3]>,
     /// Index that each of them had.
@@ -38,7 +38,7 @@ struct Visit {
 
 impl KdTree {
     /// Tree over points.
-    pub(crate) fn new(points: &[[f32; 3]]) -> Self {
+    pub fn new(points: &[[f32; 3]]) -> Self {
         let mut depth = 0;
         while points.len() >> depth > LEAF_LEN {
             depth += 1;
@@ -55,7 +55,7 @@ impl KdTree {
     }
 
     /// Index of the nearest point within a distance, with the squared distance.
-    pub(crate) fn nearest(&self, place: [f32; 3], squared_reach: f32) -> Option<(usize, f32)> {
+    pub fn nearest(&self, place: [f32; 3], squared_reach: f32) -> Option<(usize, f32)> {
         let mut best = (usize::MAX, squared_reach);
         self.visit(place, self.whole(-1.0), &mut best);
         let index = self.indices.get(best.0)?;

@@ -31,6 +31,7 @@
 //! # Ok::<(), registration::Error>(())
 //! ```
 
+mod color_gradient;
 mod correspondence_score;
 mod error;
 mod generalized_icp;
@@ -39,10 +40,12 @@ mod near_grid;
 mod prior;
 mod range_image;
 mod register;
+mod surfels;
 mod view_surface;
 mod weak_rotation;
 
 pub use error::Error;
+pub use kd_tree::KdTree;
 pub use prior::Prior;
-pub use register::{Registration, register};
+pub use register::{PairAlignment, Registration, refine, register};
 pub use view_surface::{ViewOrigin, ViewSurface};

@@ -4,9 +4,10 @@ use crate::Error;
 use crate::correspondence_score::contradiction;
 use crate::generalized_icp::{Aligner, Alignment, Schedule};
 use crate::prior::Prior;
-use crate::view_surface::{Surfel, ViewSurface};
+use crate::surfels::Surfel;
+use crate::view_surface::ViewSurface;
 use crate::weak_rotation::WeakRotation;
-use nalgebra::{Isometry3, Translation3};
+use nalgebra::{Isometry3, Matrix6, Point3, Translation3};
 
 /// Number of surfels of the first alignments, about. Chosen.
 const N_COARSE: usize = 300;
@@ -43,6 +44,53 @@ pub struct Registration {
     /// `true` if a rotation was hardly constrained by the surfaces, and taken from the prior or
     /// from the points.
     pub is_rotation_weak: bool,
+}
+
+/// Alignment of a pair of views that are already near each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairAlignment {
+    /// Pose of the source in the frame of the target.
+    pub target_from_source: Isometry3<f64>,
+    /// Centre of the source, in its own frame.
+    pub centre: Point3<f64>,
+    /// Curvature of half the squared distances across the surfaces, metres², for a rotation
+    /// vector about the centre and then a translation, in the axes of the target: the information
+    /// of the pair about each direction, for distances with a variance of 1 m².
+    pub curvature: Matrix6<f64>,
+    /// Contradiction of the two views, 0 to 2, as in [`Registration`].
+    pub contradiction: f64,
+}
+
+/// Aligns a source surface with a target surface within 12 mm, by all surfels: the last step of a
+/// registration.
+///
+/// *Cost*: some milliseconds for views of 10 000 points.
+///
+/// # Errors
+/// When the surfaces have nothing in common at the prior.
+pub fn refine(
+    target: &ViewSurface,
+    source: &ViewSurface,
+    prior: &Prior,
+) -> Result<PairAlignment, Error> {
+    let aligner = Aligner {
+        target,
+        source: &thinned(source.surfels(), N_FINE),
+        centre: source.centroid(),
+        prior: prior.with_positive_sigmas(),
+        held: None,
+    };
+    let found = aligner.align(prior.target_from_source, &FINE_SCHEDULE);
+    if !found.has_overlap() {
+        let reach_mm = (1e3 * FINE_SCHEDULE.reach_m[0]) as u32;
+        return Err(Error::NoOverlap { reach_mm });
+    }
+    Ok(PairAlignment {
+        target_from_source: found.target_from_source,
+        centre: source.centroid(),
+        curvature: found.curvature,
+        contradiction: contradiction(target, source, &found.target_from_source),
+    })
 }
 
 /// Registers a source surface with a target surface.

@@ -3,17 +3,9 @@
 use crate::Error;
 use crate::kd_tree::KdTree;
 use crate::range_image::RangeImage;
-use nalgebra::{Matrix3, Point3, UnitVector3, Vector3};
-use point_cloud::least_eigenvector;
-use std::collections::HashMap;
+use crate::surfels::{Surfel, VOXEL_M, surfels_of};
+use nalgebra::{Point3, UnitVector3, Vector3};
 use std::sync::OnceLock;
-
-/// Side of the voxels of the surfels, metres. Fitted: of 612 registrations of simulated views of
-/// scanned objects 289 succeed with 3 mm, 294 with 4 mm and 282 with 5 mm.
-const VOXEL_M: f64 = 0.004;
-
-/// Minimum number of points around a surfel, for its normal. Chosen.
-const N_POINTS_MIN: f64 = 6.0;
 
 /// Minimum number of surfels of a surface. Chosen: 3 cm² of it.
 const N_SURFELS_MIN: usize = 20;
@@ -34,6 +26,8 @@ pub enum ViewOrigin {
 #[derive(Debug)]
 pub struct ViewSurface {
     points: Vec<[f32; 3]>,
+    /// Index of the surfel of each point, `NO_SURFEL` without one.
+    surfel_of_point: Vec<u32>,
     point_tree: OnceLock<KdTree>,
     spacing_m: OnceLock<f64>,
     surfels: Vec<Surfel>,
@@ -42,26 +36,6 @@ pub struct ViewSurface {
     centroid: Point3<f64>,
 }
 
-/// Surface element: the part of a surface in a voxel.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Surfel {
-    pub(crate) place: Point3<f64>,
-    /// Normal, of either sign.
-    pub(crate) normal: Vector3<f64>,
-    /// Flatness of the surface around it, 0 to 1.
-    pub(crate) flatness: f64,
-}
-
-/// Sums over the points of a voxel, relative to the centre of its grid.
-#[derive(Debug, Clone, Copy, Default)]
-struct Moments {
-    n: f64,
-    sum: Vector3<f64>,
-    squares: Matrix3<f64>,
-}
-
-type Voxel = [i32; 3];
-
 impl ViewSurface {
     /// Surface of the points of one view, metres; without a viewpoint its direction is estimated
     /// from the normals. Memory and time are linear in the points.
@@ -69,10 +43,23 @@ impl ViewSurface {
     /// # Errors
     /// When a coordinate is not finite, or the points are too few for a surface.
     pub fn new(points: &[[f32; 3]], viewpoint: Option<ViewOrigin>) -> Result<Self, Error> {
+        Self::with_colors(points, &[], viewpoint)
+    }
+
+    /// Surface of the points of one view, as by [`new`](Self::new), with the sRGB colours of those
+    /// points whose colour is that of the object.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_colors(
+        points: &[[f32; 3]],
+        colors: &[Option<[u8; 3]>],
+        viewpoint: Option<ViewOrigin>,
+    ) -> Result<Self, Error> {
         if let Some(place) = points.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
             return Err(Error::NotFinite(place));
         }
-        let surfels = surfels_of(points);
+        let (surfels, surfel_of_point) = surfels_of(points, colors);
         if surfels.len() < N_SURFELS_MIN {
             return Err(Error::TooFewSurfels {
                 n_points: points.len(),
@@ -85,6 +72,7 @@ impl ViewSurface {
         let viewpoint = viewpoint.unwrap_or_else(|| seen_from(&surfels, &centroid));
         Ok(Self {
             points: points.to_vec(),
+            surfel_of_point,
             point_tree: OnceLock::new(),
             spacing_m: OnceLock::new(),
             surfel_tree: KdTree::new(&places),
@@ -97,6 +85,15 @@ impl ViewSurface {
     /// Number of surface elements.
     pub fn n_surfels(&self) -> usize {
         self.surfels.len()
+    }
+
+    /// Unit normal of the surface at a point of the view, of either sign; `None` where there are
+    /// too few points around it.
+    pub fn normal_at(&self, point_index: usize) -> Option<Vector3<f64>> {
+        let surfel = *self.surfel_of_point.get(point_index)?;
+        self.surfels
+            .get(surfel as usize)
+            .map(|surfel| surfel.normal)
     }
 
     pub(crate) fn points(&self) -> &[[f32; 3]] {
@@ -144,7 +141,7 @@ impl ViewSurface {
     }
 
     /// Mean of the surfels.
-    pub(crate) fn centroid(&self) -> Point3<f64> {
+    pub fn centroid(&self) -> Point3<f64> {
         self.centroid
     }
 }
@@ -163,71 +160,4 @@ fn seen_from(surfels: &[Surfel], centroid: &Point3<f64>) -> ViewOrigin {
     let sum: Vector3<f64> = surfels.iter().map(outward).sum();
     let direction = UnitVector3::try_new(sum, f64::EPSILON).unwrap_or_else(Vector3::z_axis);
     ViewOrigin::Direction(direction)
-}
-
-/// Surfels of the points: a mean for each voxel, a normal from it and its neighbours.
-fn surfels_of(points: &[[f32; 3]]) -> Vec<Surfel> {
-    let (voxels, moments) = moments_of(points);
-    let neighbourhood = |voxel: &Voxel| {
-        let mut sum = Moments::default();
-        for offset in 0..27 {
-            let shifted: Voxel = [offset % 3 - 1, offset / 3 % 3 - 1, offset / 9 - 1];
-            let neighbour = std::array::from_fn(|axis| voxel[axis] + shifted[axis]);
-            if let Some(&place) = voxels.get(&neighbour) {
-                sum.add(&moments[place].1);
-            }
-        }
-        sum
-    };
-    let surfel = |(voxel, own): &(Voxel, Moments)| {
-        let around = neighbourhood(voxel);
-        if around.n < N_POINTS_MIN {
-            return None;
-        }
-        let (normal, flatness) = around.plane();
-        Some(Surfel {
-            place: Point3::from(own.sum / own.n),
-            normal,
-            flatness,
-        })
-    };
-    moments.iter().filter_map(surfel).collect()
-}
-
-/// Moments of the voxels, in the order of their first points, and their places by voxel.
-fn moments_of(points: &[[f32; 3]]) -> (HashMap<Voxel, usize>, Vec<(Voxel, Moments)>) {
-    let mut places: HashMap<Voxel, usize> = HashMap::new();
-    let mut moments: Vec<(Voxel, Moments)> = Vec::new();
-    for point in points {
-        let point: Vector3<f64> = Vector3::from(*point).cast();
-        let voxel: Voxel = point.map(|value| (value / VOXEL_M).floor() as i32).into();
-        let place = *places.entry(voxel).or_insert_with(|| {
-            moments.push((voxel, Moments::default()));
-            moments.len() - 1
-        });
-        moments[place].1.add(&Moments {
-            n: 1.0,
-            sum: point,
-            squares: point * point.transpose(),
-        });
-    }
-    (places, moments)
-}
-
-impl Moments {
-    fn add(&mut self, other: &Self) {
-        self.n += other.n;
-        self.sum += other.sum;
-        self.squares += other.squares;
-    }
-
-    /// Normal of the plane through the points, and how flat they are: one less the ratio of
-    /// their standard deviations along the normal and across it.
-    fn plane(&self) -> (Vector3<f64>, f64) {
-        let mean = self.sum / self.n;
-        let covariance = self.squares / self.n - mean * mean.transpose();
-        let ([least, second, _], normal) = least_eigenvector(&covariance);
-        let ratio = least.max(0.0) / second.max(f64::MIN_POSITIVE);
-        (normal, 1.0 - ratio.sqrt().min(1.0))
-    }
 }

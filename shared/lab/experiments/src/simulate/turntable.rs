@@ -17,6 +17,7 @@ use rendering::{Illuminant, Light, Lights};
 use simulated_world::Error;
 use simulated_world::ModelLibrary;
 use simulated_world::SimulatedKinect;
+use simulated_world::SimulatedObject;
 use simulated_world::World;
 use simulated_world::random_stream;
 use simulated_world::{
@@ -140,21 +141,34 @@ impl Turntable {
         let (sequence, elevation_deg) = ELEVATIONS[height % ELEVATIONS.len()];
         let frame = (f64::from(sequence) * 1e6 + turn * 1e5) as u64;
         let mut random = random_stream(self.seed, VIEW_STREAM + 16 * frame);
-        let centre = self.centre();
-        self.world.set_camera(CameraMount {
-            look_at_m: centre.coords.into(),
+        let mount = CameraMount {
+            look_at_m: self.centre().coords.into(),
             distance_m: random.between(DISTANCES_M[0], DISTANCES_M[1]),
             elevation_deg,
             azimuth_deg: 360.0 * turn,
             orbit_deg_s: 0.0,
-        });
+        };
         if self.lighting.is_none() {
             self.kinect.set_lights(random_lamps(&mut random));
         }
+        self.view_from(mount, frame)
+    }
+
+    /// Renders and segments the view of a camera; `frame` selects its noise. `None` when detection
+    /// does not find the object.
+    ///
+    /// # Errors
+    /// If the camera cannot render the scene.
+    pub(crate) fn view_from(
+        &mut self,
+        mount: CameraMount,
+        frame: u64,
+    ) -> Result<Option<SegmentedView<'_>>, Error> {
+        self.world.set_camera(mount);
         self.kinect.look(&self.world, frame, &mut self.points)?;
         let up_in_camera = self.up_in_camera();
         self.detect(up_in_camera, frame);
-        let centre_in_camera = self.world.world_from_camera().inverse() * centre;
+        let centre_in_camera = self.world.world_from_camera().inverse() * self.centre();
         let Some(found) = candidate_at_centre(&self.detection.candidates, &centre_in_camera) else {
             return Ok(None);
         };
@@ -168,9 +182,14 @@ impl Turntable {
         }))
     }
 
-    fn centre(&self) -> Point3<f64> {
-        let object = self.world.objects().first();
-        object.map_or_else(
+    /// Object on the turntable.
+    pub(crate) fn object(&self) -> Option<&SimulatedObject> {
+        self.world.objects().first()
+    }
+
+    /// Centre of the object, world frame.
+    pub(crate) fn centre(&self) -> Point3<f64> {
+        self.object().map_or_else(
             || self.world.scene().table.middle(),
             |object| object.world_from_object.translation.vector.into(),
         )

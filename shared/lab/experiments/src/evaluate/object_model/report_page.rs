@@ -1,0 +1,161 @@
+//! Text and HTML page of object models.
+
+use super::report::{LevelReport, ModelReport};
+use command_line::format_table;
+use plot::diagram::{Axis, Color, Curve, Diagram, DrawingError, Legend, in_columns};
+use plot::figure_page::{PageFigure, PageTable, html};
+
+/// Column headings of the table.
+const HEADS: [&str; 10] = [
+    "path",
+    "noise",
+    "accuracy mm",
+    "95 % mm",
+    "complete",
+    "chamfer mm",
+    "pose before mm",
+    "filtered mm",
+    "after mm",
+    "refused",
+];
+/// File names of the figure and of the picture of the models.
+pub(super) const FIGURE: &str = "noise.svg";
+pub(super) const MODELS: &str = "models.png";
+
+/// Report as text for the terminal.
+pub(super) fn text(document: &ModelReport) -> String {
+    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
+    lines.extend(notes(document));
+    lines.join("\n")
+}
+
+/// HTML page with the table and the figures.
+pub(super) fn page(document: &ModelReport) -> String {
+    let table = PageTable::new("Noise levels", &HEADS, rows(document));
+    let figures = [
+        (
+            FIGURE,
+            "Model and pose errors by the noise of the camera poses",
+        ),
+        (
+            MODELS,
+            "Models: the true object, then the model of the least and of the greatest noise",
+        ),
+    ];
+    let figures = figures.map(|(picture, caption)| PageFigure {
+        caption: caption.to_owned(),
+        picture: picture.to_owned(),
+    });
+    html("Object models", &notes(document), &[table], &figures)
+}
+
+fn rows(document: &ModelReport) -> Vec<Vec<String>> {
+    let row = |level: &LevelReport| {
+        vec![
+            level.path.word().to_owned(),
+            format!(
+                "{} mm, {}°",
+                level.sigma_translation_mm, level.sigma_rotation_deg
+            ),
+            format!("{:.2}", level.accuracy_mm),
+            format!("{:.1}", level.accuracy_p95_mm),
+            format!("{:.1} %", 100.0 * level.completeness),
+            format!("{:.2}", level.chamfer_mm),
+            format!("{:.1}", level.pose_error_before),
+            format!("{:.1}", level.pose_error_filtered),
+            format!("{:.1}", level.pose_error_after),
+            format!("{:.1} %", 100.0 * level.refused_share),
+        ]
+    };
+    document.levels.iter().map(row).collect()
+}
+
+/// Notes below the table, one sentence each.
+fn notes(document: &ModelReport) -> Vec<String> {
+    let median = |value: fn(&LevelReport) -> f64| {
+        super::trial::median(document.levels.iter().map(value).collect())
+    };
+    vec![
+        format!(
+            "{} objects, {} views along each path; seed {}; medians over the objects",
+            document.n_objects, document.n_views, document.seed
+        ),
+        "noise: standard deviation along and about each axis of the camera, independent in every \
+         view; pose errors: displacement of the object's surface"
+            .to_owned(),
+        format!(
+            "a view takes {:.0} ms, 95 % take less than {:.0} ms; the agreement of all views takes \
+             {:.0} ms",
+            median(|level| level.view_ms),
+            median(|level| level.view_p95_ms),
+            median(|level| level.finish_ms)
+        ),
+    ]
+}
+
+/// Diagrams of the errors over the noise of the translation, a curve for each noise of the
+/// rotation, a row for each path.
+pub(super) fn figure(document: &ModelReport) -> Result<String, DrawingError> {
+    let mut diagrams = Vec::new();
+    let titles: Vec<(super::orbit::Path, [String; 3])> = super::orbit::Path::ALL
+        .into_iter()
+        .map(|path| {
+            let title = |quantity: &str| format!("{quantity}, {}", path.word());
+            (
+                path,
+                ["accuracy", "completeness", "pose error after"].map(title),
+            )
+        })
+        .collect();
+    let mut degrees: Vec<f64> = document
+        .levels
+        .iter()
+        .map(|l| l.sigma_rotation_deg)
+        .collect();
+    degrees.sort_unstable_by(f64::total_cmp);
+    degrees.dedup();
+    let names: Vec<String> = degrees.iter().map(|deg| format!("{deg}°")).collect();
+    let quantities: [(&str, fn(&LevelReport) -> f64); 3] = [
+        ("mm", |level| level.accuracy_mm),
+        ("%", |level| 100.0 * level.completeness),
+        ("mm", |level| level.pose_error_after),
+    ];
+    for (path, titles) in &titles {
+        for (title, (label, value)) in titles.iter().zip(quantities) {
+            let curve = |(index, (name, deg)): (usize, (&'static str, &f64))| (index, name, *deg);
+            let _ = curve;
+            let curves = names
+                .iter()
+                .zip(&degrees)
+                .enumerate()
+                .map(|(index, (name, deg))| Curve {
+                    name,
+                    color: Color::of_series(index),
+                    points: document
+                        .levels
+                        .iter()
+                        .filter(|l| l.path == *path && l.sigma_rotation_deg == *deg)
+                        .map(|level| (level.sigma_translation_mm, value(level)))
+                        .collect(),
+                    is_marked: true,
+                });
+            let curves: Vec<Curve<'_>> = curves.collect();
+            let values = curves
+                .iter()
+                .flat_map(|curve| curve.points.iter().map(|point| point.1));
+            let top = values.filter(|value| value.is_finite()).fold(1.0, f64::max);
+            diagrams.push(Diagram {
+                title,
+                x: Axis::linear("noise of the translation, mm", 0.0..32.0),
+                y: Axis::linear(label, 0.0..1.05 * top),
+                curves,
+                legend: if label == "%" {
+                    Legend::LowerLeft
+                } else {
+                    Legend::UpperLeft
+                },
+            });
+        }
+    }
+    in_columns(&diagrams, 3)
+}

@@ -1,0 +1,287 @@
+//! Construction of an object model from views, one after the other.
+
+use crate::Error;
+use crate::depth_view::DepthView;
+use crate::error::Misfit;
+use crate::frame_error::FrameError;
+use crate::loop_closure::{close_loop, is_orbit_closed};
+use crate::pose_filter::{PoseFilter, PoseSigma};
+use crate::surface_points::SurfacePoint;
+use crate::tsdf_volume::TsdfVolume;
+use geometry::PinholeCamera;
+use mesh::TriangleMesh;
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use point_cloud::Point;
+use registration::{Prior, Registration, ViewOrigin, ViewSurface, register};
+
+/// Weight of the surface to which a view is registered. Chosen: one pixel at 45° and 1.8 m.
+const TARGET_WEIGHT_MIN: f32 = 0.1;
+
+/// Weight of a colour of the model that takes part in a registration. Chosen: a view from 1.2 m
+/// that is not at a border.
+const COLOR_WEIGHT_MIN: f32 = 0.1;
+
+/// Weight of the surface of the mesh, as a share of the number of views, and its limits. Chosen:
+/// what only one of many views saw is noise.
+const MESH_WEIGHT_SHARE: f32 = 0.08;
+const MESH_WEIGHT: std::ops::RangeInclusive<f32> = 0.1..=3.0;
+
+/// Cosine of the greatest angle at which the model's surface takes part in a registration, 80°.
+const FACING_COSINE_MIN: f32 = 0.17;
+
+/// Standard deviation of the difference between the middle of a view and that of the part of the
+/// model that its camera should see, metres. Chosen: a view shows what the model does not have
+/// yet, and the reverse.
+const MIDDLE_SIGMA_M: f64 = 0.012;
+
+/// Configuration of model construction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Config {
+    /// Side length of the voxels, metres. Chosen: 2 mm, of the order of a Kinect's noise.
+    pub voxel_m: f32,
+    /// Share of the view's surface that must lie within 4 mm of the model, 0 to 1.
+    pub common_share_min: f64,
+    /// Contradiction of model and view from which a view is refused, 0 to 2.
+    pub contradiction_max: f64,
+    /// Distance from the expected pose from which a view is refused, in standard deviations.
+    pub off_sigmas_max: f64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            voxel_m: 0.002,
+            common_share_min: 0.35,
+            contradiction_max: 1.0,
+            off_sigmas_max: 4.0,
+        }
+    }
+}
+
+/// View of an object.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// Segmented points of the object in the frame of the camera.
+    pub points: &'a [Point],
+    /// Intrinsics of the camera.
+    pub camera: PinholeCamera,
+    /// Capture time, nanoseconds.
+    pub captured_ns: u64,
+    /// Pose of the camera that the robot reports.
+    pub world_from_camera: Isometry3<f64>,
+    /// Uncertainty of the reported pose.
+    pub sigma: PoseSigma,
+}
+
+/// Accepted view of a model.
+#[derive(Debug)]
+pub struct BuiltView {
+    pub(crate) depth: DepthView,
+    /// Capture time, nanoseconds.
+    pub captured_ns: u64,
+    /// Pose of the camera in the frame of the object.
+    pub object_from_camera: Isometry3<f64>,
+    /// Pose that the robot reported, in the frame of the object.
+    pub reported: Isometry3<f64>,
+    /// Pose that was expected before the registration: the reported one, filtered.
+    pub expected: Isometry3<f64>,
+    pub(crate) sigma: PoseSigma,
+}
+
+impl BuiltView {
+    /// Unit vector from the centre of the object's frame to the camera.
+    pub fn direction(&self) -> Vector3<f64> {
+        let camera = self.object_from_camera.translation.vector;
+        camera.try_normalize(0.0).unwrap_or_else(Vector3::z)
+    }
+}
+
+/// Object model under construction.
+///
+/// The frame of the object has the axes of the world, and its origin in the centre of the first
+/// view.
+#[derive(Debug)]
+pub struct ModelBuilder {
+    config: Config,
+    volume: TsdfVolume,
+    views: Vec<BuiltView>,
+    filter: Option<(PoseFilter, Translation3<f64>)>,
+    frame_error: FrameError,
+    is_closed: bool,
+}
+
+impl ModelBuilder {
+    /// Model without views.
+    pub fn new(config: Config) -> Self {
+        Self {
+            volume: TsdfVolume::new(config.voxel_m),
+            config,
+            views: Vec::new(),
+            filter: None,
+            frame_error: FrameError::default(),
+            is_closed: false,
+        }
+    }
+
+    /// Accepted views.
+    pub fn views(&self) -> &[BuiltView] {
+        &self.views
+    }
+
+    /// `true` once the views lead around the object, and the loop was closed.
+    pub fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+
+    /// Registers a view with the model and fuses it; the first one makes the frame of the object.
+    /// Returns the registration, `None` for the first view.
+    ///
+    /// *Cost*: milliseconds to tens of milliseconds for a view of 10 000 points.
+    ///
+    /// # Errors
+    /// When the view cannot be used, or does not fit.
+    pub fn add(&mut self, view: &View<'_>) -> Result<Option<Registration>, Error> {
+        let is_finite = |pose: &Isometry3<f64>| {
+            let rotation = pose.rotation.coords.iter();
+            rotation
+                .chain(&pose.translation.vector)
+                .all(|v| v.is_finite())
+        };
+        if !is_finite(&view.world_from_camera) {
+            return Err(Error::PoseNotFinite);
+        }
+        let depth = DepthView::new(view.points, view.camera)?;
+        let Some((filter, object_from_world)) = &self.filter else {
+            self.begin(view, depth);
+            return Ok(None);
+        };
+        let reported = object_from_world * view.world_from_camera;
+        let mut filter = filter.clone();
+        filter.predict(view.captured_ns);
+        let (corrected, sigma) = self.frame_error.corrected(&reported, &view.sigma);
+        filter.observe(&corrected, &sigma);
+        let centre = depth.surface.centroid();
+        let target = self.target(&filter.camera_place())?;
+        filter.see(&centre, &target.centroid(), MIDDLE_SIGMA_M);
+        let prior = filter.prior(&centre);
+        let registration = self.register(&target, &depth, &prior)?;
+        filter.register(&registration.target_from_source, &centre);
+        self.filter = Some((filter, *object_from_world));
+        self.frame_error
+            .add(&registration.target_from_source, &reported);
+        self.volume.fuse(&depth, &registration.target_from_source);
+        self.views.push(BuiltView {
+            depth,
+            captured_ns: view.captured_ns,
+            object_from_camera: registration.target_from_source,
+            reported,
+            expected: prior.target_from_source,
+            sigma: view.sigma,
+        });
+        if !self.is_closed && is_orbit_closed(&self.views) {
+            self.finish();
+            self.is_closed = true;
+        }
+        Ok(Some(registration))
+    }
+
+    fn begin(&mut self, view: &View<'_>, depth: DepthView) {
+        let centre = view.world_from_camera * depth.surface.centroid();
+        let object_from_world = Translation3::from(-centre.coords);
+        let object_from_camera = object_from_world * view.world_from_camera;
+        let filter = PoseFilter::new(object_from_camera, &view.sigma, view.captured_ns);
+        self.filter = Some((filter, object_from_world));
+        self.frame_error
+            .add(&object_from_camera, &object_from_camera);
+        self.volume.fuse(&depth, &object_from_camera);
+        self.views.push(BuiltView {
+            depth,
+            captured_ns: view.captured_ns,
+            object_from_camera,
+            reported: object_from_camera,
+            expected: object_from_camera,
+            sigma: view.sigma,
+        });
+    }
+
+    /// Surface of the model that a camera should see.
+    fn target(&self, camera: &Point3<f64>) -> Result<ViewSurface, Error> {
+        let towards = camera.cast::<f32>();
+        let is_facing = |point: &SurfacePoint| {
+            let ray = (towards - point.place).normalize();
+            point.normal.dot(&ray) > FACING_COSINE_MIN
+        };
+        let points = self.volume.surface_points(TARGET_WEIGHT_MIN);
+        let facing: Vec<&SurfacePoint> = points.iter().filter(|p| is_facing(p)).collect();
+        let places: Vec<[f32; 3]> = facing.iter().map(|p| p.place.coords.into()).collect();
+        let color = |p: &&SurfacePoint| (p.color_weight >= COLOR_WEIGHT_MIN).then_some(p.color);
+        let colors: Vec<Option<[u8; 3]>> = facing.iter().map(color).collect();
+        let origin = Some(ViewOrigin::Camera(*camera));
+        ViewSurface::with_colors(&places, &colors, origin).map_err(Error::Surface)
+    }
+
+    /// Registers a view with the surface of the model.
+    fn register(
+        &self,
+        target: &ViewSurface,
+        depth: &DepthView,
+        prior: &Prior,
+    ) -> Result<Registration, Error> {
+        let found = register(target, &depth.surface, prior).map_err(Error::Surface)?;
+        match self.misfit(&found, prior, &depth.surface.centroid()) {
+            Some(misfit) => Err(Error::Misfit(misfit)),
+            None => Ok(found),
+        }
+    }
+
+    /// Reason to refuse a registered view.
+    fn misfit(&self, found: &Registration, prior: &Prior, centre: &Point3<f64>) -> Option<Misfit> {
+        let percent = |share: f64| (100.0 * share).round() as u32;
+        if found.common_share < self.config.common_share_min {
+            return Some(Misfit::LittleOverlap {
+                common_percent: percent(found.common_share),
+            });
+        }
+        if found.contradiction > self.config.contradiction_max {
+            return Some(Misfit::Contradiction {
+                percent: percent(found.contradiction / 2.0),
+            });
+        }
+        let (pose, expected) = (found.target_from_source, prior.target_from_source);
+        let off_m = (pose * centre - expected * centre).norm();
+        let off_rad = pose.rotation.angle_to(&expected.rotation);
+        let sigmas = self.config.off_sigmas_max;
+        // Three axes have a norm of up to the root of three times their standard deviation.
+        let is_far = off_m > sigmas * (prior.translation_sigma_m + 0.003)
+            || off_rad > sigmas * (prior.rotation_sigma_rad + 0.01);
+        is_far.then(|| Misfit::FarFromPrior {
+            off_mm: (1e3 * off_m).round() as u32,
+            off_deg: off_rad.to_degrees().round() as u32,
+        })
+    }
+
+    /// Brings all views into agreement, and fuses them again.
+    pub fn finish(&mut self) {
+        close_loop(&mut self.views);
+        self.volume.clear();
+        for view in &self.views {
+            self.volume.fuse(&view.depth, &view.object_from_camera);
+        }
+    }
+
+    /// Weight from which a surface counts as seen.
+    fn mesh_weight_min(&self) -> f32 {
+        let share = MESH_WEIGHT_SHARE * self.volume.n_views() as f32;
+        share.clamp(*MESH_WEIGHT.start(), *MESH_WEIGHT.end())
+    }
+
+    /// Points of the surface, one or more a voxel.
+    pub fn surface_points(&self) -> Vec<SurfacePoint> {
+        self.volume.surface_points(self.mesh_weight_min())
+    }
+
+    /// Coloured mesh of the surface, in the frame of the object.
+    pub fn mesh(&self) -> TriangleMesh {
+        self.volume.mesh(self.mesh_weight_min())
+    }
+}
