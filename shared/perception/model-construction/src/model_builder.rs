@@ -34,6 +34,12 @@ const FACING_COSINE_MIN: f32 = 0.17;
 /// yet, and the reverse.
 const MIDDLE_SIGMA_M: f64 = 0.012;
 
+/// Uncertainty of a pose that is not reported: so large that it tells nothing.
+const UNKNOWN_SIGMA: PoseSigma = PoseSigma {
+    rotation_rad: 10.0,
+    translation_m: 10.0,
+};
+
 /// Configuration of model construction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
@@ -45,6 +51,9 @@ pub struct Config {
     pub contradiction_max: f64,
     /// Distance from the expected pose from which a view is refused, in standard deviations.
     pub off_sigmas_max: f64,
+    /// Angle between viewing directions below which a view is registered only, and not fused,
+    /// radians.
+    pub step_min_rad: f64,
 }
 
 impl Default for Config {
@@ -54,6 +63,7 @@ impl Default for Config {
             common_share_min: 0.35,
             contradiction_max: 1.0,
             off_sigmas_max: 4.0,
+            step_min_rad: 0.0,
         }
     }
 }
@@ -67,8 +77,9 @@ pub struct View<'a> {
     pub camera: PinholeCamera,
     /// Capture time, nanoseconds.
     pub captured_ns: u64,
-    /// Pose of the camera that the robot reports.
-    pub world_from_camera: Isometry3<f64>,
+    /// Pose of the camera that the robot reports; `None` when it is not known, as for a camera that
+    /// is held in the hand.
+    pub world_from_camera: Option<Isometry3<f64>>,
     /// Uncertainty of the reported pose.
     pub sigma: PoseSigma,
 }
@@ -81,7 +92,8 @@ pub struct BuiltView {
     pub captured_ns: u64,
     /// Pose of the camera in the frame of the object.
     pub object_from_camera: Isometry3<f64>,
-    /// Pose that the robot reported, in the frame of the object.
+    /// Pose that the robot reported, in the frame of the object; the expected one when it is not
+    /// known.
     pub reported: Isometry3<f64>,
     /// Pose that was expected before the registration: the reported one, filtered.
     pub expected: Isometry3<f64>,
@@ -94,6 +106,15 @@ impl BuiltView {
         let camera = self.object_from_camera.translation.vector;
         camera.try_normalize(0.0).unwrap_or_else(Vector3::z)
     }
+}
+
+/// Expected pose of a view, and the surface that it should show.
+#[derive(Debug)]
+struct Expectation {
+    target: ViewSurface,
+    prior: Prior,
+    reported: Isometry3<f64>,
+    sigma: PoseSigma,
 }
 
 /// Object model under construction.
@@ -136,59 +157,40 @@ impl ModelBuilder {
     /// Registers a view with the model and fuses it; the first one makes the frame of the object.
     /// Returns the registration, `None` for the first view.
     ///
-    /// *Cost*: milliseconds to tens of milliseconds for a view of 10 000 points.
+    /// *Cost*: milliseconds to tens of milliseconds for a view of 10 000 points; some seconds when
+    /// the loop closes.
     ///
     /// # Errors
     /// When the view cannot be used, or does not fit.
     pub fn add(&mut self, view: &View<'_>) -> Result<Option<Registration>, Error> {
-        let is_finite = |pose: &Isometry3<f64>| {
-            let rotation = pose.rotation.coords.iter();
-            rotation
-                .chain(&pose.translation.vector)
-                .all(|v| v.is_finite())
-        };
-        if !is_finite(&view.world_from_camera) {
+        if view.world_from_camera.is_some_and(|pose| !is_finite(&pose)) {
             return Err(Error::PoseNotFinite);
         }
         let depth = DepthView::new(view.points, view.camera)?;
-        let Some((filter, object_from_world)) = &self.filter else {
+        let Some((filter, object_from_world)) = self.filter.clone() else {
             self.begin(view, depth);
             return Ok(None);
         };
-        let reported = object_from_world * view.world_from_camera;
-        let mut filter = filter.clone();
-        filter.predict(view.captured_ns);
-        let (corrected, sigma) = self.frame_error.corrected(&reported, &view.sigma);
-        filter.observe(&corrected, &sigma);
-        let centre = depth.surface.centroid();
-        let target = self.target(&filter.camera_place())?;
-        filter.see(&centre, &target.centroid(), MIDDLE_SIGMA_M);
-        let prior = filter.prior(&centre);
-        let registration = self.register(&target, &depth, &prior)?;
-        filter.register(&registration.target_from_source, &centre);
-        self.filter = Some((filter, *object_from_world));
-        self.frame_error
-            .add(&registration.target_from_source, &reported);
-        self.volume.fuse(&depth, &registration.target_from_source);
-        self.views.push(BuiltView {
-            depth,
+        let (filter, expectation) = self.expect(filter, &object_from_world, view, &depth)?;
+        let registration = self.register(&expectation, &depth)?;
+        let built = BuiltView {
             captured_ns: view.captured_ns,
             object_from_camera: registration.target_from_source,
-            reported,
-            expected: prior.target_from_source,
-            sigma: view.sigma,
-        });
-        if !self.is_closed && is_orbit_closed(&self.views) {
-            self.finish();
-            self.is_closed = true;
-        }
+            reported: expectation.reported,
+            expected: expectation.prior.target_from_source,
+            sigma: expectation.sigma,
+            depth,
+        };
+        self.accept(built, filter, object_from_world);
         Ok(Some(registration))
     }
 
+    /// Begins the model with its first view.
     fn begin(&mut self, view: &View<'_>, depth: DepthView) {
-        let centre = view.world_from_camera * depth.surface.centroid();
+        let world_from_camera = view.world_from_camera.unwrap_or_default();
+        let centre = world_from_camera * depth.surface.centroid();
         let object_from_world = Translation3::from(-centre.coords);
-        let object_from_camera = object_from_world * view.world_from_camera;
+        let object_from_camera = object_from_world * world_from_camera;
         let filter = PoseFilter::new(object_from_camera, &view.sigma, view.captured_ns);
         self.filter = Some((filter, object_from_world));
         self.frame_error
@@ -202,6 +204,59 @@ impl ModelBuilder {
             expected: object_from_camera,
             sigma: view.sigma,
         });
+    }
+
+    /// Expected pose of a view: the motion so far, the reported pose, and the place at which the
+    /// camera sees the object. With the filter after them.
+    fn expect(
+        &self,
+        mut filter: PoseFilter,
+        object_from_world: &Translation3<f64>,
+        view: &View<'_>,
+        depth: &DepthView,
+    ) -> Result<(PoseFilter, Expectation), Error> {
+        filter.predict(view.captured_ns);
+        let reported = view.world_from_camera.map(|pose| object_from_world * pose);
+        if let Some(reported) = &reported {
+            let (corrected, sigma) = self.frame_error.corrected(reported, &view.sigma);
+            filter.observe(&corrected, &sigma);
+        }
+        let centre = depth.surface.centroid();
+        let target = self.target(&filter.camera_place())?;
+        filter.see(&centre, &target.centroid(), MIDDLE_SIGMA_M);
+        let prior = filter.prior(&centre);
+        let expectation = Expectation {
+            target,
+            prior,
+            reported: reported.unwrap_or(prior.target_from_source),
+            sigma: reported.map_or(UNKNOWN_SIGMA, |_| view.sigma),
+        };
+        Ok((filter, expectation))
+    }
+
+    /// Fuses a registered view, unless it shows nothing new.
+    fn accept(
+        &mut self,
+        view: BuiltView,
+        mut filter: PoseFilter,
+        object_from_world: Translation3<f64>,
+    ) {
+        filter.register(&view.object_from_camera, &view.depth.surface.centroid());
+        self.filter = Some((filter, object_from_world));
+        let direction = view.direction();
+        let is_known =
+            |other: &BuiltView| other.direction().angle(&direction) < self.config.step_min_rad;
+        if self.views.iter().any(is_known) {
+            return;
+        }
+        self.frame_error
+            .add(&view.object_from_camera, &view.reported);
+        self.volume.fuse(&view.depth, &view.object_from_camera);
+        self.views.push(view);
+        if !self.is_closed && is_orbit_closed(&self.views) {
+            self.finish();
+            self.is_closed = true;
+        }
     }
 
     /// Surface of the model that a camera should see.
@@ -223,10 +278,10 @@ impl ModelBuilder {
     /// Registers a view with the surface of the model.
     fn register(
         &self,
-        target: &ViewSurface,
+        expectation: &Expectation,
         depth: &DepthView,
-        prior: &Prior,
     ) -> Result<Registration, Error> {
+        let Expectation { target, prior, .. } = expectation;
         let found = register(target, &depth.surface, prior).map_err(Error::Surface)?;
         match self.misfit(&found, prior, &depth.surface.centroid()) {
             Some(misfit) => Err(Error::Misfit(misfit)),
@@ -284,4 +339,11 @@ impl ModelBuilder {
     pub fn mesh(&self) -> TriangleMesh {
         self.volume.mesh(self.mesh_weight_min())
     }
+}
+
+fn is_finite(pose: &Isometry3<f64>) -> bool {
+    let rotation = pose.rotation.coords.iter();
+    rotation
+        .chain(&pose.translation.vector)
+        .all(|value| value.is_finite())
 }

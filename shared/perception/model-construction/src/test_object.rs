@@ -120,7 +120,7 @@ pub(crate) fn disturbed(
 /// View with a reported pose, taken after some half seconds.
 pub(crate) fn view(
     points: &[Point],
-    world_from_camera: Isometry3<f64>,
+    world_from_camera: impl Into<Option<Isometry3<f64>>>,
     sigma: PoseSigma,
     index: u64,
 ) -> View<'_> {
@@ -128,7 +128,7 @@ pub(crate) fn view(
         points,
         camera: PinholeCamera::KINECT_V1,
         captured_ns: index * 500_000_000,
-        world_from_camera,
+        world_from_camera: world_from_camera.into(),
         sigma,
     }
 }

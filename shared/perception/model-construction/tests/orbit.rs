@@ -120,6 +120,46 @@ fn the_colors_keep_a_ball_from_turning() {
 }
 
 #[test]
+fn a_hand_held_camera_without_poses_makes_a_model() {
+    let object = TestObject::BoxWithBall;
+    let mut builder = ModelBuilder::new(Config {
+        step_min_rad: 0.1,
+        ..Config::default()
+    });
+    for index in 0..90_u32 {
+        let pose = world_from_camera(4.0 * f64::from(index), 40.0);
+        let points = object.points(&pose, u64::from(index));
+        let mut view = view(&points, None, SIGMA, index.into());
+        view.captured_ns /= 5;
+        assert!(builder.add(&view).is_ok(), "view {index}");
+    }
+    // Views that show nothing new were only followed.
+    assert!(
+        (40..=60).contains(&builder.views().len()),
+        "{}",
+        builder.views().len()
+    );
+    builder.finish();
+    let pose = world_from_camera(0.0, 40.0) * builder.views()[0].object_from_camera.inverse();
+    let mut distances: Vec<f64> = builder
+        .mesh()
+        .vertices
+        .iter()
+        .map(|vertex| {
+            object
+                .distance_m(&(pose * vertex.position.cast::<f64>()))
+                .abs()
+        })
+        .collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    assert!(
+        distances[distances.len() / 2] < 0.001,
+        "{}",
+        distances[distances.len() / 2]
+    );
+}
+
+#[test]
 fn one_view_makes_a_model_of_its_side() {
     let pose = world_from_camera(0.0, 40.0);
     let points = TestObject::BoxWithBall.points(&pose, 4);

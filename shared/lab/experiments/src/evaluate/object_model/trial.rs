@@ -97,7 +97,7 @@ pub(super) fn run(
             points: &view.points,
             camera: CAMERA,
             captured_ns: view.captured_ns,
-            world_from_camera,
+            world_from_camera: Some(world_from_camera),
             sigma: noise.sigma(),
         });
         view_ms.push(1e3 * begun.elapsed().as_secs_f64());

@@ -1,0 +1,31 @@
+//! `tabula-modeller`: builds the full model of an object from the views of a moving camera, beside
+//! a running daemon and at low priority.
+
+mod arguments;
+mod build;
+mod growth;
+mod model_document;
+mod object_receiver;
+
+use arguments::{ModellerArguments, ModellerVerb};
+use command_line::Output;
+use service::{Failure, set_private_umask};
+use std::process::ExitCode;
+
+/// Increment of the nice value: the frames of the daemon go before. Chosen.
+const NICENESS: i32 = 10;
+
+fn main() -> ExitCode {
+    let arguments: ModellerArguments = service::parse_arguments();
+    let output = Output::new(arguments.json);
+    set_private_umask();
+    output.exit_code(execute(&arguments, &output))
+}
+
+fn execute(arguments: &ModellerArguments, output: &Output) -> Result<ExitCode, Failure> {
+    rustix::process::nice(NICENESS)
+        .map_err(|error| Failure::general(format!("the priority could not be lowered: {error}")))?;
+    match &arguments.verb {
+        ModellerVerb::Build(build) => build::run(&arguments.common, build, output),
+    }
+}

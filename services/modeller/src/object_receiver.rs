@@ -1,0 +1,127 @@
+//! Receiver of the views of one object: its points with the camera and the pose of their frame.
+
+use channel::topic::{CameraCloud, ObjectCloud, Scene};
+use channel::{Domain, Error, Received, Subscriber};
+use geometry::PinholeCamera;
+use message::{FrameHeader, SceneObject, TrackState};
+use nalgebra::{Isometry3, Point3};
+use point_cloud::Point;
+use service::monotonic_ns;
+use std::collections::VecDeque;
+
+/// Number of frames whose headers are kept: perception is at most a second behind.
+const N_FRAMES_MAX: usize = 64;
+
+/// View of an object.
+#[derive(Debug)]
+pub(crate) struct ReceivedView {
+    /// Points in the frame of the camera.
+    pub(crate) points: Vec<Point>,
+    pub(crate) camera: PinholeCamera,
+    pub(crate) world_from_camera: Option<Isometry3<f64>>,
+    /// Capture time, nanoseconds of the camera's clock.
+    pub(crate) captured_ns: u64,
+    /// Offset from that clock to the time since 1970, nanoseconds.
+    pub(crate) wall_clock_offset_ns: i64,
+}
+
+/// Tracked object as a choice for a model.
+#[derive(Debug, Clone)]
+pub(crate) struct TrackedObject {
+    pub(crate) track: u64,
+    pub(crate) label: Option<String>,
+    pub(crate) is_seen: bool,
+}
+
+/// Subscribers of the topics of an object. While they exist, perception publishes the points of
+/// all objects.
+pub(crate) struct ObjectReceiver {
+    frames: Subscriber<CameraCloud>,
+    clouds: Subscriber<ObjectCloud>,
+    scenes: Subscriber<Scene>,
+    headers: VecDeque<(FrameHeader, usize)>,
+}
+
+impl ObjectReceiver {
+    pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
+        Ok(Self {
+            frames: Subscriber::polled(domain)?,
+            clouds: Subscriber::polled(domain)?,
+            scenes: Subscriber::polled(domain)?,
+            headers: VecDeque::new(),
+        })
+    }
+
+    /// Newest view of a track since the last call; `None` when there is no new one.
+    pub(crate) fn newest_view(&mut self, track: u64) -> Result<Option<ReceivedView>, Error> {
+        self.note_frames()?;
+        let mut newest = None;
+        while let Received::Message(cloud) = self.clouds.receive()? {
+            if cloud.header().track_id == track {
+                newest = Some(cloud);
+            }
+        }
+        let Some(cloud) = newest else {
+            return Ok(None);
+        };
+        let (session, sequence) = (cloud.header().session, cloud.header().sequence);
+        let is_frame = |(header, _): &&(FrameHeader, usize)| {
+            header.session == session && header.sequence == sequence
+        };
+        let frame = self.headers.iter().find(is_frame);
+        Ok(frame.and_then(|(header, n_points)| {
+            let checked = header.checked(*n_points, monotonic_ns()).ok()?;
+            Some(ReceivedView {
+                points: message::points(cloud.items()).to_vec(),
+                camera: checked.camera,
+                world_from_camera: checked.world_from_camera,
+                captured_ns: header.capture_stamp_ns,
+                wall_clock_offset_ns: header.wall_clock_offset_ns,
+            })
+        }))
+    }
+
+    /// Keeps the headers of new frames; their points stay where they are.
+    fn note_frames(&mut self) -> Result<(), Error> {
+        while let Received::Message(frame) = self.frames.receive()? {
+            if self.headers.len() == N_FRAMES_MAX {
+                self.headers.pop_front();
+            }
+            self.headers
+                .push_back((*frame.header(), frame.items().len()));
+        }
+        Ok(())
+    }
+
+    /// Objects of the newest scene, nearest to the middle of the image first; `None` without a new
+    /// scene.
+    pub(crate) fn objects(&mut self) -> Result<Option<Vec<TrackedObject>>, Error> {
+        self.note_frames()?;
+        let Some(scene) = self.scenes.latest()? else {
+            return Ok(None);
+        };
+        let camera_from_world = scene
+            .header()
+            .world_from_camera
+            .checked()
+            .map(|pose| pose.inverse());
+        let off_axis = |object: &SceneObject| {
+            let centre = Point3::from(object.pose.position_m);
+            camera_from_world.map_or(f64::INFINITY, |pose| {
+                let centre = pose * centre;
+                centre.coords.xy().norm().atan2(centre.z)
+            })
+        };
+        let mut objects: Vec<&SceneObject> = scene.items().iter().collect();
+        objects.sort_by(|a, b| off_axis(a).total_cmp(&off_axis(b)));
+        let tracked = |object: &&SceneObject| TrackedObject {
+            track: object.track_id,
+            label: (object.is_labelled == 1)
+                .then(|| object.label.as_str().map(str::to_owned))
+                .flatten(),
+            is_seen: TrackState::from_code(object.state) == Some(TrackState::Tracked)
+                && object.cut_by_image == 0,
+        };
+        Ok(Some(objects.iter().map(tracked).collect()))
+    }
+}
