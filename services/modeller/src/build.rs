@@ -116,7 +116,7 @@ pub(crate) fn run(
     }
     growth.finish();
     let model = object_model(&growth);
-    let n_bytes = store(common, arguments.author.as_deref(), (&name, &model), output)?;
+    let n_bytes = store(common, arguments.author.as_deref(), (&name, &model))?;
     let document = built_document(&growth, &model, (name, object.track), end, n_bytes);
     let document = BuiltDocument {
         seconds: begun.elapsed().as_secs_f64(),
@@ -220,7 +220,6 @@ fn store(
     common: &CommonArguments,
     author: Option<&str>,
     (name, model): (&str, &ObjectModel),
-    output: &Output,
 ) -> Result<usize, Failure> {
     let content = model.to_bytes().map_err(Failure::general)?;
     let document = DocumentName {
@@ -232,7 +231,7 @@ fn store(
         media_type: MEDIA_TYPE,
         content: &content,
     };
-    MemoryClient::open(common, output)?.put_document(new, author)?;
+    MemoryClient::open(common)?.put_document(new, author)?;
     Ok(content.len())
 }
 

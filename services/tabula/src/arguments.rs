@@ -105,7 +105,7 @@ pub(crate) enum Verb {
         #[command(subcommand)]
         verb: KnowledgeVerb,
     },
-    /// List, show, export and forget the full models of objects
+    /// Build, list, show, export and forget the full models of objects
     Model {
         /// Action on the stored models
         #[command(subcommand)]

@@ -1,5 +1,5 @@
-//! Subcommands executed by another program: `tabula-lab`, `tabula-latency` and
-//! `tabula-recorder`.
+//! Subcommands executed by another program: `tabula-lab`, `tabula-latency`, `tabula-recorder` and
+//! `tabula-modeller`.
 
 use crate::arguments::CliArguments;
 use service::Failure;
@@ -31,6 +31,15 @@ pub(crate) fn become_recorder(
     words: &[OsString],
 ) -> Result<ExitCode, Failure> {
     become_program("tabula-recorder", arguments, Some(verb.as_ref()), words)
+}
+
+/// Replaces this process by `tabula-modeller` with a subcommand and its arguments.
+pub(crate) fn become_modeller(
+    arguments: &CliArguments,
+    verb: &str,
+    words: &[OsString],
+) -> Result<ExitCode, Failure> {
+    become_program("tabula-modeller", arguments, Some(verb.as_ref()), words)
 }
 
 fn become_program(

@@ -65,7 +65,7 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Categories => learn::categories(&arguments.common, output),
         Verb::Memory { verb } => memory::run(&arguments.common, verb, output),
         Verb::Knowledge { verb } => knowledge::run(&arguments.common, verb, output),
-        Verb::Model { verb } => model::run(&arguments.common, verb, output),
+        Verb::Model { verb } => model::run(arguments, verb, output),
         Verb::Simulate(lab) => lab_program::become_lab(arguments, "simulate", &lab.words),
         Verb::Evaluate(lab) => lab_program::become_lab(arguments, "evaluate", &lab.words),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),

@@ -2,34 +2,36 @@
 
 mod show;
 
-use crate::arguments::ModelVerb;
+use crate::arguments::{CliArguments, ModelVerb};
 use crate::complete_file::{file_failed, write_complete};
+use crate::lab_program::become_modeller;
 use crate::time::utc;
 use command_line::{Output, format_table};
 use control_client::{MemoryClient, StoredDocument};
 use message::control::{DocumentKind, DocumentName, DocumentReport};
 use object_model::ObjectModel;
 use serde::Serialize;
-use service::{CommonArguments, Failure};
+use service::Failure;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Runs a subcommand of `tabula model`.
 pub(crate) fn run(
-    common: &CommonArguments,
+    arguments: &CliArguments,
     verb: &ModelVerb,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let mut memory = MemoryClient::open(common)?;
+    let open = || MemoryClient::open(&arguments.common);
     match verb {
-        ModelVerb::List => list(&mut memory, output),
-        ModelVerb::Show { name } => show::show(&mut memory, name, output),
+        ModelVerb::Build(words) => become_modeller(arguments, "build", &words.words),
+        ModelVerb::List => list(&mut open()?, output),
+        ModelVerb::Show { name } => show::show(&mut open()?, name, output),
         ModelVerb::Export { name, out } => {
             let file = out.clone().unwrap_or_else(|| default_file(name));
-            export(&mut memory, name, &file, output)
+            export(&mut open()?, name, &file, output)
         }
-        ModelVerb::Forget { name, author } => forget(&mut memory, name, author.as_deref(), output),
+        ModelVerb::Forget { name, author } => forget(&mut open()?, name, author.as_deref(), output),
     }
 }
 

@@ -1,11 +1,16 @@
 //! Arguments of `tabula model`.
 
+use super::LabArguments;
 use clap::Subcommand;
 use std::path::PathBuf;
 
 /// Subcommands of `tabula model`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ModelVerb {
+    /// Build the model of a tracked object while the camera moves around it; see
+    /// `tabula model build --help`
+    #[command(disable_help_flag = true)]
+    Build(LabArguments),
     /// List the stored models
     List,
     /// Show the size, views, missing parts and versions of a model
