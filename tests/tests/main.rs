@@ -45,6 +45,8 @@ mod lockstep;
 mod memory_care;
 /// Durability of the memory under random kills.
 mod memory_kill;
+/// Object models that grow beside a running daemon.
+mod model_building;
 /// Panics of one object's actor: supervision and restart limit.
 mod panics;
 /// Read-your-writes consistency of answers.

@@ -74,8 +74,10 @@ impl Growth {
                 self.refuse(view, error.to_string());
                 return Step::Refused;
             }
-            Ok(_) if self.builder.views().len() == n_views => return Step::Nothing,
+            Ok(Some(_)) if self.builder.views().len() == n_views => return Step::Nothing,
             Ok(registration) => {
+                // A model with a bad beginning has begun anew.
+                self.shares.truncate(self.builder.views().len() - 1);
                 let known = registration.map_or(0.0, |found| found.common_share);
                 self.shares
                     .push((1.0 - known as f32, view.points.len() as u32));

@@ -175,6 +175,9 @@ pub struct ModelArguments {
     /// Number of models, spread over the categories
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) objects: u32,
+    /// In place of models: recorded RGB-D sequence with camera poses, whose objects are built
+    #[arg(long, value_name = "DIR", conflicts_with = "models")]
+    pub(crate) sequence: Option<PathBuf>,
     /// Views of each object along each path around it
     #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub(crate) views: u32,

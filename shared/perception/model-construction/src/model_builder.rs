@@ -34,6 +34,10 @@ const FACING_COSINE_MIN: f32 = 0.17;
 /// yet, and the reverse.
 const MIDDLE_SIGMA_M: f64 = 0.012;
 
+/// Number of views that may be bad, and of the views in a row that then do not fit. Chosen.
+const N_BEGINNING_VIEWS: usize = 3;
+const N_REFUSED_MAX: u32 = 4;
+
 /// Uncertainty of a pose that is not reported: so large that it tells nothing.
 const UNKNOWN_SIGMA: PoseSigma = PoseSigma {
     rotation_rad: 10.0,
@@ -128,6 +132,8 @@ pub struct ModelBuilder {
     views: Vec<BuiltView>,
     filter: Option<(PoseFilter, Translation3<f64>)>,
     frame_error: FrameError,
+    /// Number of refused views since the last accepted one.
+    n_refused: u32,
     is_closed: bool,
 }
 
@@ -140,6 +146,7 @@ impl ModelBuilder {
             views: Vec::new(),
             filter: None,
             frame_error: FrameError::default(),
+            n_refused: 0,
             is_closed: false,
         }
     }
@@ -155,7 +162,8 @@ impl ModelBuilder {
     }
 
     /// Registers a view with the model and fuses it; the first one makes the frame of the object.
-    /// Returns the registration, `None` for the first view.
+    /// Returns the registration, `None` for the first view. Where several views in a row do not
+    /// fit to the few before them, those were bad, and the model begins anew with this view.
     ///
     /// *Cost*: milliseconds to tens of milliseconds for a view of 10 000 points; some seconds when
     /// the loop closes.
@@ -171,8 +179,24 @@ impl ModelBuilder {
             self.begin(view, depth);
             return Ok(None);
         };
-        let (filter, expectation) = self.expect(filter, &object_from_world, view, &depth)?;
-        let registration = self.register(&expectation, &depth)?;
+        let found = self.expect(filter, &object_from_world, view, &depth);
+        let found = found.and_then(|(filter, expectation)| {
+            let registration = self.register(&expectation, &depth)?;
+            Ok((filter, expectation, registration))
+        });
+        let (filter, expectation, registration) = match found {
+            Ok(found) => found,
+            Err(_) if self.is_bad_beginning() => {
+                *self = Self::new(self.config);
+                self.begin(view, depth);
+                return Ok(None);
+            }
+            Err(error) => {
+                self.n_refused += 1;
+                return Err(error);
+            }
+        };
+        self.n_refused = 0;
         let built = BuiltView {
             captured_ns: view.captured_ns,
             object_from_camera: registration.target_from_source,
@@ -183,6 +207,11 @@ impl ModelBuilder {
         };
         self.accept(built, filter, object_from_world);
         Ok(Some(registration))
+    }
+
+    /// `true` if so many views in a row did not fit that the few accepted ones must be bad.
+    fn is_bad_beginning(&self) -> bool {
+        self.views.len() <= N_BEGINNING_VIEWS && self.n_refused >= N_REFUSED_MAX
     }
 
     /// Begins the model with its first view.

@@ -5,40 +5,46 @@ use crate::view_surface::ViewSurface;
 use nalgebra::{Isometry3, Point3};
 
 /// Tolerance of the seen surface, metres: some standard deviations of the surfels. Chosen.
-const TOLERANCE_M: f64 = 0.0025;
+pub(crate) const TOLERANCE_M: f64 = 0.0025;
 
 /// Weight of a hidden surfel, which neither agrees nor contradicts. Chosen: a pose must not win
 /// by hiding everything.
 const HIDDEN_WEIGHT: f64 = 0.25;
 
 /// Contradiction of two views in a pose, 0 to 2: of the surfels that the other view should have
-/// seen, the mean of 0 for one at its surface and 1 for one that is 2.5 mm off. What is hidden
-/// from the other view says nothing.
+/// seen, the mean of 0 for one at its surface and 1 for one that is off by the tolerance. What is
+/// hidden from the other view says nothing.
 pub(crate) fn contradiction(
     target: &ViewSurface,
     source: &ViewSurface,
     target_from_source: &Isometry3<f64>,
+    tolerance_m: f64,
 ) -> f64 {
-    one_way(target, source, target_from_source)
-        + one_way(source, target, &target_from_source.inverse())
+    one_way(target, source, target_from_source, tolerance_m)
+        + one_way(source, target, &target_from_source.inverse(), tolerance_m)
 }
 
 /// Contradiction between the surfels of a surface and the view of another.
-fn one_way(seen: &ViewSurface, surface: &ViewSurface, seen_from_surface: &Isometry3<f64>) -> f64 {
+fn one_way(
+    seen: &ViewSurface,
+    surface: &ViewSurface,
+    seen_from_surface: &Isometry3<f64>,
+    tolerance_m: f64,
+) -> f64 {
     let (mut sum, mut weights) = (0.0, f64::EPSILON);
     for surfel in surface.surfels() {
         let place = seen_from_surface * surfel.place;
         let above = seen.range_image().height_above(&place);
-        if above.is_some_and(|above| above > TOLERANCE_M) {
+        if above.is_some_and(|above| above > tolerance_m) {
             weights += HIDDEN_WEIGHT;
             continue;
         }
         weights += 1.0;
-        let is_at_surface = above.is_some_and(|above| above >= -TOLERANCE_M);
-        let nearest = seen.nearest_surfel(&place, TOLERANCE_M);
+        let is_at_surface = above.is_some_and(|above| above >= -tolerance_m);
+        let nearest = seen.nearest_surfel(&place, tolerance_m);
         sum += match nearest.filter(|_| is_at_surface) {
             Some((other, _)) => {
-                let off = (other.place - place).dot(&other.normal) / TOLERANCE_M;
+                let off = (other.place - place).dot(&other.normal) / tolerance_m;
                 let turned = (seen_from_surface.rotation * surfel.normal).dot(&other.normal);
                 (off * off + 0.5 * (1.0 - turned.abs())).min(1.0)
             }

@@ -23,6 +23,8 @@ pub(crate) struct Surfel {
     pub(crate) normal: Vector3<f64>,
     /// Flatness of the surface around it, 0 to 1.
     pub(crate) flatness: f64,
+    /// Standard deviation of the points around it across the surface, metres: noise and curvature.
+    pub(crate) spread_m: f64,
     /// Colour, if all points around it have one.
     pub(crate) color: Option<SurfelColor>,
 }
@@ -62,12 +64,13 @@ pub(crate) fn surfels_of(
         if around.n < N_POINTS_MIN {
             continue;
         }
-        let (normal, flatness) = around.plane();
+        let (normal, flatness, spread_m) = around.plane();
         surfel_of_voxel[place] = surfels.len() as u32;
         surfels.push(Surfel {
             place: Point3::from(own.sum / own.n),
             normal,
             flatness,
+            spread_m,
             color: around.color(own, &normal),
         });
     }
@@ -128,12 +131,12 @@ impl Moments {
         self.squares / self.n - mean * mean.transpose()
     }
 
-    /// Normal of the plane through the points, and how flat they are: one less the ratio of
-    /// their standard deviations along the normal and across it.
-    fn plane(&self) -> (Vector3<f64>, f64) {
+    /// Normal of the plane through the points, how flat they are: one less the ratio of their
+    /// standard deviations along the normal and across it, and the first of these, metres.
+    fn plane(&self) -> (Vector3<f64>, f64, f64) {
         let ([least, second, _], normal) = least_eigenvector(&self.covariance());
         let ratio = least.max(0.0) / second.max(f64::MIN_POSITIVE);
-        (normal, 1.0 - ratio.sqrt().min(1.0))
+        (normal, 1.0 - ratio.sqrt().min(1.0), least.max(0.0).sqrt())
     }
 
     /// Colour of a surfel with these points around it, and with its own points and their colours.

@@ -34,6 +34,7 @@ pub struct ViewSurface {
     surfel_tree: KdTree,
     range_image: RangeImage,
     centroid: Point3<f64>,
+    noise_m: f64,
 }
 
 impl ViewSurface {
@@ -77,6 +78,7 @@ impl ViewSurface {
             spacing_m: OnceLock::new(),
             surfel_tree: KdTree::new(&places),
             range_image: RangeImage::new(points, &centroid, viewpoint),
+            noise_m: median_spread_m(&surfels),
             surfels,
             centroid,
         })
@@ -140,6 +142,11 @@ impl ViewSurface {
         &self.range_image
     }
 
+    /// Noise of the points across the surface: median over the surfels, metres.
+    pub(crate) fn noise_m(&self) -> f64 {
+        self.noise_m
+    }
+
     /// Mean of the surfels.
     pub fn centroid(&self) -> Point3<f64> {
         self.centroid
@@ -149,6 +156,12 @@ impl ViewSurface {
 /// Place in single precision, for the search trees.
 pub(crate) fn place_of(point: &Point3<f64>) -> [f32; 3] {
     point.coords.map(|value| value as f32).into()
+}
+
+fn median_spread_m(surfels: &[Surfel]) -> f64 {
+    let mut spreads: Vec<f64> = surfels.iter().map(|surfel| surfel.spread_m).collect();
+    spreads.sort_unstable_by(f64::total_cmp);
+    spreads.get(spreads.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Direction from which most of the outward normals are seen.

@@ -3,6 +3,7 @@
 
 mod model_picture;
 mod orbit;
+mod recorded_views;
 mod report;
 mod report_page;
 mod trial;
@@ -13,14 +14,15 @@ use crate::output_files::{create_folder, write};
 use crate::parallel;
 use command_line::{Output, progress_bar};
 use mesh::TriangleMesh;
-use nalgebra::Isometry3;
-use orbit::Path;
+use nalgebra::{Isometry3, Point3};
+use orbit::{Orbit, OrbitView, Path};
 use report::{LevelReport, ModelReport};
 use report_page::{FIGURE, MODELS};
 use service::Failure;
 use simulated_world::{ModelChoice, ModelLibrary};
+use std::collections::BTreeSet;
 use std::process::ExitCode;
-use trial::{PoseNoise, Trial};
+use trial::{PoseNoise, Trial, Truth};
 use true_surface::TrueSurface;
 
 /// Noises of the camera poses that are tried by default: translation and rotation.
@@ -30,24 +32,17 @@ const ROTATIONS_DEG: [f64; 4] = [1.0, 3.0, 5.0, 10.0];
 /// All trials of one object.
 struct ObjectTrials {
     name: String,
-    truth: TriangleMesh,
+    /// Surface of the object; `None` when it is not known.
+    truth: Option<TriangleMesh>,
     trials: Vec<(Path, PoseNoise, Trial)>,
 }
 
 /// Builds models of all objects at all noise levels and reports the figures.
 pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
-    let models = library.choose(arguments.objects as usize, arguments.seed);
-    let bar = progress_bar(models.len() as u64, "objects", output);
-    let objects = parallel::map(
-        models.len(),
-        &bar,
-        || (),
-        |(), object| object_trials(&models[object], &library, object, arguments),
-    );
-    bar.finish_and_clear();
-    let objects: Result<Vec<ObjectTrials>, Failure> = objects.into_iter().collect();
-    let mut objects = objects?;
+    let mut objects = match &arguments.sequence {
+        Some(folder) => recorded_trials(folder, arguments, output)?,
+        None => simulated_trials(arguments, output)?,
+    };
     if let Some(out) = &arguments.out {
         create_folder(out)?;
         write(&out.join(MODELS), &picture(&objects)?)?;
@@ -55,7 +50,7 @@ pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCod
     let report = ModelReport {
         seed: arguments.seed,
         n_objects: objects.len(),
-        n_views: arguments.views,
+        n_views: arguments.sequence.is_none().then_some(arguments.views),
         levels: levels(&mut objects, arguments),
     };
     if let Some(out) = &arguments.out {
@@ -70,6 +65,79 @@ pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCod
     }
     output.answer(&report, || report_page::text(&report));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Trials of models on the simulated turntable and on free orbits.
+fn simulated_trials(
+    arguments: &ModelArguments,
+    output: &Output,
+) -> Result<Vec<ObjectTrials>, Failure> {
+    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
+    let models = library.choose(arguments.objects as usize, arguments.seed);
+    let bar = progress_bar(models.len() as u64, "objects", output);
+    let objects = parallel::map(
+        models.len(),
+        &bar,
+        || (),
+        |(), object| object_trials(&models[object], &library, object, arguments),
+    );
+    bar.finish_and_clear();
+    objects.into_iter().collect()
+}
+
+/// Trials of the objects of a recorded sequence.
+fn recorded_trials(
+    folder: &std::path::Path,
+    arguments: &ModelArguments,
+    output: &Output,
+) -> Result<Vec<ObjectTrials>, Failure> {
+    let orbits = recorded_views::read(folder, arguments.objects as usize, output)?;
+    if orbits.is_empty() {
+        let sentence = "no object of the sequence is seen often and from different sides; record \
+                        one with a camera that moves around the table";
+        return Err(Failure::general(sentence));
+    }
+    let bar = progress_bar(orbits.len() as u64, "objects", output);
+    let trials = |orbit: &Orbit, object: usize| {
+        let object_from_world = orbit.world_from_object.inverse();
+        let in_object = |view: &OrbitView| -> Vec<Point3<f64>> {
+            let pose = object_from_world * view.world_from_camera;
+            view.points
+                .iter()
+                .map(|point| pose * point.position())
+                .collect()
+        };
+        let samples = orbit.views.first().map(in_object).unwrap_or_default();
+        let trials = noises(arguments)
+            .into_iter()
+            .enumerate()
+            .map(|(level, noise)| {
+                let seed = trial_seed(arguments.seed, object, level);
+                (
+                    orbit.path,
+                    noise,
+                    trial::run(orbit, Truth::Samples(&samples), noise, seed),
+                )
+            });
+        let [x, y, z] = orbit.world_from_object.translation.vector.into();
+        ObjectTrials {
+            name: format!("{:02} at {x:.2} {y:.2} {z:.2}", object + 1),
+            truth: None,
+            trials: trials.collect(),
+        }
+    };
+    let trials = parallel::map(
+        orbits.len(),
+        &bar,
+        || (),
+        |(), object| trials(&orbits[object], object),
+    );
+    bar.finish_and_clear();
+    Ok(trials)
+}
+
+fn trial_seed(seed: u64, object: usize, level: usize) -> u64 {
+    seed ^ ((object as u64) << 32) ^ ((level as u64) << 16)
 }
 
 fn noises(arguments: &ModelArguments) -> Vec<PoseNoise> {
@@ -112,14 +180,14 @@ fn object_trials(
             .collect();
         let visible = truth.visible(&cameras)?;
         for (level, noise) in noises(arguments).into_iter().enumerate() {
-            let seed = arguments.seed ^ ((object as u64) << 32) ^ ((level as u64) << 16);
-            let trial = trial::run(orbit, &truth, &visible, noise, seed);
+            let seed = trial_seed(arguments.seed, object, level);
+            let trial = trial::run(orbit, Truth::Surface(&truth, &visible), noise, seed);
             trials.push((orbit.path, noise, trial));
         }
     }
     Ok(ObjectTrials {
         name: format!("{:02}-{}", object + 1, model.category()),
-        truth: mesh,
+        truth: Some(mesh),
         trials,
     })
 }
@@ -127,7 +195,11 @@ fn object_trials(
 /// Reports of all levels, path by path.
 fn levels(objects: &mut [ObjectTrials], arguments: &ModelArguments) -> Vec<LevelReport> {
     let mut levels = Vec::new();
-    for path in Path::ALL {
+    let paths = objects
+        .iter()
+        .flat_map(|object| object.trials.iter().map(|trial| trial.0));
+    let paths: BTreeSet<Path> = paths.collect();
+    for path in paths {
         for noise in noises(arguments) {
             let mut trials = Vec::new();
             for object in objects.iter_mut() {
@@ -146,8 +218,8 @@ fn levels(objects: &mut [ObjectTrials], arguments: &ModelArguments) -> Vec<Level
 /// on each path.
 fn picture(objects: &[ObjectTrials]) -> Result<Vec<u8>, Failure> {
     let row = |object: &'_ ObjectTrials| -> Vec<TriangleMesh> {
-        let mut row = vec![object.truth.clone()];
-        for path in Path::ALL {
+        let mut row: Vec<TriangleMesh> = object.truth.iter().cloned().collect();
+        for path in [Path::Turntable, Path::Free, Path::Recorded] {
             let of_path: Vec<&Trial> = object
                 .trials
                 .iter()
@@ -163,3 +235,6 @@ fn picture(objects: &[ObjectTrials]) -> Result<Vec<u8>, Failure> {
     let rows: Vec<Vec<&TriangleMesh>> = rows.iter().map(|row| row.iter().collect()).collect();
     model_picture::draw(&rows)
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 use crate::arguments::ModelArguments;
 use crate::simulate::turntable::{SegmentedView, Turntable, TurntableRoom};
 use dataset::washington::CAMERA;
+use geometry::PinholeCamera;
 use nalgebra::{Isometry3, Point3};
 use point_cloud::Point;
 use random::Random;
@@ -26,7 +27,7 @@ const LOOK_OFF_M: f64 = 0.05;
 const VIEW_STEP_NS: u64 = 500_000_000;
 
 /// Path of the camera around the object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Path {
     /// Circle at one height, as if the object were turned.
@@ -34,16 +35,20 @@ pub(super) enum Path {
     /// Hand-guided: the height, the distance and the point that the camera looks at change, and
     /// it leads once and a sixth around.
     Free,
+    /// That of a recorded sequence.
+    Recorded,
 }
 
 impl Path {
-    pub(super) const ALL: [Self; 2] = [Self::Turntable, Self::Free];
+    /// Paths of simulated views.
+    pub(super) const SIMULATED: [Self; 2] = [Self::Turntable, Self::Free];
 
     /// Name of the path in tables.
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Turntable => "turntable",
             Self::Free => "free orbit",
+            Self::Recorded => "recorded",
         }
     }
 }
@@ -61,6 +66,7 @@ pub(super) struct OrbitView {
 #[derive(Debug)]
 pub(super) struct Orbit {
     pub(super) path: Path,
+    pub(super) camera: PinholeCamera,
     pub(super) views: Vec<OrbitView>,
     /// Poses of all cameras, also where detection did not find the object.
     pub(super) cameras: Vec<Isometry3<f64>>,
@@ -83,7 +89,7 @@ pub(super) fn simulate(
     let mut turntable =
         Turntable::new(model, library.clone(), CAMERA, room, seed).map_err(Failure::general)?;
     let mut orbits = Vec::new();
-    for path in Path::ALL {
+    for path in Path::SIMULATED {
         let mut random = Random::substream(arguments.seed, object as u64);
         let phases: [f64; 4] = std::array::from_fn(|_| random.between(0.0, TAU));
         orbits.push(orbit(&mut turntable, path, arguments.views, &phases)?);
@@ -103,6 +109,7 @@ fn orbit(
         .map_or_else(Isometry3::identity, |object| object.world_from_object);
     let mut orbit = Orbit {
         path,
+        camera: CAMERA,
         views: Vec::new(),
         cameras: Vec::new(),
         world_from_object,
@@ -131,7 +138,7 @@ fn mount(path: Path, part: f64, centre: &Point3<f64>, phases: &[f64; 4]) -> Came
             azimuth_deg: 360.0 * part,
             orbit_deg_s: 0.0,
         },
-        Path::Free => {
+        Path::Free | Path::Recorded => {
             let wave = |turns: f64, phase: f64| (TAU * turns * part + phase).sin();
             let between =
                 |[low, high]: [f64; 2], wave: f64| low + 0.5 * (high - low) * (1.0 + wave);

@@ -9,7 +9,8 @@ use serde::Serialize;
 pub(super) struct ModelReport {
     pub(super) seed: u64,
     pub(super) n_objects: usize,
-    pub(super) n_views: u32,
+    /// Views along each path; `None` for a recorded sequence.
+    pub(super) n_views: Option<u32>,
     pub(super) levels: Vec<LevelReport>,
 }
 

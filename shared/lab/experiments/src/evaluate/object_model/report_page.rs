@@ -1,5 +1,6 @@
 //! Text and HTML page of object models.
 
+use super::orbit::Path;
 use super::report::{LevelReport, ModelReport};
 use command_line::format_table;
 use plot::diagram::{Axis, Color, Curve, Diagram, DrawingError, Legend, in_columns};
@@ -57,10 +58,12 @@ fn rows(document: &ModelReport) -> Vec<Vec<String>> {
                 "{} mm, {}°",
                 level.sigma_translation_mm, level.sigma_rotation_deg
             ),
-            format!("{:.2}", level.accuracy_mm),
-            format!("{:.1}", level.accuracy_p95_mm),
-            format!("{:.1} %", 100.0 * level.completeness),
-            format!("{:.2}", level.chamfer_mm),
+            known(level.accuracy_mm, |mm| format!("{mm:.2}")),
+            known(level.accuracy_p95_mm, |mm| format!("{mm:.1}")),
+            known(level.completeness, |share| {
+                format!("{:.1} %", 100.0 * share)
+            }),
+            known(level.chamfer_mm, |mm| format!("{mm:.2}")),
             format!("{:.1}", level.pose_error_before),
             format!("{:.1}", level.pose_error_filtered),
             format!("{:.1}", level.pose_error_after),
@@ -70,6 +73,15 @@ fn rows(document: &ModelReport) -> Vec<Vec<String>> {
     document.levels.iter().map(row).collect()
 }
 
+/// Text of a figure; a dash where there is none.
+fn known(value: f64, text: impl Fn(f64) -> String) -> String {
+    if value.is_finite() {
+        text(value)
+    } else {
+        "-".to_owned()
+    }
+}
+
 /// Notes below the table, one sentence each.
 fn notes(document: &ModelReport) -> Vec<String> {
     let median = |value: fn(&LevelReport) -> f64| {
@@ -77,8 +89,13 @@ fn notes(document: &ModelReport) -> Vec<String> {
     };
     vec![
         format!(
-            "{} objects, {} views along each path; seed {}; medians over the objects",
-            document.n_objects, document.n_views, document.seed
+            "{} objects, {}; seed {}; medians over the objects",
+            document.n_objects,
+            match document.n_views {
+                Some(n_views) => format!("{n_views} views along each path"),
+                None => "views of a recorded sequence".to_owned(),
+            },
+            document.seed
         ),
         "noise: standard deviation along and about each axis of the camera, independent in every \
          view; pose errors: displacement of the object's surface"
@@ -97,7 +114,9 @@ fn notes(document: &ModelReport) -> Vec<String> {
 /// rotation, a row for each path.
 pub(super) fn figure(document: &ModelReport) -> Result<String, DrawingError> {
     let mut diagrams = Vec::new();
-    let titles: Vec<(super::orbit::Path, [String; 3])> = super::orbit::Path::ALL
+    let mut paths: Vec<Path> = document.levels.iter().map(|level| level.path).collect();
+    paths.dedup();
+    let titles: Vec<(Path, [String; 3])> = paths
         .into_iter()
         .map(|path| {
             let title = |quantity: &str| format!("{quantity}, {}", path.word());
@@ -122,8 +141,6 @@ pub(super) fn figure(document: &ModelReport) -> Result<String, DrawingError> {
     ];
     for (path, titles) in &titles {
         for (title, (label, value)) in titles.iter().zip(quantities) {
-            let curve = |(index, (name, deg)): (usize, (&'static str, &f64))| (index, name, *deg);
-            let _ = curve;
             let curves = names
                 .iter()
                 .zip(&degrees)

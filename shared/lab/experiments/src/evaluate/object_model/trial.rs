@@ -2,7 +2,6 @@
 
 use super::orbit::{Orbit, OrbitView};
 use super::true_surface::TrueSurface;
-use dataset::washington::CAMERA;
 use mesh::TriangleMesh;
 use model_construction::{Config, ModelBuilder, PoseSigma, View};
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -79,40 +78,48 @@ pub(super) struct Trial {
     pub(super) mesh: TriangleMesh,
 }
 
-/// Builds a model of noisy views and compares it with the true surface.
-pub(super) fn run(
-    orbit: &Orbit,
-    truth: &TrueSurface,
-    visible: &[bool],
-    noise: PoseNoise,
-    seed: u64,
-) -> Trial {
+/// Truth of an object.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Truth<'a> {
+    /// Surface, and which of its samples are visible.
+    Surface(&'a TrueSurface, &'a [bool]),
+    /// Places on the surface only, in the frame of the object.
+    Samples(&'a [Point3<f64>]),
+}
+
+/// Builds a model of noisy views and compares it with the truth.
+pub(super) fn run(orbit: &Orbit, truth: Truth<'_>, noise: PoseNoise, seed: u64) -> Trial {
     let mut random = Random::from_seed(seed);
     let mut builder = ModelBuilder::new(Config::default());
-    let (mut refused, mut view_ms, mut kept) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut refused, mut view_ms) = (Vec::new(), Vec::new());
     for view in &orbit.views {
         let world_from_camera = noise.disturbed(&view.world_from_camera, &mut random);
         let begun = Instant::now();
         let added = builder.add(&View {
             points: &view.points,
-            camera: CAMERA,
+            camera: orbit.camera,
             captured_ns: view.captured_ns,
             world_from_camera: Some(world_from_camera),
             sigma: noise.sigma(),
         });
         view_ms.push(1e3 * begun.elapsed().as_secs_f64());
-        match added {
-            Ok(_) => kept.push(view),
-            Err(error) => refused.push(error.to_string()),
-        }
+        refused.extend(added.err().map(|error| error.to_string()));
     }
+    // A model with a bad beginning has begun anew.
+    let is_kept = |view: &&OrbitView| {
+        builder
+            .views()
+            .iter()
+            .any(|built| built.captured_ns == view.captured_ns)
+    };
+    let kept: Vec<&OrbitView> = orbit.views.iter().filter(is_kept).collect();
     let begun = Instant::now();
     builder.finish();
     let finish_ms = 1e3 * begun.elapsed().as_secs_f64();
     let scored = Scored::new(orbit, truth, &builder, &kept);
     let mesh = builder.mesh();
-    let (accuracy, completeness, coverage_mm) = scored.surface(&mesh, visible);
-    let mean = accuracy.iter().sum::<f64>() / accuracy.len().max(1) as f64;
+    let (accuracy, completeness, coverage_mm) = scored.surface(&mesh);
+    let mean = accuracy.iter().sum::<f64>() / accuracy.len() as f64;
     Trial {
         accuracy_mm: mean,
         accuracy_p95_mm: nearest_rank(&accuracy, 0.95).unwrap_or(f64::NAN),
@@ -132,7 +139,7 @@ pub(super) fn run(
 
 /// Model beside the truth.
 struct Scored<'a> {
-    truth: &'a TrueSurface,
+    truth: Truth<'a>,
     builder: &'a ModelBuilder,
     /// True poses of the cameras, in the frame of the true object.
     cameras: Vec<Isometry3<f64>>,
@@ -144,7 +151,7 @@ struct Scored<'a> {
 impl<'a> Scored<'a> {
     fn new(
         orbit: &Orbit,
-        truth: &'a TrueSurface,
+        truth: Truth<'a>,
         builder: &'a ModelBuilder,
         kept: &[&OrbitView],
     ) -> Self {
@@ -153,9 +160,12 @@ impl<'a> Scored<'a> {
             .iter()
             .map(|view| object_from_world * view.world_from_camera)
             .collect();
-        let step = (truth.places.len() / N_POSE_SAMPLES).max(1);
-        let sample = |place: &[f32; 3]| Point3::from(*place).cast::<f64>();
-        let samples = truth.places.iter().step_by(step).map(sample).collect();
+        let all: Vec<Point3<f64>> = match truth {
+            Truth::Surface(surface, _) => surface.samples().collect(),
+            Truth::Samples(samples) => samples.to_vec(),
+        };
+        let step = (all.len() / N_POSE_SAMPLES).max(1);
+        let samples = all.into_iter().step_by(step).collect();
         let built: Vec<Isometry3<f64>> = builder
             .views()
             .iter()
@@ -171,31 +181,25 @@ impl<'a> Scored<'a> {
     }
 
     /// Sorted distances of the mesh from the true surface, millimetres, the share of the visible
-    /// surface that it covers, and the mean distance of that surface from it, millimetres.
-    fn surface(&self, mesh: &TriangleMesh, visible: &[bool]) -> (Vec<f64>, f64, f64) {
+    /// surface that it covers, and the mean distance of that surface from it, millimetres. No
+    /// numbers where the surface is not known.
+    fn surface(&self, mesh: &TriangleMesh) -> (Vec<f64>, f64, f64) {
+        let Truth::Surface(truth, visible) = self.truth else {
+            return (Vec::new(), f64::NAN, f64::NAN);
+        };
         let moved = |vertex: &mesh::Vertex| self.truth_from_model * vertex.position.cast::<f64>();
         let vertices: Vec<Point3<f64>> = mesh.vertices.iter().map(moved).collect();
-        let mut accuracy: Vec<f64> = vertices
-            .iter()
-            .map(|place| 1e3 * self.truth.distance_m(place))
-            .collect();
+        let distance_mm = |place| 1e3 * truth.distance_m(place);
+        let mut accuracy: Vec<f64> = vertices.iter().map(distance_mm).collect();
         accuracy.sort_unstable_by(f64::total_cmp);
-        let places: Vec<[f32; 3]> = vertices
+        let places = vertices
             .iter()
-            .map(|place| place.cast::<f32>().coords.into())
-            .collect();
-        let tree = KdTree::new(&places);
+            .map(|place| place.cast::<f32>().coords.into());
+        let tree = KdTree::new(&places.collect::<Vec<[f32; 3]>>());
         let (mut n_visible, mut n_covered, mut sum_mm) = (0_usize, 0_usize, 0.0);
-        for (place, _) in self
-            .truth
-            .places
-            .iter()
-            .zip(visible)
-            .filter(|(_, seen)| **seen)
-        {
-            let squared = tree
-                .nearest(*place, f32::INFINITY)
-                .map_or(1.0, |(_, squared)| squared);
+        for (place, _) in truth.places.iter().zip(visible).filter(|(_, seen)| **seen) {
+            let nearest = tree.nearest(*place, f32::INFINITY);
+            let squared = nearest.map_or(1.0, |(_, squared)| squared);
             n_visible += 1;
             n_covered += usize::from(squared < COVERED_M * COVERED_M);
             sum_mm += 1e3 * f64::from(squared).sqrt();

@@ -73,6 +73,11 @@ impl TrueSurface {
         }
     }
 
+    /// Places of the samples.
+    pub(super) fn samples(&self) -> impl Iterator<Item = Point3<f64>> {
+        self.places.iter().map(|place| Point3::from(*place).cast())
+    }
+
     /// Distance of a place from the surface, metres.
     pub(super) fn distance_m(&self, place: &Point3<f64>) -> f64 {
         let found = self

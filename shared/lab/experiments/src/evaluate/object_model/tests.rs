@@ -1,0 +1,71 @@
+use super::*;
+
+fn arguments(objects: u32, views: u32) -> ModelArguments {
+    ModelArguments {
+        models: "generated".into(),
+        objects,
+        views,
+        sequence: None,
+        noise: vec![(10.0, 3.0)],
+        seed: 4,
+        out: None,
+    }
+}
+
+#[test]
+fn models_of_noisy_views_are_near_the_truth_and_the_report_says_so() {
+    let out = tempfile::tempdir().unwrap();
+    let arguments = ModelArguments {
+        out: Some(out.path().to_owned()),
+        ..arguments(3, 24)
+    };
+    run(&arguments, &Output::new(true)).unwrap();
+    let json = std::fs::read(out.path().join("models.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    let levels = report["levels"].as_array().unwrap();
+    assert_eq!(levels.len(), Path::SIMULATED.len());
+    for level in levels {
+        let figure = |key: &str| level[key].as_f64().unwrap();
+        assert!(figure("accuracy_mm") < 2.0, "{level}");
+        assert!(figure("pose_error_before") > 20.0, "{level}");
+        assert!(
+            figure("pose_error_after") < 0.2 * figure("pose_error_before"),
+            "{level}"
+        );
+        assert_eq!(level["objects"].as_array().unwrap().len(), 3);
+    }
+    for file in ["index.html", FIGURE, MODELS] {
+        assert!(out.path().join(file).exists(), "{file}");
+    }
+}
+
+#[test]
+fn the_true_surface_has_no_distance_from_itself_and_its_underside_is_hidden() {
+    let solid = mesh::rounded_box([0.1, 0.06, 0.08], 0.005, 0.02);
+    let truth = TrueSurface::new(&solid.mesh, 1);
+    let on = nalgebra::Point3::new(0.05, 0.0, 0.0);
+    assert!(truth.distance_m(&on) < 1e-4);
+    assert!((truth.distance_m(&nalgebra::Point3::new(0.06, 0.0, 0.0)) - 0.01).abs() < 1e-3);
+    let camera = simulated_world::CameraMount {
+        look_at_m: [0.0; 3],
+        distance_m: 0.8,
+        elevation_deg: 40.0,
+        azimuth_deg: 0.0,
+        orbit_deg_s: 0.0,
+    };
+    let visible = truth.visible(&[camera.world_from_camera(0.0)]).unwrap();
+    let share = |is_part: fn(&[f32; 3]) -> bool| {
+        let part: Vec<bool> = truth
+            .places
+            .iter()
+            .zip(&visible)
+            .filter(|(place, _)| is_part(place))
+            .map(|(_, visible)| *visible)
+            .collect();
+        part.iter().filter(|visible| **visible).count() as f64 / part.len() as f64
+    };
+    assert!(share(|place| place[2] > 0.0399) > 0.95);
+    assert!(share(|place| place[2] < -0.0399) < 0.05);
+    assert!(share(|place| place[1] < -0.0299) > 0.95);
+    assert!(share(|place| place[1] > 0.0299) < 0.05);
+}

@@ -1,0 +1,149 @@
+//! Object models that grow beside a running daemon, while its camera moves around the table.
+
+use crate::daemon::{Daemon, Sandbox, eventually, send_signal, wait_for_end};
+use rustix::process::Signal;
+use serde_json::Value;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+/// Scene of two objects, with a camera that leads around it in 12 s.
+const ORBIT: &str = "
+seed = 5
+[camera]
+distance_m = 0.9
+elevation_deg = 40.0
+orbit_deg_s = 30.0
+[[object]]
+category = 'milk-carton'
+position_m = [0.0, 0.0]
+yaw_deg = 30.0
+[[object]]
+category = 'mug'
+position_m = [0.3, 0.1]
+";
+
+/// Exit codes of a failure in general and of a daemon that does not run.
+const GENERAL: i32 = 1;
+const NO_DAEMON: i32 = 3;
+
+/// Start of a builder, whose answer is JSON.
+fn build(sandbox: &Sandbox, options: &[&str]) -> Child {
+    let mut command = sandbox.command("tabula");
+    command.args(["model", "build", "--json"]).args(options);
+    command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap()
+}
+
+/// Answer of a builder that has succeeded.
+fn answer(child: Child) -> Value {
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn started(sandbox: &Sandbox) -> Daemon<'_> {
+    let scene = sandbox.home().join("orbit.toml");
+    std::fs::write(&scene, ORBIT).unwrap();
+    let source = format!("simulation:{}", scene.display());
+    let daemon = sandbox.start(&["--source", &source]);
+    daemon.wait_for("both objects are tracked", |objects| objects.len() >= 2);
+    daemon
+}
+
+/// Track-id of the tallest object: the carton.
+fn carton(daemon: &Daemon<'_>) -> u64 {
+    let objects = daemon.objects();
+    let height = |object: &Value| object["size_m"][2].as_f64().unwrap();
+    let tallest = objects
+        .iter()
+        .max_by(|a, b| height(a).total_cmp(&height(b)));
+    tallest.unwrap()["id"].as_u64().unwrap()
+}
+
+#[test]
+fn model_grows_while_the_camera_moves_and_is_stored_and_exported() {
+    let sandbox = Sandbox::new();
+    let daemon = started(&sandbox);
+    let track = carton(&daemon).to_string();
+    let options = [
+        &track,
+        "--name",
+        "carton",
+        "--until-closed",
+        "--seconds",
+        "60",
+    ];
+    let built = answer(build(&sandbox, &options));
+    assert_eq!(built["name"], "carton");
+    assert_eq!(built["is_closed_loop"], true, "{built}");
+    assert!(built["views"].as_u64().unwrap() >= 12, "{built}");
+    assert!(built["completeness"].as_f64().unwrap() > 0.3, "{built}");
+    // A generated carton is a box of about 7 x 7 x 20 cm, and stands at 30° to the axes.
+    let side = |axis: usize| built["extents_mm"][axis].as_f64().unwrap();
+    assert!((140.0..280.0).contains(&side(2)), "{built}");
+    assert!(
+        (60.0..160.0).contains(&side(0)) && (60.0..160.0).contains(&side(1)),
+        "{built}"
+    );
+    let shown = daemon.ask(&["model", "show", "carton"]);
+    assert_eq!(
+        shown["n_views"].as_u64(),
+        built["views"].as_u64(),
+        "{shown}"
+    );
+    let file = sandbox.home().join("carton.ply");
+    daemon.ask(&["model", "export", "carton", "--out", file.to_str().unwrap()]);
+    let mesh = dataset::ply::open(&file).unwrap();
+    assert_eq!(
+        mesh.triangles.len() as u64,
+        built["triangles"].as_u64().unwrap()
+    );
+    daemon.stop();
+}
+
+#[test]
+fn stopped_builder_stores_what_it_has_and_a_killed_one_harms_nobody() {
+    let sandbox = Sandbox::new();
+    let daemon = started(&sandbox);
+    let track = carton(&daemon).to_string();
+    let mut killed = build(&sandbox, &[&track, "--name", "killed"]);
+    std::thread::sleep(Duration::from_secs(2));
+    send_signal(killed.id(), Signal::KILL).unwrap();
+    assert!(wait_for_end(&mut killed, Duration::from_secs(5)).is_some());
+    let stopped = build(&sandbox, &[&track, "--name", "part"]);
+    std::thread::sleep(Duration::from_secs(5));
+    send_signal(stopped.id(), Signal::TERM).unwrap();
+    let part = answer(stopped);
+    assert_eq!(part["end"], "stopped");
+    assert!(part["views"].as_u64().unwrap() >= 1, "{part}");
+    assert!(!part["missing"].as_array().unwrap().is_empty(), "{part}");
+    let listed = daemon.ask(&["model", "list"]);
+    assert_eq!(listed["models"].as_array().unwrap().len(), 1, "{listed}");
+    eventually("perception goes on", || daemon.objects().len() >= 2);
+    daemon.stop();
+}
+
+#[test]
+fn builder_without_a_daemon_or_an_object_says_so() {
+    let sandbox = Sandbox::new();
+    let refused = |options: &[&str]| {
+        let output = build(&sandbox, options).wait_with_output().unwrap();
+        (
+            output.status.code(),
+            String::from_utf8_lossy(&output.stderr).into_owned(),
+        )
+    };
+    let (code, sentence) = refused(&[]);
+    assert_eq!(code, Some(NO_DAEMON), "{sentence}");
+    let daemon = started(&sandbox);
+    let (code, sentence) = refused(&["4711"]);
+    assert_eq!(code, Some(GENERAL), "{sentence}");
+    assert!(
+        sentence.contains("there is no object 4711; there are "),
+        "{sentence}"
+    );
+    daemon.stop();
+}
