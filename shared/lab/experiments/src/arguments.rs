@@ -1,7 +1,9 @@
 //! Command-line arguments of the experiments.
 
+mod object_model;
 mod recognition;
 
+pub use object_model::ModelArguments;
 pub use recognition::{
     AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
     DescriptorVariant, FoldProtocol, LearnArguments, OpenEndedArguments, UpAxis, ViewProtocol,
@@ -137,6 +139,42 @@ pub enum EvaluateVerb {
     Registration(RegistrationArguments),
     /// Models of objects from simulated views with noisy camera poses, against the true surface
     Model(ModelArguments),
+    /// Next best view: entropy against detection, its prediction, and views chosen until the
+    /// objects in a bin are found
+    NextBestView(NextBestViewArguments),
+}
+
+/// Arguments of `evaluate next-best-view`.
+#[derive(Debug, Args)]
+pub struct NextBestViewArguments {
+    /// Number of scenes
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) scenes: u32,
+    /// Views of each scene, evenly over the upper hemisphere
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub(crate) views: u32,
+    /// First views of the closed loops of each method
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) starts: u32,
+    /// Folder of models of objects, or `generated`
+    #[arg(long, value_name = "DIR", default_value = "generated")]
+    pub(crate) models: PathBuf,
+    /// Deviation of the weight by distance, in diameters of the candidates
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = sigma_share)]
+    pub(crate) sigma_share: f64,
+    /// Deviation of the penalty near visited views, in diameters of the candidates; 0 excludes
+    /// the views only
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = planner_weight)]
+    pub(crate) visited_share: f64,
+    /// Weight of the information gain against the entropy
+    #[arg(long, value_name = "W", default_value_t = 3.0, value_parser = planner_weight)]
+    pub(crate) gain_weight: f64,
+    /// Random seed; the same seed gives the same figures
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the figures, the page and the pictures
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
 }
 
 /// Arguments of `evaluate registration`.
@@ -162,33 +200,6 @@ pub struct RegistrationArguments {
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
     /// Folder for the figures and the page [default: none are written]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-}
-
-/// Arguments of `evaluate model`.
-#[derive(Debug, Args)]
-pub struct ModelArguments {
-    /// Folder of models, or `generated`
-    #[arg(long, value_name = "DIR", default_value = "generated")]
-    pub(crate) models: PathBuf,
-    /// Number of models, spread over the categories
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub(crate) objects: u32,
-    /// In place of models: recorded RGB-D sequence with camera poses, whose objects are built
-    #[arg(long, value_name = "DIR", conflicts_with = "models")]
-    pub(crate) sequence: Option<PathBuf>,
-    /// Views of each object along each path around it
-    #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(2..=1000))]
-    pub(crate) views: u32,
-    /// Noise of the camera poses, millimetres and degrees, such as 10:3; can be given several
-    /// times [default: 5, 10, 20 and 30 mm with 1, 3, 5 and 10° each]
-    #[arg(long, value_name = "MM:DEG", value_parser = pose_noise)]
-    pub(crate) noise: Vec<(f64, f64)>,
-    /// Random seed; the same seed gives the same figures, but for the times
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(crate) seed: u64,
-    /// Folder for the figures, the page and the pictures [default: none are written]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 }
@@ -302,18 +313,23 @@ fn view_angle(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "choose from 0 to 180".to_owned())
 }
 
-/// Noise of a camera pose: millimetres and degrees.
-fn pose_noise(text: &str) -> Result<(f64, f64), String> {
-    let number = |text: &str, most: f64| {
-        let number = text.parse().ok();
-        number.filter(|value| (0.0..=most).contains(value))
-    };
-    text.split_once(':')
-        .and_then(|(mm, deg)| Some((number(mm, 1000.0)?, number(deg, 90.0)?)))
-        .ok_or_else(|| "give millimetres up to 1000 and degrees up to 90, such as 10:3".to_owned())
+fn sigma_share(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|share| (0.01..=1000.0).contains(share));
+    number.ok_or_else(|| "choose from 0.01 to 1000".to_owned())
 }
 
-impl ModelArguments {
+fn planner_weight(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|weight| (0.0..=1000.0).contains(weight));
+    number.ok_or_else(|| "choose from 0 to 1000".to_owned())
+}
+
+impl NextBestViewArguments {
     /// Source of the object models.
     pub(crate) fn models(&self) -> ModelSource {
         model_source(&self.models)

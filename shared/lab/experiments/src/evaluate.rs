@@ -6,6 +6,7 @@ mod detection;
 mod find;
 mod isolated_scene;
 mod lighting;
+mod next_best_view;
 mod object_model;
 mod open_ended;
 mod open_set;
@@ -37,5 +38,6 @@ pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
         EvaluateVerb::Lighting(arguments) => lighting::run(arguments, output),
         EvaluateVerb::Registration(arguments) => registration::run(arguments, output),
         EvaluateVerb::Model(arguments) => object_model::run(arguments, output),
+        EvaluateVerb::NextBestView(arguments) => next_best_view::run(arguments, output),
     }
 }

@@ -1,6 +1,7 @@
 //! Descriptive statistics of measurements and experiments.
 //!
-//! [`percentiles`] by nearest rank, [`spread`] of errors, and [`bootstrap`] confidence intervals;
+//! [`percentiles`] by nearest rank, [`spread`] of errors, [`correlation`], and [`bootstrap`]
+//! confidence intervals;
 //! classifiers of [`labelled_rows`] by [`gradient_boosting`] and by a [`multilayer_perceptron`].
 //!
 //! ```
@@ -18,6 +19,7 @@
 //! Invariants: no I/O, no clock; randomness comes from a seed.
 
 pub mod bootstrap;
+pub mod correlation;
 pub mod gradient_boosting;
 pub mod labelled_rows;
 pub mod multilayer_perceptron;

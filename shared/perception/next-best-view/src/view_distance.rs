@@ -54,6 +54,15 @@ pub(crate) fn gaussian_weight(distance_m: f64, sigma_m: f64) -> f64 {
     }
 }
 
+/// Weight that rises from 0 at a visited view to 1 far from it; 1 for a deviation of 0.
+pub(crate) fn novelty_weight(distance_m: f64, sigma_m: f64) -> f64 {
+    if sigma_m > 0.0 {
+        1.0 - gaussian_weight(distance_m, sigma_m)
+    } else {
+        1.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,5 +96,10 @@ mod tests {
         assert!((gaussian_weight(0.5, 0.5) - (-0.5_f64).exp()).abs() < 1e-12);
         assert!(gaussian_weight(1.0, 0.5) < gaussian_weight(0.9, 0.5));
         assert_eq!(gaussian_weight(1.0, 0.0), 1.0);
+        assert_eq!(
+            (novelty_weight(0.0, 0.5), novelty_weight(0.0, 0.0)),
+            (0.0, 1.0)
+        );
+        assert!((novelty_weight(0.5, 0.5) + gaussian_weight(0.5, 0.5) - 1.0).abs() < 1e-12);
     }
 }

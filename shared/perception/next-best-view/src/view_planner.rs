@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::occupancy_grid::OccupancyGrid;
 use crate::planning_scene::PlanningScene;
 use crate::ray_casting::SeenVoxels;
-use crate::view_distance::{ViewMetric, gaussian_weight};
+use crate::view_distance::{ViewMetric, gaussian_weight, novelty_weight};
 use crate::view_entropy::view_entropy;
 use crate::virtual_view::VirtualView;
 
@@ -36,7 +36,7 @@ pub struct ViewScore {
     pub gain: f64,
     /// Distance from the current camera, metres.
     pub distance_m: f64,
-    /// Weight of the distance, 0 to 1.
+    /// Weight of the distance, 0 to 1, with the penalty near visited views.
     pub weight: f64,
     /// Weighted entropy with the weighted information gain.
     pub utility: f64,
@@ -69,7 +69,9 @@ impl ViewPlanner {
         views.check(&scene.middle_in_world)?;
         let candidates = views.world_from_candidates;
         let metric = ViewMetric::around(&scene.middle(), candidates);
-        let sigma_m = config.sigma_share * metric.diameter_m(candidates);
+        let diameter_m = metric.diameter_m(candidates);
+        let sigma_m = config.sigma_share * diameter_m;
+        let visited_sigma_m = config.visited_share * diameter_m;
         let n_unknown = occupancy.map_or(0, OccupancyGrid::n_unknown);
         self.scores.clear();
         for candidate in candidates {
@@ -83,10 +85,12 @@ impl ViewPlanner {
             let n_seen = occupancy.map_or(0, |grid| self.seen.count_unknown(grid, candidate));
             let gain = n_seen as f64 / n_unknown.max(1) as f64;
             let distance_m = metric.distance_m(candidate, &views.world_from_current);
-            let weight = gaussian_weight(distance_m, sigma_m);
-            let mut visited = views.world_from_visited.iter();
-            let is_visited = distance_m <= SAME_VIEW_M
-                || visited.any(|pose| metric.distance_m(candidate, pose) <= SAME_VIEW_M);
+            let visited = views.world_from_visited.iter();
+            let visited_m = visited.map(|pose| metric.distance_m(candidate, pose));
+            let visited_m = visited_m.fold(distance_m, f64::min);
+            let weight =
+                gaussian_weight(distance_m, sigma_m) * novelty_weight(visited_m, visited_sigma_m);
+            let is_visited = visited_m <= SAME_VIEW_M;
             let camera = &candidate.translation.vector;
             let state = if is_visited {
                 CandidateState::Visited

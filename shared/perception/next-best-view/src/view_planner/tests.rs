@@ -1,10 +1,28 @@
 use super::CandidateState::{Blocked, Open, Visited};
 use super::*;
-use crate::{ChoiceReason, Hypothesis, SurfaceModel, ViewSelection, choose_view};
+use crate::{
+    ChoiceReason, Hypothesis, RenderConfig, SurfaceModel, TotalArea, ViewProjection, ViewSelection,
+    choose_view,
+};
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
 use point_cloud::Point;
 use random::Random;
+
+/// Rule of the paper: weight by distance, and nothing else.
+const PLAIN: Config = Config {
+    render: RenderConfig {
+        projection: ViewProjection::Orthographic { cell_m: 0.003 },
+        splat_radius: 1,
+        tolerance_m: 0.005,
+        near_m: 0.05,
+    },
+    total_area: TotalArea::Visible,
+    log_base: 2.0,
+    sigma_share: 0.35,
+    visited_share: 0.0,
+    gain_weight: 0.0,
+};
 
 fn cube() -> SurfaceModel {
     SurfaceModel::of_mesh(&mesh::rounded_box([0.1; 3], 0.002, 0.1).mesh, 0.003).unwrap()
@@ -48,9 +66,7 @@ fn current_and_visited_views_are_never_chosen() {
     let mut planner = ViewPlanner::default();
     let views = views(&candidates, &visited);
     let scene = scene_of(&cube());
-    let scores = planner
-        .score(&scene, &views, &Config::default(), None)
-        .unwrap();
+    let scores = planner.score(&scene, &views, &PLAIN, None).unwrap();
     // The weight alone would choose the current view.
     let heaviest = (0..12).max_by(|&a, &b| scores[a].weight.total_cmp(&scores[b].weight));
     assert_eq!((heaviest, scores[0].weight), (Some(0), 1.0));
@@ -79,16 +95,14 @@ fn views_across_a_row_have_more_entropy_and_near_ones_more_weight() {
     let views = views(&candidates, &[]);
     let far = Config {
         sigma_share: 1000.0,
-        ..Config::default()
+        ..PLAIN
     };
     let scores = planner.score(&scene, &views, &far, None).unwrap();
     // Candidate 4 looks across the row of two boxes, candidate 0 and 8 along it.
     assert!(scores[4].entropy > 0.99 && scores[4].entropy <= 1.0 + 1e-9);
     assert!(scores[0].entropy < 0.95 && scores[8].entropy < 0.95);
     assert!(scores.iter().all(|score| score.weight > 0.999));
-    let scores = planner
-        .score(&scene, &views, &Config::default(), None)
-        .unwrap();
+    let scores = planner.score(&scene, &views, &PLAIN, None).unwrap();
     for (near, far) in [(1, 2), (2, 4), (4, 8), (15, 14)] {
         assert!(scores[near].weight > scores[far].weight);
         assert!(scores[near].distance_m < scores[far].distance_m);
@@ -119,9 +133,7 @@ fn camera_inside_an_object_or_at_the_table_is_blocked() {
     let candidates = [camera(0.0, 1.0), inside, at_table, camera(1.0, 1.0)];
     let mut planner = ViewPlanner::default();
     let views = views(&candidates, &[]);
-    let scores = planner
-        .score(&scene, &views, &Config::default(), None)
-        .unwrap();
+    let scores = planner.score(&scene, &views, &PLAIN, None).unwrap();
     let states: Vec<_> = scores.iter().map(|score| score.state).collect();
     assert_eq!(states, [Visited, Blocked, Blocked, Open]);
 }
@@ -133,9 +145,7 @@ fn without_hypotheses_the_view_of_unknown_space_is_chosen_else_the_farthest() {
     let views = views(&candidates, &[]);
     let mut planner = ViewPlanner::default();
     let mut random = Random::from_seed(1);
-    let scores = planner
-        .score(&scene, &views, &Config::default(), None)
-        .unwrap();
+    let scores = planner.score(&scene, &views, &PLAIN, None).unwrap();
     let choice = choose_view(scores, ViewSelection::Greedy, &mut random).unwrap();
     assert_eq!(choice.reason, ChoiceReason::Distance);
     assert!([4, 5].contains(&choice.candidate), "{choice:?}");
@@ -156,9 +166,7 @@ fn without_hypotheses_the_view_of_unknown_space_is_chosen_else_the_farthest() {
         })
         .collect();
     grid.observe(&wall, &candidates[0]).unwrap();
-    let scores = planner
-        .score(&scene, &views, &Config::default(), Some(&grid))
-        .unwrap();
+    let scores = planner.score(&scene, &views, &PLAIN, Some(&grid)).unwrap();
     assert!(scores[0].gain < 0.05 && scores[4].gain > 0.9);
     assert!(scores.iter().all(|score| (0.0..=1.0).contains(&score.gain)));
     let choice = choose_view(scores, ViewSelection::Greedy, &mut random).unwrap();
@@ -166,7 +174,7 @@ fn without_hypotheses_the_view_of_unknown_space_is_chosen_else_the_farthest() {
     assert!([3, 4, 5, 6].contains(&choice.candidate), "{choice:?}");
     let weighted = Config {
         gain_weight: 2.0,
-        ..Config::default()
+        ..PLAIN
     };
     let scores = planner
         .score(&scene, &views, &weighted, Some(&grid))
@@ -191,7 +199,7 @@ fn impossible_candidates_and_settings_are_refused_with_a_sentence() {
             .unwrap_err()
             .to_string()
     };
-    let (good, config) = (camera(0.0, 1.0), Config::default());
+    let (good, config) = (camera(0.0, 1.0), PLAIN);
     let nowhere = RigidTransform::translation(0.0, f64::INFINITY, 0.0);
     assert!(refused(&[], good, config).contains("no candidate view"));
     assert!(refused(&[good, nowhere], good, config).contains("candidate view 1 is not finite"));
@@ -212,5 +220,25 @@ fn impossible_candidates_and_settings_are_refused_with_a_sentence() {
         },
     ] {
         assert!(refused(&[good], good, broken).contains("must lie between"));
+    }
+}
+
+#[test]
+fn penalty_near_visited_views_leaves_the_views_between_them() {
+    let candidates = ring(16);
+    let visited = [candidates[8]];
+    let model = cube();
+    let scene = scene_of(&model);
+    let penalised = Config {
+        sigma_share: 1000.0,
+        visited_share: 0.2,
+        ..PLAIN
+    };
+    let mut planner = ViewPlanner::default();
+    let views = views(&candidates, &visited);
+    let scores = planner.score(&scene, &views, &penalised, None).unwrap();
+    assert_eq!((scores[0].weight, scores[8].weight), (0.0, 0.0));
+    for (near, far) in [(1, 2), (2, 4), (7, 6), (6, 4), (15, 12), (9, 12)] {
+        assert!(scores[near].weight < scores[far].weight, "{near} {far}");
     }
 }

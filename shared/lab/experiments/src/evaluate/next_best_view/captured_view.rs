@@ -1,0 +1,152 @@
+//! Captured view of a scene: true visible areas, and the measured points with what detection found
+//! in them.
+
+use super::bin_scene::{BinScene, Workspace};
+use super::segment_matching::{MatchedSegments, SegmentMatcher};
+use geometry::{PinholeCamera, RigidTransform};
+use nalgebra::{Unit, Vector3};
+use next_best_view::{SurfaceModel, TotalArea, view_entropy};
+use point_cloud::Point;
+use service::Failure;
+use simulated_world::{ObjectTruth, SimulatedKinect, World};
+
+/// Camera of all views.
+pub(super) const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
+/// Base of the logarithm of all entropies: bit.
+pub(super) const LOG_BASE: f64 = 2.0;
+/// Spacing of the measured points that are kept, metres. Chosen: closed by the splats of 3 mm.
+pub(super) const MEASURED_SPACING_M: f64 = 0.005;
+/// Stride over rows and columns of the rays that mark the occupancy. Chosen: neighbouring rays are
+/// 6 mm apart, less than a voxel.
+const RAY_STRIDE: usize = 4;
+
+/// View of a scene from one camera.
+#[derive(Debug)]
+pub(super) struct CapturedView {
+    /// Entropy of the true visible areas over all visible area of the workspace, bit.
+    pub(super) entropy: f64,
+    /// The same over the area of the objects alone.
+    pub(super) object_entropy: f64,
+    /// Visible share of each object's unoccluded pixels.
+    pub(super) visible_shares: Vec<f64>,
+    /// Segments that detection found, matched with the objects.
+    pub(super) segments: MatchedSegments,
+    /// Measured points in the workspace, world frame, metres.
+    pub(super) measured: Vec<[f32; 3]>,
+    /// Thinned measured points in the camera frame, for occupancy.
+    pub(super) rays: Vec<Point>,
+    /// Colour image, three bytes a pixel; kept for pictures only.
+    pub(super) colors: Vec<u8>,
+}
+
+impl CapturedView {
+    /// Mean visible share of the objects.
+    pub(super) fn visibility(&self) -> f64 {
+        self.visible_shares.iter().sum::<f64>() / self.visible_shares.len().max(1) as f64
+    }
+}
+
+/// Captures all views of a scene; `keeps_colors` for pictures.
+pub(super) fn capture_all(
+    scene: &BinScene,
+    keeps_colors: bool,
+) -> Result<Vec<CapturedView>, Failure> {
+    let mut world = scene.world.clone();
+    let mut kinect = SimulatedKinect::new(&world, CAMERA).map_err(Failure::general)?;
+    let mut matcher = SegmentMatcher::default();
+    let mut points = vec![Point::default(); CAMERA.n_pixels()];
+    let mut views = Vec::new();
+    for (number, mount) in scene.mounts.iter().enumerate() {
+        world.set_camera(*mount);
+        let truth = kinect.look(&world, number as u64, &mut points);
+        let truth = truth.map_err(Failure::general)?;
+        let world_from_camera = world.world_from_camera();
+        let segments = matcher.find(scene, (&points, kinect.mask()), &world_from_camera, number)?;
+        let (areas_m2, background_m2) = true_areas(scene, &kinect, &world);
+        let entropy = |total| view_entropy(&areas_m2, background_m2, total, LOG_BASE);
+        let measured = measured(&points, &world_from_camera, &scene.workspace)?;
+        let color = |point: &Point| point.color.rgb();
+        views.push(CapturedView {
+            entropy: entropy(TotalArea::Visible),
+            object_entropy: entropy(TotalArea::Objects),
+            visible_shares: visible_shares(scene, &truth),
+            segments,
+            measured,
+            rays: thinned_rays(&points),
+            colors: if keeps_colors {
+                points.iter().flat_map(color).collect()
+            } else {
+                Vec::new()
+            },
+        });
+    }
+    Ok(views)
+}
+
+/// Direction against gravity in a camera.
+pub(super) fn up_in_camera(world_from_camera: &RigidTransform) -> Unit<Vector3<f64>> {
+    Unit::new_normalize(world_from_camera.rotation.inverse() * Vector3::z())
+}
+
+/// Visible area of each object, and of all else in the workspace, square metres, from the image
+/// without the errors of the sensor.
+fn true_areas(scene: &BinScene, kinect: &SimulatedKinect, world: &World) -> (Vec<f64>, f64) {
+    let world_from_camera = world.world_from_camera();
+    let mut areas_m2 = vec![0.0; scene.objects.len()];
+    let mut background_m2 = 0.0;
+    let width = CAMERA.width as usize;
+    let pixels = kinect.image().depth_m().iter().zip(kinect.mask());
+    for (pixel, (depth_m, id)) in pixels.enumerate() {
+        let z = f64::from(*depth_m);
+        if !z.is_finite() {
+            continue;
+        }
+        let place = CAMERA.back_project((pixel % width) as f64, (pixel / width) as f64, z);
+        if !scene.workspace.contains(&(world_from_camera * place)) {
+            continue;
+        }
+        let area_m2 = z * z / (CAMERA.fx_px * CAMERA.fy_px);
+        match scene.objects.iter().position(|object| object.id == *id) {
+            Some(object) => areas_m2[object] += area_m2,
+            None => background_m2 += area_m2,
+        }
+    }
+    (areas_m2, background_m2)
+}
+
+fn visible_shares(scene: &BinScene, truth: &[ObjectTruth]) -> Vec<f64> {
+    let share = |id: u16| {
+        let object = truth.iter().find(|object| object.id == id);
+        object.map_or(0.0, ObjectTruth::visible_fraction)
+    };
+    scene
+        .objects
+        .iter()
+        .map(|object| share(object.id))
+        .collect()
+}
+
+/// Measured points in the workspace, world frame, thinned.
+fn measured(
+    points: &[Point],
+    world_from_camera: &RigidTransform,
+    workspace: &Workspace,
+) -> Result<Vec<[f32; 3]>, Failure> {
+    let finite = points.iter().filter(|point| point.is_finite());
+    let in_world = finite.map(|point| world_from_camera * point.position());
+    let inside: Vec<[f32; 3]> = in_world
+        .filter(|place| workspace.contains(place))
+        .map(|place| place.cast::<f32>().into())
+        .collect();
+    if inside.is_empty() {
+        return Ok(inside);
+    }
+    let thinned = SurfaceModel::of_points(&inside, MEASURED_SPACING_M);
+    Ok(thinned.map_err(Failure::general)?.points().to_vec())
+}
+
+fn thinned_rays(points: &[Point]) -> Vec<Point> {
+    let rows = points.chunks(CAMERA.width as usize).step_by(RAY_STRIDE);
+    let rays = rows.flat_map(|row| row.iter().step_by(RAY_STRIDE));
+    rays.filter(|point| point.is_finite()).copied().collect()
+}

@@ -1,0 +1,268 @@
+//! Report of the next best view.
+
+use super::bin_scene::N_OBJECTS;
+use super::closed_loop::{LoopCourse, Method, N_VIEWS_MAX};
+use super::entropy_prediction::{HypothesisSource, PredictionScore};
+use super::scene_result::{SceneResult, ViewFigures};
+use crate::arguments::NextBestViewArguments;
+use next_best_view::Config;
+use serde::Serialize;
+use statistics::bootstrap::Estimate;
+use statistics::correlation::{pearson, spearman};
+use std::collections::BTreeMap;
+
+/// Travel at which methods are compared, metres. Chosen.
+const TRAVEL_M: f64 = 3.0;
+/// Number of views at which methods are compared. Chosen.
+const N_VIEWS: usize = 5;
+
+/// Report of the next best view.
+#[derive(Debug, Serialize)]
+pub(super) struct NextBestViewReport {
+    pub(super) version: &'static str,
+    pub(super) seed: u64,
+    pub(super) models: String,
+    pub(super) n_scenes: usize,
+    pub(super) n_views: u32,
+    pub(super) n_starts: u32,
+    pub(super) sigma_share: f64,
+    pub(super) visited_share: f64,
+    pub(super) gain_weight: f64,
+    /// Correlation of true entropy and F1 of detection over the views, mean of the scenes.
+    pub(super) pearson_r: f64,
+    pub(super) spearman_rho: f64,
+    /// Means with their 95 % intervals over the scenes.
+    pub(super) intervals: CorrelationIntervals,
+    /// Mean absolute error of predicted entropies from noisy hypotheses, bit.
+    pub(super) entropy_mae: f64,
+    /// Mean loss of entropy by choosing on the prediction, bit.
+    pub(super) regret: f64,
+    /// Mean number of views until 95 % of the objects were found, by the greedy choice.
+    pub(super) views_to_95: f64,
+    pub(super) predictions: BTreeMap<String, PredictionScore>,
+    pub(super) methods: BTreeMap<&'static str, MethodReport>,
+    pub(super) scenes: Vec<SceneReport>,
+}
+
+/// Correlations over the views with their 95 % intervals over the scenes.
+#[derive(Debug, Serialize)]
+pub(super) struct CorrelationIntervals {
+    pub(super) pearson_r: Option<Estimate>,
+    pub(super) spearman_rho: Option<Estimate>,
+    /// With entropy over the area of the objects alone.
+    pub(super) pearson_r_objects_only: Option<Estimate>,
+    /// Of mean visibility and F1.
+    pub(super) pearson_r_visibility: Option<Estimate>,
+}
+
+/// Closed loops of one method.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct MethodReport {
+    /// Mean number of views until 95 % of the objects were found; a loop that gave up counts with
+    /// its last view.
+    pub(super) views_to_95: f64,
+    /// The same with its 95 % interval over the scenes.
+    pub(super) views_to_95_interval: Option<Estimate>,
+    /// Mean way travelled until then, metres.
+    pub(super) travel_m: f64,
+    /// Share of the loops that found them.
+    pub(super) complete_share: f64,
+    /// Mean share of the objects found after five views.
+    pub(super) found_after_5_views: f64,
+    /// Mean share of the objects found within 3 m of travel.
+    pub(super) found_within_3_m: f64,
+    /// Loss of entropy by the method's choice, bit; null where it does not predict entropy.
+    pub(super) regret: Option<f64>,
+    /// Mean share found after each number of views.
+    pub(super) found_by_views: Vec<f64>,
+}
+
+/// Figures of one scene.
+#[derive(Debug, Serialize)]
+pub(super) struct SceneReport {
+    pub(super) seed: u64,
+    pub(super) n_objects: usize,
+    pub(super) n_findable: usize,
+    pub(super) pearson_r: Option<f64>,
+    pub(super) spearman_rho: Option<f64>,
+    /// Means over the views.
+    pub(super) entropy: f64,
+    pub(super) visibility: f64,
+    pub(super) f1: f64,
+    pub(super) n_detected: f64,
+}
+
+impl NextBestViewReport {
+    /// Report of the results of all scenes.
+    pub(super) fn of(
+        arguments: &NextBestViewArguments,
+        config: &Config,
+        scenes: &[SceneResult],
+    ) -> Self {
+        let intervals = CorrelationIntervals::of(scenes, arguments.seed);
+        let predictions = predictions(scenes);
+        let noisy = predictions.get(source_name(HypothesisSource::NoisyTruth).as_str());
+        let noisy = noisy.copied().unwrap_or_default();
+        let methods = methods(scenes, &noisy, arguments.seed);
+        let value = |estimate: Option<Estimate>| estimate.map_or(0.0, |estimate| estimate.value);
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            seed: arguments.seed,
+            models: arguments.models.display().to_string(),
+            n_scenes: scenes.len(),
+            n_views: arguments.views,
+            n_starts: arguments.starts,
+            sigma_share: config.sigma_share,
+            visited_share: config.visited_share,
+            gain_weight: config.gain_weight,
+            pearson_r: value(intervals.pearson_r),
+            spearman_rho: value(intervals.spearman_rho),
+            intervals,
+            entropy_mae: noisy.mae,
+            regret: noisy.regret,
+            views_to_95: methods
+                .get(Method::Greedy.name())
+                .map_or(N_VIEWS_MAX as f64, |method| method.views_to_95),
+            predictions,
+            methods,
+            scenes: scenes.iter().map(SceneReport::of).collect(),
+        }
+    }
+
+    /// Number of objects thrown into the bin.
+    pub(super) fn n_thrown() -> usize {
+        N_OBJECTS
+    }
+}
+
+impl CorrelationIntervals {
+    fn of(scenes: &[SceneResult], seed: u64) -> Self {
+        let mean = |correlation: fn(&[(f64, f64)]) -> Option<f64>, x: fn(&ViewFigures) -> f64| {
+            let of_scene = |scene: &SceneResult| correlation(&pairs(&scene.views, x));
+            let values: Vec<Option<f64>> = scenes.iter().map(of_scene).collect();
+            Estimate::mean(&values, seed)
+        };
+        Self {
+            pearson_r: mean(pearson, |view| view.entropy),
+            spearman_rho: mean(spearman, |view| view.entropy),
+            pearson_r_objects_only: mean(pearson, |view| view.object_entropy),
+            pearson_r_visibility: mean(pearson, |view| view.visibility),
+        }
+    }
+}
+
+impl SceneReport {
+    fn of(scene: &SceneResult) -> Self {
+        let n = scene.views.len().max(1) as f64;
+        let mean = |value: fn(&ViewFigures) -> f64| scene.views.iter().map(value).sum::<f64>() / n;
+        let by_entropy = pairs(&scene.views, |view| view.entropy);
+        Self {
+            seed: scene.seed,
+            n_objects: scene.n_objects,
+            n_findable: scene.n_findable,
+            pearson_r: pearson(&by_entropy),
+            spearman_rho: spearman(&by_entropy),
+            entropy: mean(|view| view.entropy),
+            visibility: mean(|view| view.visibility),
+            f1: mean(|view| view.f1),
+            n_detected: mean(|view| view.n_detected as f64),
+        }
+    }
+}
+
+/// Figure and F1 of each view.
+fn pairs(views: &[ViewFigures], x: fn(&ViewFigures) -> f64) -> Vec<(f64, f64)> {
+    views.iter().map(|view| (x(view), view.f1)).collect()
+}
+
+/// Name of a source of hypotheses in the report.
+pub(super) fn source_name(source: HypothesisSource) -> String {
+    match source {
+        HypothesisSource::Truth => "truth",
+        HypothesisSource::NoisyTruth => "noisy-truth",
+        HypothesisSource::Visible => "visible",
+        HypothesisSource::Segments => "segments",
+    }
+    .to_owned()
+}
+
+fn predictions(scenes: &[SceneResult]) -> BTreeMap<String, PredictionScore> {
+    let of_source = |source: HypothesisSource| {
+        let of_scenes = scenes.iter().flat_map(|scene| &scene.predictions);
+        let scores = of_scenes
+            .filter(|(of, _)| *of == source)
+            .map(|(_, score)| *score);
+        PredictionScore::mean(&scores.collect::<Vec<_>>())
+    };
+    let sources = HypothesisSource::ALL.into_iter();
+    sources
+        .map(|source| (source_name(source), of_source(source)))
+        .collect()
+}
+
+fn methods(
+    scenes: &[SceneResult],
+    noisy: &PredictionScore,
+    seed: u64,
+) -> BTreeMap<&'static str, MethodReport> {
+    let report = |method: Method| {
+        let of_scenes: Vec<Vec<&LoopCourse>> = scenes
+            .iter()
+            .map(|scene| {
+                let of_method = scene.courses.iter().filter(|(of, _)| *of == method);
+                of_method.flat_map(|(_, courses)| courses).collect()
+            })
+            .collect();
+        let regret = match method {
+            Method::Greedy => Some(noisy.regret),
+            Method::Random => Some(noisy.random_regret),
+            _ => None,
+        };
+        (method.name(), MethodReport::of(&of_scenes, regret, seed))
+    };
+    Method::ALL.into_iter().map(report).collect()
+}
+
+impl MethodReport {
+    fn of(of_scenes: &[Vec<&LoopCourse>], regret: Option<f64>, seed: u64) -> Self {
+        let courses: Vec<&LoopCourse> = of_scenes.iter().flatten().copied().collect();
+        let n = courses.len().max(1) as f64;
+        let mean = |value: &dyn Fn(&LoopCourse) -> f64| {
+            courses.iter().map(|course| value(course)).sum::<f64>() / n
+        };
+        let n_views = |course: &LoopCourse| course.views.len() as f64;
+        let of_scene = |courses: &Vec<&LoopCourse>| {
+            let sum: f64 = courses.iter().map(|course| n_views(course)).sum();
+            Some(sum / courses.len().max(1) as f64)
+        };
+        let of_scenes: Vec<Option<f64>> = of_scenes.iter().map(of_scene).collect();
+        let by_views = |n: usize| mean(&|course| found_after(course, n));
+        Self {
+            views_to_95: mean(&n_views),
+            views_to_95_interval: Estimate::mean(&of_scenes, seed),
+            travel_m: mean(&|course| course.travel_m.last().copied().unwrap_or(0.0)),
+            complete_share: mean(&|course| f64::from(u8::from(course.is_complete))),
+            found_after_5_views: by_views(N_VIEWS),
+            found_within_3_m: mean(&|course| found_within(course, TRAVEL_M)),
+            regret,
+            found_by_views: (1..=N_VIEWS_MAX).map(by_views).collect(),
+        }
+    }
+}
+
+/// Share found after a number of views; the last one where the loop ended before.
+fn found_after(course: &LoopCourse, n_views: usize) -> f64 {
+    let shares = &course.found_shares;
+    shares
+        .get(n_views - 1)
+        .or(shares.last())
+        .copied()
+        .unwrap_or(0.0)
+}
+
+/// Share found within a way of travel.
+pub(super) fn found_within(course: &LoopCourse, travel_m: f64) -> f64 {
+    let steps = course.travel_m.iter().zip(&course.found_shares);
+    let within = steps.take_while(|(way_m, _)| **way_m <= travel_m);
+    within.last().map_or(0.0, |(_, share)| *share)
+}

@@ -1,0 +1,138 @@
+//! Result of one scene: its views, the predictions of their entropy, and the closed loops.
+
+use super::bin_scene::BinScene;
+use super::captured_view::{CapturedView, capture_all};
+use super::closed_loop::{self, LoopCourse, LoopScene, Method};
+use super::entropy_prediction::{self, HypothesisSource, PredictedPairs, PredictionScore};
+use super::view_pictures;
+use crate::arguments::NextBestViewArguments;
+use next_best_view::{Config, ViewPlanner};
+use random::{Random, mix64};
+use service::Failure;
+use simulated_world::ModelLibrary;
+
+/// Deviation of the weight at which distance does not count, in diameters of the candidates.
+const NO_DISTANCE: f64 = 1000.0;
+/// Random stream of the first views of the loops.
+const STREAM_STARTS: u64 = 3;
+
+/// Figures of one view.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ViewFigures {
+    pub(super) entropy: f64,
+    pub(super) object_entropy: f64,
+    pub(super) visibility: f64,
+    pub(super) f1: f64,
+    pub(super) n_detected: usize,
+    pub(super) elevation_deg: f64,
+}
+
+/// Result of one scene.
+#[derive(Debug)]
+pub(super) struct SceneResult {
+    pub(super) seed: u64,
+    pub(super) n_objects: usize,
+    /// Number of objects that detection finds in at least one view.
+    pub(super) n_findable: usize,
+    pub(super) views: Vec<ViewFigures>,
+    pub(super) predictions: Vec<(HypothesisSource, PredictionScore)>,
+    /// Some predicted and true entropies with noisy hypotheses, for the figure.
+    pub(super) pairs: PredictedPairs,
+    pub(super) courses: Vec<(Method, Vec<LoopCourse>)>,
+    /// Pictures of chosen views: file name and PNG.
+    pub(super) pictures: Vec<(String, Vec<u8>)>,
+}
+
+/// Runs the scene with a number.
+pub(super) fn run(
+    number: usize,
+    arguments: &NextBestViewArguments,
+    config: &Config,
+    library: &ModelLibrary,
+) -> Result<SceneResult, Failure> {
+    let seed = arguments
+        .seed
+        .wrapping_mul(1_000_003)
+        .wrapping_add(number as u64);
+    let scene = BinScene::new(seed, arguments.views, library)?;
+    let views = capture_all(&scene, number == 0)?;
+    let (predictions, pairs) = predictions(&scene, &views, config, seed)?;
+    let loop_scene = LoopScene {
+        scene: &scene,
+        views: &views,
+        config,
+        seed,
+    };
+    let courses = courses(&loop_scene, arguments)?;
+    let pictures = if number == 0 {
+        view_pictures::draw(&views, &courses)?
+    } else {
+        Vec::new()
+    };
+    let n_findable = closed_loop::findable(&views)
+        .into_iter()
+        .filter(|&is| is)
+        .count();
+    let figures = views.iter().zip(&scene.mounts);
+    let figures = figures.map(|(view, mount)| ViewFigures {
+        entropy: view.entropy,
+        object_entropy: view.object_entropy,
+        visibility: view.visibility(),
+        f1: view.segments.f1(),
+        n_detected: view.segments.n_detected(),
+        elevation_deg: mount.elevation_deg,
+    });
+    Ok(SceneResult {
+        seed,
+        n_objects: scene.objects.len(),
+        n_findable,
+        views: figures.collect(),
+        predictions,
+        pairs,
+        courses,
+        pictures,
+    })
+}
+
+fn predictions(
+    scene: &BinScene,
+    views: &[CapturedView],
+    config: &Config,
+    seed: u64,
+) -> Result<(Vec<(HypothesisSource, PredictionScore)>, PredictedPairs), Failure> {
+    let config = Config {
+        sigma_share: NO_DISTANCE,
+        gain_weight: 0.0,
+        ..*config
+    };
+    let (mut scores, mut shown) = (Vec::new(), Vec::new());
+    for source in HypothesisSource::ALL {
+        let predicted = entropy_prediction::predict_all(scene, views, source, &config, seed)?;
+        scores.push((source, entropy_prediction::score(&predicted)));
+        if source == HypothesisSource::NoisyTruth {
+            // The first current view against all others.
+            shown = predicted.into_iter().next().unwrap_or_default();
+        }
+    }
+    Ok((scores, shown))
+}
+
+fn courses(
+    loop_scene: &LoopScene<'_>,
+    arguments: &NextBestViewArguments,
+) -> Result<Vec<(Method, Vec<LoopCourse>)>, Failure> {
+    let mut random = Random::substream(mix64(loop_scene.seed), STREAM_STARTS);
+    let n_views = loop_scene.views.len();
+    let starts: Vec<usize> = (0..arguments.starts)
+        .map(|_| random.below(n_views))
+        .collect();
+    let mut planner = ViewPlanner::default();
+    let mut courses = Vec::new();
+    for method in Method::ALL {
+        let of_method = starts
+            .iter()
+            .map(|&start| closed_loop::run(loop_scene, method, start, &mut planner));
+        courses.push((method, of_method.collect::<Result<Vec<_>, _>>()?));
+    }
+    Ok(courses)
+}
