@@ -1,8 +1,10 @@
 //! Command-line arguments of the experiments.
 
+mod next_best_view;
 mod object_model;
 mod recognition;
 
+pub use next_best_view::NextBestViewArguments;
 pub use object_model::ModelArguments;
 pub use recognition::{
     AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
@@ -144,39 +146,6 @@ pub enum EvaluateVerb {
     NextBestView(NextBestViewArguments),
 }
 
-/// Arguments of `evaluate next-best-view`.
-#[derive(Debug, Args)]
-pub struct NextBestViewArguments {
-    /// Number of scenes
-    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub(crate) scenes: u32,
-    /// Views of each scene, evenly over the upper hemisphere
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(2..=1000))]
-    pub(crate) views: u32,
-    /// First views of the closed loops of each method
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
-    pub(crate) starts: u32,
-    /// Folder of models of objects, or `generated`
-    #[arg(long, value_name = "DIR", default_value = "generated")]
-    pub(crate) models: PathBuf,
-    /// Deviation of the weight by distance, in diameters of the candidates
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = sigma_share)]
-    pub(crate) sigma_share: f64,
-    /// Deviation of the penalty near visited views, in diameters of the candidates; 0 excludes
-    /// the views only
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = planner_weight)]
-    pub(crate) visited_share: f64,
-    /// Weight of the information gain against the entropy
-    #[arg(long, value_name = "W", default_value_t = 3.0, value_parser = planner_weight)]
-    pub(crate) gain_weight: f64,
-    /// Random seed; the same seed gives the same figures
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(crate) seed: u64,
-    /// Folder for the figures, the page and the pictures
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
-}
-
 /// Arguments of `evaluate registration`.
 #[derive(Debug, Args)]
 pub struct RegistrationArguments {
@@ -311,29 +280,6 @@ fn view_angle(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|angle| (0.0..=180.0).contains(angle));
     number.ok_or_else(|| "choose from 0 to 180".to_owned())
-}
-
-fn sigma_share(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|share| (0.01..=1000.0).contains(share));
-    number.ok_or_else(|| "choose from 0.01 to 1000".to_owned())
-}
-
-fn planner_weight(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|weight| (0.0..=1000.0).contains(weight));
-    number.ok_or_else(|| "choose from 0 to 1000".to_owned())
-}
-
-impl NextBestViewArguments {
-    /// Source of the object models.
-    pub(crate) fn models(&self) -> ModelSource {
-        model_source(&self.models)
-    }
 }
 
 impl RegistrationArguments {

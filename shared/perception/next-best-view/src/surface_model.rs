@@ -1,7 +1,7 @@
 //! Surface model: evenly spread points on the surface of an object.
 
 use crate::error::{Error, check_setting};
-use mesh::TriangleMesh;
+use mesh::{TriangleMesh, Vertex};
 use nalgebra::Point3;
 
 /// Greatest coordinate of a model, metres.
@@ -10,8 +10,9 @@ const COORDINATE_MAX_M: f32 = 10.0;
 /// Spacings of a model, metres.
 const SPACING_M: std::ops::RangeInclusive<f64> = 0.0002..=0.5;
 
-/// Subdivisions of one side of a triangle at most; a larger one is sampled more sparsely.
-const N_SUBDIVISIONS_MAX: f32 = 20_000.0;
+/// Subdivisions of one side of a triangle at most, 3 m at the default cells; a larger one is
+/// sampled more sparsely. Chosen: two million points.
+const N_SUBDIVISIONS_MAX: f32 = 2000.0;
 
 /// Points on the surface of an object, frame of the object, metres: at most one in each voxel.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +30,6 @@ impl SurfaceModel {
     /// to 0.5 m.
     pub fn of_points(points: &[[f32; 3]], spacing_m: f64) -> Result<Self, Error> {
         check_setting("spacing_m", spacing_m, SPACING_M)?;
-        let is_usable = |point: &[f32; 3]| point.iter().all(|c| c.abs() <= COORDINATE_MAX_M);
         if let Some(index) = points.iter().position(|point| !is_usable(point)) {
             return Err(Error::ModelPoint(index));
         }
@@ -49,6 +49,10 @@ impl SurfaceModel {
     /// As for [`of_points`](Self::of_points).
     pub fn of_mesh(mesh: &TriangleMesh, spacing_m: f64) -> Result<Self, Error> {
         check_setting("spacing_m", spacing_m, SPACING_M)?;
+        let is_bad = |vertex: &Vertex| !is_usable(&vertex.position.into());
+        if let Some(index) = mesh.vertices.iter().position(is_bad) {
+            return Err(Error::ModelPoint(index));
+        }
         let mut points = Vec::new();
         for triangle in &mesh.triangles {
             let corner = |i: usize| mesh.vertices.get(triangle.vertices[i] as usize);
@@ -71,12 +75,16 @@ impl SurfaceModel {
     }
 }
 
+/// `true` for a point with finite coordinates of at most 10 m.
+fn is_usable(point: &[f32; 3]) -> bool {
+    point.iter().all(|c| c.abs() <= COORDINATE_MAX_M)
+}
+
 /// Adds the points of a triangular lattice on a face, corners included.
 fn add_samples(corners: &[Point3<f32>; 3], spacing_m: f32, points: &mut Vec<[f32; 3]>) {
     let [a, b, c] = corners;
     let (ab, ac) = (b - a, c - a);
     let longest_m = ab.norm().max(ac.norm()).max((c - b).norm());
-    // A corner that is not finite passes on into `of_points`, which names it.
     let n = (longest_m / spacing_m)
         .ceil()
         .clamp(1.0, N_SUBDIVISIONS_MAX) as usize;
@@ -143,6 +151,16 @@ mod tests {
         assert_eq!(refused(&bad, 0.003), Error::ModelPoint(1));
         assert_eq!(refused(&[[11.0, 0.0, 0.0]], 0.003), Error::ModelPoint(0));
         assert_eq!(refused(&[], 0.003), Error::EmptyModel);
+        let mut huge = mesh::rounded_box([0.1; 3], 0.002, 0.1).mesh;
+        huge.vertices[3].position.x = 1e9;
+        assert_eq!(
+            SurfaceModel::of_mesh(&huge, 0.003),
+            Err(Error::ModelPoint(3))
+        );
+        assert_eq!(
+            SurfaceModel::of_mesh(&TriangleMesh::default(), 0.003),
+            Err(Error::EmptyModel)
+        );
         assert!(matches!(refused(&[[0.0; 3]], 0.0), Error::Setting { .. }));
         assert!(matches!(
             refused(&[[0.0; 3]], f64::NAN),

@@ -7,6 +7,8 @@ mod captured_view;
 mod closed_loop;
 mod entropy_prediction;
 mod figures;
+mod loop_method;
+mod method_report;
 mod object_hypotheses;
 mod report;
 mod report_page;

@@ -2,6 +2,7 @@
 
 use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, MEASURED_SPACING_M};
+use super::loop_method::Method;
 use super::object_hypotheses::{HypothesisNoise, ObjectHypotheses};
 use nalgebra::Vector3;
 use next_best_view::{
@@ -9,7 +10,6 @@ use next_best_view::{
     ViewPlanner, ViewScore, ViewSelection, choose_view,
 };
 use random::Random;
-use serde::Serialize;
 use service::Failure;
 
 /// Share of the objects at which a loop ends (Kasaei et al. 2018 have no closed loop).
@@ -18,86 +18,8 @@ const FOUND_SHARE: f64 = 0.95;
 const FINDABLE_SHARE: f64 = 0.05;
 /// Number of views after which a loop gives up. Chosen.
 pub(super) const N_VIEWS_MAX: usize = 30;
-/// Deviation of the paper's weight by distance, which it does not give, in diameters of the
-/// candidates. Chosen.
-const PAPER_SIGMA_SHARE: f64 = 0.35;
 /// Side of the voxels of the occupancy, metres. Chosen.
 const VOXEL_M: f64 = 0.02;
-
-/// Method that chooses the next view.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Method {
-    /// Greatest weighted entropy with information gain and a penalty near visited views: ours.
-    Greedy,
-    /// Greatest weighted entropy, equation 3 alone.
-    Entropy,
-    /// Draw by weighted entropy, equation 4.
-    Sampled,
-    /// Greatest information gain of the unknown voxels.
-    InformationGain,
-    /// Any view that was not visited.
-    Random,
-    /// Farthest from all visited views.
-    Farthest,
-    /// Nearest to the current view.
-    Nearest,
-    /// Least weighted entropy, as the paper's text says in places.
-    Least,
-}
-
-impl Method {
-    /// All methods, ours first.
-    pub(super) const ALL: [Self; 8] = [
-        Self::Greedy,
-        Self::Entropy,
-        Self::Sampled,
-        Self::InformationGain,
-        Self::Random,
-        Self::Farthest,
-        Self::Nearest,
-        Self::Least,
-    ];
-
-    /// Name in reports.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Greedy => "greedy",
-            Self::Entropy => "entropy",
-            Self::Sampled => "sampled",
-            Self::InformationGain => "information-gain",
-            Self::Random => "random",
-            Self::Farthest => "farthest",
-            Self::Nearest => "nearest",
-            Self::Least => "least",
-        }
-    }
-
-    fn needs_entropy(self) -> bool {
-        matches!(
-            self,
-            Self::Greedy | Self::Entropy | Self::Sampled | Self::Least
-        )
-    }
-
-    /// Settings of the planner: ours, or those of the paper, which has no information gain and
-    /// excludes no more than the visited views themselves.
-    fn config(self, ours: &Config) -> Config {
-        if self == Self::Greedy {
-            return *ours;
-        }
-        Config {
-            sigma_share: PAPER_SIGMA_SHARE,
-            visited_share: 0.0,
-            gain_weight: 0.0,
-            ..*ours
-        }
-    }
-
-    fn needs_occupancy(self, config: &Config) -> bool {
-        self == Self::InformationGain || self.config(config).gain_weight > 0.0
-    }
-}
 
 /// Course of a loop: after each view, the share of the objects found and the way travelled.
 #[derive(Debug, Clone, Default)]

@@ -2,8 +2,10 @@
 //! loops.
 
 use super::captured_view::CAMERA;
-use super::closed_loop::{Method, N_VIEWS_MAX};
-use super::report::{NextBestViewReport, found_within};
+use super::closed_loop::N_VIEWS_MAX;
+use super::loop_method::Method;
+use super::method_report::found_within;
+use super::report::NextBestViewReport;
 use super::scene_result::SceneResult;
 use plot::DrawingError;
 use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};

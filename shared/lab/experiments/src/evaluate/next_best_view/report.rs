@@ -1,8 +1,10 @@
 //! Report of the next best view.
 
 use super::bin_scene::N_OBJECTS;
-use super::closed_loop::{LoopCourse, Method, N_VIEWS_MAX};
+use super::closed_loop::N_VIEWS_MAX;
 use super::entropy_prediction::{HypothesisSource, PredictionScore};
+use super::loop_method::Method;
+use super::method_report::{self, MethodReport};
 use super::scene_result::{SceneResult, ViewFigures};
 use crate::arguments::NextBestViewArguments;
 use next_best_view::Config;
@@ -10,11 +12,6 @@ use serde::Serialize;
 use statistics::bootstrap::Estimate;
 use statistics::correlation::{pearson, spearman};
 use std::collections::BTreeMap;
-
-/// Travel at which methods are compared, metres. Chosen.
-const TRAVEL_M: f64 = 3.0;
-/// Number of views at which methods are compared. Chosen.
-const N_VIEWS: usize = 5;
 
 /// Report of the next best view.
 #[derive(Debug, Serialize)]
@@ -55,28 +52,6 @@ pub(super) struct CorrelationIntervals {
     pub(super) pearson_r_visibility: Option<Estimate>,
 }
 
-/// Closed loops of one method.
-#[derive(Debug, Clone, Serialize)]
-pub(super) struct MethodReport {
-    /// Mean number of views until 95 % of the objects were found; a loop that gave up counts with
-    /// its last view.
-    pub(super) views_to_95: f64,
-    /// The same with its 95 % interval over the scenes.
-    pub(super) views_to_95_interval: Option<Estimate>,
-    /// Mean way travelled until then, metres.
-    pub(super) travel_m: f64,
-    /// Share of the loops that found them.
-    pub(super) complete_share: f64,
-    /// Mean share of the objects found after five views.
-    pub(super) found_after_5_views: f64,
-    /// Mean share of the objects found within 3 m of travel.
-    pub(super) found_within_3_m: f64,
-    /// Loss of entropy by the method's choice, bit; null where it does not predict entropy.
-    pub(super) regret: Option<f64>,
-    /// Mean share found after each number of views.
-    pub(super) found_by_views: Vec<f64>,
-}
-
 /// Figures of one scene.
 #[derive(Debug, Serialize)]
 pub(super) struct SceneReport {
@@ -103,7 +78,7 @@ impl NextBestViewReport {
         let predictions = predictions(scenes);
         let noisy = predictions.get(source_name(HypothesisSource::NoisyTruth).as_str());
         let noisy = noisy.copied().unwrap_or_default();
-        let methods = methods(scenes, &noisy, arguments.seed);
+        let methods = method_report::all(scenes, &noisy, arguments.seed);
         let value = |estimate: Option<Estimate>| estimate.map_or(0.0, |estimate| estimate.value);
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -198,71 +173,4 @@ fn predictions(scenes: &[SceneResult]) -> BTreeMap<String, PredictionScore> {
     sources
         .map(|source| (source_name(source), of_source(source)))
         .collect()
-}
-
-fn methods(
-    scenes: &[SceneResult],
-    noisy: &PredictionScore,
-    seed: u64,
-) -> BTreeMap<&'static str, MethodReport> {
-    let report = |method: Method| {
-        let of_scenes: Vec<Vec<&LoopCourse>> = scenes
-            .iter()
-            .map(|scene| {
-                let of_method = scene.courses.iter().filter(|(of, _)| *of == method);
-                of_method.flat_map(|(_, courses)| courses).collect()
-            })
-            .collect();
-        let regret = match method {
-            Method::Greedy => Some(noisy.regret),
-            Method::Random => Some(noisy.random_regret),
-            _ => None,
-        };
-        (method.name(), MethodReport::of(&of_scenes, regret, seed))
-    };
-    Method::ALL.into_iter().map(report).collect()
-}
-
-impl MethodReport {
-    fn of(of_scenes: &[Vec<&LoopCourse>], regret: Option<f64>, seed: u64) -> Self {
-        let courses: Vec<&LoopCourse> = of_scenes.iter().flatten().copied().collect();
-        let n = courses.len().max(1) as f64;
-        let mean = |value: &dyn Fn(&LoopCourse) -> f64| {
-            courses.iter().map(|course| value(course)).sum::<f64>() / n
-        };
-        let n_views = |course: &LoopCourse| course.views.len() as f64;
-        let of_scene = |courses: &Vec<&LoopCourse>| {
-            let sum: f64 = courses.iter().map(|course| n_views(course)).sum();
-            Some(sum / courses.len().max(1) as f64)
-        };
-        let of_scenes: Vec<Option<f64>> = of_scenes.iter().map(of_scene).collect();
-        let by_views = |n: usize| mean(&|course| found_after(course, n));
-        Self {
-            views_to_95: mean(&n_views),
-            views_to_95_interval: Estimate::mean(&of_scenes, seed),
-            travel_m: mean(&|course| course.travel_m.last().copied().unwrap_or(0.0)),
-            complete_share: mean(&|course| f64::from(u8::from(course.is_complete))),
-            found_after_5_views: by_views(N_VIEWS),
-            found_within_3_m: mean(&|course| found_within(course, TRAVEL_M)),
-            regret,
-            found_by_views: (1..=N_VIEWS_MAX).map(by_views).collect(),
-        }
-    }
-}
-
-/// Share found after a number of views; the last one where the loop ended before.
-fn found_after(course: &LoopCourse, n_views: usize) -> f64 {
-    let shares = &course.found_shares;
-    shares
-        .get(n_views - 1)
-        .or(shares.last())
-        .copied()
-        .unwrap_or(0.0)
-}
-
-/// Share found within a way of travel.
-pub(super) fn found_within(course: &LoopCourse, travel_m: f64) -> f64 {
-    let steps = course.travel_m.iter().zip(&course.found_shares);
-    let within = steps.take_while(|(way_m, _)| **way_m <= travel_m);
-    within.last().map_or(0.0, |(_, share)| *share)
 }

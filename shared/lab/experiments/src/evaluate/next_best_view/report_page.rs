@@ -1,8 +1,9 @@
 //! Text and HTML page of the next best view.
 
-use super::closed_loop::{Method, N_VIEWS_MAX};
+use super::closed_loop::N_VIEWS_MAX;
 use super::entropy_prediction::HypothesisSource;
 use super::figures::{ENTROPY, LOOPS, PREDICTION};
+use super::loop_method::Method;
 use super::report::{NextBestViewReport, SceneReport, source_name};
 use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};

@@ -2,8 +2,9 @@
 
 use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, capture_all};
-use super::closed_loop::{self, LoopCourse, LoopScene, Method};
+use super::closed_loop::{self, LoopCourse, LoopScene};
 use super::entropy_prediction::{self, HypothesisSource, PredictedPairs, PredictionScore};
+use super::loop_method::Method;
 use super::view_pictures;
 use crate::arguments::NextBestViewArguments;
 use next_best_view::{Config, ViewPlanner};

@@ -1,6 +1,7 @@
 use super::bin_scene::BinScene;
 use super::captured_view::capture_all;
-use super::closed_loop::{LoopScene, Method};
+use super::closed_loop::LoopScene;
+use super::loop_method::Method;
 use super::object_hypotheses::{HypothesisNoise, ObjectHypotheses};
 use super::*;
 use nalgebra::Point3;

@@ -1,8 +1,9 @@
 //! Pictures of the views that a method chose, side by side.
 
 use super::captured_view::CapturedView;
-use super::closed_loop::{LoopCourse, Method};
+use super::closed_loop::LoopCourse;
 use super::figures::picture_size;
+use super::loop_method::Method;
 use evaluation::scene_picture::encode;
 use service::Failure;
 
