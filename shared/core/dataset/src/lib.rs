@@ -1,4 +1,4 @@
-//! File formats: point clouds (PCD), meshes (PLY, OBJ, STL, DAE), RGB-D
+//! File formats: point clouds (PCD), meshes (PLY, OBJ, STL, DAE), BOP scenes, RGB-D
 //! sequences, registered RGB-D images, fakenect recordings and datasets of
 //! object views.
 //!
@@ -48,6 +48,7 @@ mod texture;
 mod texture_folder;
 mod textured_mesh;
 
+pub mod bop_scene;
 pub mod dae;
 pub mod fakenect_folder;
 pub mod mesh;
