@@ -3,6 +3,7 @@
 
 mod model_picture;
 mod orbit;
+mod recognition_gain;
 mod recorded_views;
 mod report;
 mod report_page;
@@ -16,6 +17,7 @@ use command_line::{Output, progress_bar};
 use mesh::TriangleMesh;
 use nalgebra::{Isometry3, Point3};
 use orbit::{Orbit, OrbitView, Path};
+use recognition_gain::{DescribedObject, RecognitionGain};
 use report::{LevelReport, ModelReport};
 use report_page::{FIGURE, MODELS};
 use service::Failure;
@@ -35,6 +37,7 @@ struct ObjectTrials {
     /// Surface of the object; `None` when it is not known.
     truth: Option<TriangleMesh>,
     trials: Vec<(Path, PoseNoise, Trial)>,
+    described: Option<DescribedObject>,
 }
 
 /// Builds models of all objects at all noise levels and reports the figures.
@@ -47,7 +50,16 @@ pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCod
         create_folder(out)?;
         write(&out.join(MODELS), &picture(&objects)?)?;
     }
+    let described: Vec<DescribedObject> = objects
+        .iter_mut()
+        .filter_map(|object| object.described.take())
+        .collect();
+    let recognition = match described.len() {
+        0 | 1 => None,
+        _ => Some(RecognitionGain::of(&described)?),
+    };
     let report = ModelReport {
+        recognition,
         seed: arguments.seed,
         n_objects: objects.len(),
         n_views: arguments.sequence.is_none().then_some(arguments.views),
@@ -124,6 +136,7 @@ fn recorded_trials(
             name: format!("{:02} at {x:.2} {y:.2} {z:.2}", object + 1),
             truth: None,
             trials: trials.collect(),
+            described: None,
         }
     };
     let trials = parallel::map(
@@ -185,10 +198,17 @@ fn object_trials(
             trials.push((orbit.path, noise, trial));
         }
     }
+    let described = match (orbits.as_slice(), trials.first()) {
+        ([turntable, free], Some((_, _, trial))) => {
+            Some(DescribedObject::new(turntable, &trial.fused_ns, free)?)
+        }
+        _ => None,
+    };
     Ok(ObjectTrials {
         name: format!("{:02}-{}", object + 1, model.category()),
         truth: Some(mesh),
         trials,
+        described,
     })
 }
 

@@ -61,6 +61,6 @@ fn view_pose(centre: &Point3<f32>, size_m: f32) -> Isometry3<f64> {
 
 /// Display value of a linear colour.
 fn encoded(value: u16) -> u8 {
-    let linear = (f32::from(value) / LINEAR_ONE as f32).clamp(0.0, 1.0);
+    let linear = (f32::from(value) / LINEAR_ONE).clamp(0.0, 1.0);
     (255.0 * linear.powf(1.0 / 2.2)).round() as u8
 }

@@ -1,6 +1,7 @@
 //! Report of object models.
 
 use super::orbit::Path;
+use super::recognition_gain::RecognitionGain;
 use super::trial::{PoseError, PoseNoise, Trial, median};
 use serde::Serialize;
 
@@ -11,6 +12,8 @@ pub(super) struct ModelReport {
     pub(super) n_objects: usize,
     /// Views along each path; `None` for a recorded sequence.
     pub(super) n_views: Option<u32>,
+    /// Recognition of never taught sides; `None` for a recorded sequence or a single object.
+    pub(super) recognition: Option<RecognitionGain>,
     pub(super) levels: Vec<LevelReport>,
 }
 

@@ -87,7 +87,7 @@ fn notes(document: &ModelReport) -> Vec<String> {
     let median = |value: fn(&LevelReport) -> f64| {
         super::trial::median(document.levels.iter().map(value).collect())
     };
-    vec![
+    let mut notes = vec![
         format!(
             "{} objects, {}; seed {}; medians over the objects",
             document.n_objects,
@@ -107,25 +107,34 @@ fn notes(document: &ModelReport) -> Vec<String> {
             median(|level| level.view_p95_ms),
             median(|level| level.finish_ms)
         ),
-    ]
+    ];
+    notes.extend(document.recognition.as_ref().map(|gain| {
+        format!(
+            "recognition of {} views of sides that were never taught: {:.1} % after three views of \
+             one side of each object, {:.1} % with the views of the models",
+            gain.n_questions,
+            100.0 * gain.accuracy_before,
+            100.0 * gain.accuracy_after
+        )
+    }));
+    notes
 }
+
+/// Quantity of a diagram: name, unit, value.
+type Quantity = (&'static str, &'static str, fn(&LevelReport) -> f64);
+
+/// Quantities of the diagrams.
+const QUANTITIES: [Quantity; 3] = [
+    ("accuracy", "mm", |level| level.accuracy_mm),
+    ("completeness", "%", |level| 100.0 * level.completeness),
+    ("pose error after", "mm", |level| level.pose_error_after),
+];
 
 /// Diagrams of the errors over the noise of the translation, a curve for each noise of the
 /// rotation, a row for each path.
 pub(super) fn figure(document: &ModelReport) -> Result<String, DrawingError> {
-    let mut diagrams = Vec::new();
     let mut paths: Vec<Path> = document.levels.iter().map(|level| level.path).collect();
     paths.dedup();
-    let titles: Vec<(Path, [String; 3])> = paths
-        .into_iter()
-        .map(|path| {
-            let title = |quantity: &str| format!("{quantity}, {}", path.word());
-            (
-                path,
-                ["accuracy", "completeness", "pose error after"].map(title),
-            )
-        })
-        .collect();
     let mut degrees: Vec<f64> = document
         .levels
         .iter()
@@ -134,45 +143,58 @@ pub(super) fn figure(document: &ModelReport) -> Result<String, DrawingError> {
     degrees.sort_unstable_by(f64::total_cmp);
     degrees.dedup();
     let names: Vec<String> = degrees.iter().map(|deg| format!("{deg}°")).collect();
-    let quantities: [(&str, fn(&LevelReport) -> f64); 3] = [
-        ("mm", |level| level.accuracy_mm),
-        ("%", |level| 100.0 * level.completeness),
-        ("mm", |level| level.pose_error_after),
-    ];
-    for (path, titles) in &titles {
-        for (title, (label, value)) in titles.iter().zip(quantities) {
-            let curves = names
-                .iter()
-                .zip(&degrees)
-                .enumerate()
-                .map(|(index, (name, deg))| Curve {
-                    name,
-                    color: Color::of_series(index),
-                    points: document
-                        .levels
-                        .iter()
-                        .filter(|l| l.path == *path && l.sigma_rotation_deg == *deg)
-                        .map(|level| (level.sigma_translation_mm, value(level)))
-                        .collect(),
-                    is_marked: true,
-                });
-            let curves: Vec<Curve<'_>> = curves.collect();
-            let values = curves
-                .iter()
-                .flat_map(|curve| curve.points.iter().map(|point| point.1));
-            let top = values.filter(|value| value.is_finite()).fold(1.0, f64::max);
-            diagrams.push(Diagram {
+    let rows = paths
+        .iter()
+        .flat_map(|path| QUANTITIES.iter().map(move |q| (path, q)));
+    let titles: Vec<String> = rows
+        .clone()
+        .map(|(path, (quantity, ..))| format!("{quantity}, {}", path.word()))
+        .collect();
+    let diagrams: Vec<Diagram<'_>> = rows
+        .zip(&titles)
+        .map(|((path, quantity), title)| {
+            let levels = document.levels.iter().filter(|level| level.path == *path);
+            diagram(
                 title,
-                x: Axis::linear("noise of the translation, mm", 0.0..32.0),
-                y: Axis::linear(label, 0.0..1.05 * top),
-                curves,
-                legend: if label == "%" {
-                    Legend::LowerLeft
-                } else {
-                    Legend::UpperLeft
-                },
-            });
-        }
+                quantity,
+                &levels.collect::<Vec<_>>(),
+                (&names, &degrees),
+            )
+        })
+        .collect();
+    in_columns(&diagrams, QUANTITIES.len())
+}
+
+fn diagram<'a>(
+    title: &'a str,
+    (_, unit, value): &Quantity,
+    levels: &[&LevelReport],
+    (names, degrees): (&'a [String], &[f64]),
+) -> Diagram<'a> {
+    let curve = |(index, (name, deg)): (usize, (&'a String, &f64))| Curve {
+        name,
+        color: Color::of_series(index),
+        points: levels
+            .iter()
+            .filter(|level| level.sigma_rotation_deg == *deg)
+            .map(|level| (level.sigma_translation_mm, value(level)))
+            .collect(),
+        is_marked: true,
+    };
+    let curves: Vec<Curve<'a>> = names.iter().zip(degrees).enumerate().map(curve).collect();
+    let values = curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().map(|point| point.1));
+    let top = values.filter(|value| value.is_finite()).fold(1.0, f64::max);
+    Diagram {
+        title,
+        x: Axis::linear("noise of the translation, mm", 0.0..32.0),
+        y: Axis::linear(unit, 0.0..1.05 * top),
+        curves,
+        legend: if *unit == "%" {
+            Legend::LowerLeft
+        } else {
+            Legend::UpperLeft
+        },
     }
-    in_columns(&diagrams, 3)
 }

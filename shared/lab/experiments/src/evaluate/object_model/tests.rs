@@ -34,6 +34,12 @@ fn models_of_noisy_views_are_near_the_truth_and_the_report_says_so() {
         );
         assert_eq!(level["objects"].as_array().unwrap().len(), 3);
     }
+    let accuracy = |key: &str| report["recognition"][key].as_f64().unwrap();
+    assert!(
+        accuracy("accuracy_after") >= accuracy("accuracy_before"),
+        "{report}"
+    );
+    assert!(accuracy("accuracy_after") > 0.8, "{report}");
     for file in ["index.html", FIGURE, MODELS] {
         assert!(out.path().join(file).exists(), "{file}");
     }
@@ -43,9 +49,9 @@ fn models_of_noisy_views_are_near_the_truth_and_the_report_says_so() {
 fn the_true_surface_has_no_distance_from_itself_and_its_underside_is_hidden() {
     let solid = mesh::rounded_box([0.1, 0.06, 0.08], 0.005, 0.02);
     let truth = TrueSurface::new(&solid.mesh, 1);
-    let on = nalgebra::Point3::new(0.05, 0.0, 0.0);
+    let on = Point3::new(0.05, 0.0, 0.0);
     assert!(truth.distance_m(&on) < 1e-4);
-    assert!((truth.distance_m(&nalgebra::Point3::new(0.06, 0.0, 0.0)) - 0.01).abs() < 1e-3);
+    assert!((truth.distance_m(&Point3::new(0.06, 0.0, 0.0)) - 0.01).abs() < 1e-3);
     let camera = simulated_world::CameraMount {
         look_at_m: [0.0; 3],
         distance_m: 0.8,

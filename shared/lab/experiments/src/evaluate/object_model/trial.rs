@@ -69,6 +69,8 @@ pub(super) struct Trial {
     pub(super) filtered: PoseError,
     pub(super) after: PoseError,
     pub(super) n_views: usize,
+    /// Capture times of the fused views.
+    pub(super) fused_ns: Vec<u64>,
     /// Sentences of the views that were refused.
     pub(super) refused: Vec<String>,
     pub(super) is_closed: bool,
@@ -129,6 +131,7 @@ pub(super) fn run(orbit: &Orbit, truth: Truth<'_>, noise: PoseNoise, seed: u64) 
         filtered: scored.pose_error(|view| view.expected),
         after: scored.pose_error(|view| view.object_from_camera),
         n_views: kept.len(),
+        fused_ns: kept.iter().map(|view| view.captured_ns).collect(),
         refused,
         is_closed: builder.is_closed(),
         view_ms,
