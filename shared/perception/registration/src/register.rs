@@ -136,7 +136,9 @@ pub fn register(
         let at_prior = held.align(start, &coarse_schedule(prior));
         let at_prior = last.align(at_prior.target_from_source, &FINE_SCHEDULE);
         pose = at_prior.target_from_source;
-        if let Some(weak) = WeakRotation::of(&at_prior, &aligner) {
+        // With colours the curvature has told that they do not constrain the turn either.
+        let searched = WeakRotation::of(&at_prior, &aligner).filter(|_| !target.has_colors());
+        if let Some(weak) = searched {
             pose = weak.search(&held, source, pose);
         }
     }

@@ -84,6 +84,11 @@ impl ViewSurface {
         })
     }
 
+    /// `true` if a surface element has a colour.
+    pub(crate) fn has_colors(&self) -> bool {
+        self.surfels.iter().any(|surfel| surfel.color.is_some())
+    }
+
     /// Number of surface elements.
     pub fn n_surfels(&self) -> usize {
         self.surfels.len()
