@@ -60,7 +60,7 @@ fn carton(daemon: &Daemon<'_>) -> u64 {
     let tallest = objects
         .iter()
         .max_by(|a, b| height(a).total_cmp(&height(b)));
-    tallest.unwrap()["id"].as_u64().unwrap()
+    tallest.unwrap()["track_id"].as_u64().unwrap()
 }
 
 #[test]
@@ -89,11 +89,8 @@ fn model_grows_while_the_camera_moves_and_is_stored_and_exported() {
         "{built}"
     );
     let shown = daemon.ask(&["model", "show", "carton"]);
-    assert_eq!(
-        shown["n_views"].as_u64(),
-        built["views"].as_u64(),
-        "{shown}"
-    );
+    let n_shown = shown["views"].as_array().unwrap().len() as u64;
+    assert_eq!(Some(n_shown), built["views"].as_u64());
     let file = sandbox.home().join("carton.ply");
     daemon.ask(&["model", "export", "carton", "--out", file.to_str().unwrap()]);
     let mesh = dataset::ply::open(&file).unwrap();
