@@ -12,8 +12,8 @@ use command_line::Output;
 use service::{Failure, set_private_umask};
 use std::process::ExitCode;
 
-/// Increment of the nice value: the frames of the daemon go before. Chosen.
-const NICENESS: i32 = 10;
+/// Increment of the nice value: the lowest priority, since the frames of the daemon go before.
+const NICENESS: i32 = 19;
 
 fn main() -> ExitCode {
     let arguments: ModellerArguments = service::parse_arguments();
