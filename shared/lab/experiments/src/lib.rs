@@ -28,6 +28,7 @@ pub mod sweep;
 pub mod train;
 
 mod csv;
+mod frame_detector;
 mod output_files;
 mod parallel;
 mod timing;

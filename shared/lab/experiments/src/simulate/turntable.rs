@@ -5,10 +5,9 @@
 //! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on. The distance, and unless a
 //! lighting is given the colour and strength of the lamps, are drawn for every view.
 
+use crate::frame_detector::FrameDetector;
 use description::{LightColor, WhiteBalance};
-use detection::{
-    Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
-};
+use detection::Candidate;
 use geometry::PinholeCamera;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point};
@@ -55,9 +54,7 @@ pub(crate) struct Turntable {
     kinect: SimulatedKinect,
     /// Seed of this object's camera distances and lamps.
     seed: u64,
-    config: Config,
-    workspace: Workspace,
-    detection: Detection,
+    detector: FrameDetector,
     points: Vec<Point>,
 }
 
@@ -116,9 +113,7 @@ impl Turntable {
             world,
             lighting: room.lighting,
             seed: Random::substream(seed, object).next_u64(),
-            config: Config::default(),
-            workspace: Workspace::default(),
-            detection: Detection::default(),
+            detector: FrameDetector::default(),
             points: vec![Point::default(); camera.n_pixels()],
         })
     }
@@ -169,10 +164,11 @@ impl Turntable {
         let up_in_camera = self.up_in_camera();
         self.detect(up_in_camera, frame);
         let centre_in_camera = self.world.world_from_camera().inverse() * self.centre();
-        let Some(found) = candidate_at_centre(&self.detection.candidates, &centre_in_camera) else {
+        let detection = self.detector.detection();
+        let Some(found) = candidate_at_centre(&detection.candidates, &centre_in_camera) else {
             return Ok(None);
         };
-        let point_indices = self.detection.points_of(found);
+        let point_indices = detection.points_of(found);
         Ok(Some(SegmentedView {
             cloud: &self.points,
             up_in_camera,
@@ -200,29 +196,13 @@ impl Turntable {
         Unit::new_normalize(rotation.inverse() * Vector3::z())
     }
 
-    /// Runs detection; leaves no candidates when it refuses the frame.
     fn detect(&mut self, up_in_camera: Unit<Vector3<f64>>, seed: u64) {
         let camera = self.kinect.camera();
         let size = (camera.width as usize, camera.height as usize);
         let Ok(cloud) = OrganizedCloud::new(&self.points, size.0, size.1) else {
             return;
         };
-        let frame = DetectionInput {
-            cloud,
-            up_in_camera: Some(up_in_camera),
-            seed,
-            priors: ScenePriors::default(),
-        };
-        let detected = detect(
-            &frame,
-            &self.config,
-            &mut self.workspace,
-            &mut self.detection,
-            Execution::default(),
-        );
-        if detected.is_err() {
-            self.detection = Detection::default();
-        }
+        self.detector.detect(cloud, Some(up_in_camera), seed);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::bin_scene::BinScene;
 use super::captured_view::{CAMERA, up_in_camera};
-use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
+use crate::frame_detector::FrameDetector;
 use geometry::RigidTransform;
 use nalgebra::Point3;
 use point_cloud::{OrganizedCloud, Point};
@@ -43,9 +43,7 @@ impl MatchedSegments {
 /// Detection with its buffers.
 #[derive(Debug, Default)]
 pub(super) struct SegmentMatcher {
-    config: Config,
-    workspace: Workspace,
-    detection: Detection,
+    detector: FrameDetector,
 }
 
 impl SegmentMatcher {
@@ -58,35 +56,17 @@ impl SegmentMatcher {
         seed: usize,
     ) -> Result<MatchedSegments, Failure> {
         let size = (CAMERA.width as usize, CAMERA.height as usize);
-        let frame = DetectionInput {
-            cloud: OrganizedCloud::new(points, size.0, size.1).map_err(Failure::general)?,
-            up_in_camera: Some(up_in_camera(world_from_camera)),
-            seed: seed as u64,
-            priors: ScenePriors::default(),
-        };
-        let (workspace, detection) = (&mut self.workspace, &mut self.detection);
-        let detected = detect(
-            &frame,
-            &self.config,
-            workspace,
-            detection,
-            Execution::default(),
-        );
-        if detected.is_err() {
-            self.detection = Detection::default();
-        }
+        let cloud = OrganizedCloud::new(points, size.0, size.1).map_err(Failure::general)?;
+        let up_in_camera = Some(up_in_camera(world_from_camera));
+        let detection = self.detector.detect(cloud, up_in_camera, seed as u64);
         let mut found = MatchedSegments {
             is_detected: vec![false; scene.objects.len()],
             ..MatchedSegments::default()
         };
         let n_visible = visible_pixels(scene, points, mask);
-        for candidate in self
-            .detection
-            .candidates
-            .iter()
-            .filter(|c| c.is_hypothesis())
-        {
-            let indices = self.detection.points_of(candidate);
+        let candidates = detection.candidates.iter();
+        for candidate in candidates.filter(|candidate| candidate.is_hypothesis()) {
+            let indices = detection.points_of(candidate);
             let in_world = |&index: &u32| world_from_camera * points[index as usize].position();
             let places: Vec<Point3<f64>> = indices.iter().map(in_world).collect();
             if is_furniture(scene, &places) {

@@ -1,11 +1,10 @@
 //! Views of the objects of a recorded sequence with camera poses.
 
 use super::orbit::{Orbit, OrbitView, Path};
+use crate::frame_detector::FrameDetector;
 use command_line::{Output, progress_bar};
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
-use detection::{
-    Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
-};
+use detection::{Candidate, Detection};
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use service::Failure;
@@ -57,7 +56,7 @@ pub(super) fn read(
     let sequence = RgbdSequence::open(folder).map_err(Failure::usage)?;
     let camera = *sequence.camera();
     let mut points = vec![Point::default(); camera.n_pixels()];
-    let (mut scratch, mut detector) = (Scratch::default(), Detector::default());
+    let (mut scratch, mut detector) = (Scratch::default(), FrameDetector::default());
     let mut objects: Vec<RecordedObject> = Vec::new();
     let bar = progress_bar(sequence.n_frames() as u64, "frames", output);
     for index in (0..sequence.n_frames()).step_by(FRAME_STEP) {
@@ -74,13 +73,14 @@ pub(super) fn read(
         });
         let cloud = OrganizedCloud::new(&points, camera.width as usize, camera.height as usize)
             .map_err(Failure::general)?;
-        for candidate in detector.candidates(cloud, up, index as u64) {
+        let detection = detector.detect(cloud, up, index as u64);
+        for (points, centre) in whole_objects(detection, &points) {
             let view = OrbitView {
-                points: candidate.0,
+                points,
                 world_from_camera,
                 captured_ns: index as u64 * FRAME_NS,
             };
-            add(&mut objects, world_from_camera * candidate.1, view);
+            add(&mut objects, world_from_camera * centre, view);
         }
     }
     bar.finish_and_clear();
@@ -124,49 +124,16 @@ fn add(objects: &mut Vec<RecordedObject>, centre: Point3<f64>, view: OrbitView) 
     }
 }
 
-/// Detection of single frames.
-#[derive(Default)]
-struct Detector {
-    config: Config,
-    workspace: Workspace,
-    detection: Detection,
-}
-
-impl Detector {
-    /// Points and centres of the objects of a frame that are seen whole, camera frame.
-    fn candidates(
-        &mut self,
-        cloud: OrganizedCloud<'_>,
-        up_in_camera: Option<Unit<Vector3<f64>>>,
-        seed: u64,
-    ) -> Vec<(Vec<Point>, Point3<f64>)> {
-        let frame = DetectionInput {
-            cloud,
-            up_in_camera,
-            seed,
-            priors: ScenePriors::default(),
-        };
-        let detected = detect(
-            &frame,
-            &self.config,
-            &mut self.workspace,
-            &mut self.detection,
-            Execution::default(),
-        );
-        if detected.is_err() {
-            return Vec::new();
-        }
-        let is_whole =
-            |candidate: &&Candidate| candidate.is_hypothesis() && !candidate.touches_image_border;
-        let points = |candidate: &Candidate| -> Vec<Point> {
-            let indices = self.detection.points_of(candidate).iter();
-            indices
-                .map(|&index| cloud.points()[index as usize])
-                .collect()
-        };
-        let candidates = self.detection.candidates.iter().filter(is_whole);
-        candidates
-            .map(|c| (points(c), c.oriented_box.centre()))
-            .collect()
-    }
+/// Points and centres of the objects of a frame that are seen whole, camera frame.
+fn whole_objects(detection: &Detection, points: &[Point]) -> Vec<(Vec<Point>, Point3<f64>)> {
+    let is_whole =
+        |candidate: &&Candidate| candidate.is_hypothesis() && !candidate.touches_image_border;
+    let points = |candidate: &Candidate| -> Vec<Point> {
+        let indices = detection.points_of(candidate).iter();
+        indices.map(|&index| points[index as usize]).collect()
+    };
+    let candidates = detection.candidates.iter().filter(is_whole);
+    candidates
+        .map(|c| (points(c), c.oriented_box.centre()))
+        .collect()
 }
