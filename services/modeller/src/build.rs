@@ -114,7 +114,10 @@ pub(crate) fn run(
         };
         return Err(Failure::general(sentence));
     }
-    growth.finish();
+    // The views that closed the loop agree already.
+    if end != End::Closed {
+        growth.finish();
+    }
     let model = object_model(&growth);
     let n_bytes = store(common, arguments.author.as_deref(), (&name, &model))?;
     let document = built_document(&growth, &model, (name, object.track), end, n_bytes);

@@ -1,8 +1,8 @@
 //! Error of the object's frame: what the reported poses of all views have in common.
 
 use crate::pose_filter::PoseSigma;
-use crate::twist::{Twist, exponential, twist_at};
 use nalgebra::{Isometry3, Point3};
+use registration::twist::{Twist, exponential, twist_at};
 
 /// Mean difference between the registered and the reported poses, about the origin of the object.
 ///

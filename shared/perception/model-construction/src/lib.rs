@@ -25,7 +25,6 @@ mod pose_filter;
 mod pose_graph;
 mod surface_points;
 mod tsdf_volume;
-mod twist;
 mod voxel_block;
 
 pub use error::{Error, Misfit};

@@ -222,10 +222,7 @@ impl ModelBuilder {
         let object_from_camera = object_from_world * world_from_camera;
         let filter = PoseFilter::new(object_from_camera, &view.sigma, view.captured_ns);
         self.filter = Some((filter, object_from_world));
-        self.frame_error
-            .add(&object_from_camera, &object_from_camera);
-        self.volume.fuse(&depth, &object_from_camera);
-        self.views.push(BuiltView {
+        self.fuse(BuiltView {
             depth,
             captured_ns: view.captured_ns,
             object_from_camera,
@@ -233,6 +230,14 @@ impl ModelBuilder {
             expected: object_from_camera,
             sigma: view.sigma,
         });
+    }
+
+    /// Fuses a view with its pose into the model.
+    fn fuse(&mut self, view: BuiltView) {
+        self.frame_error
+            .add(&view.object_from_camera, &view.reported);
+        self.volume.fuse(&view.depth, &view.object_from_camera);
+        self.views.push(view);
     }
 
     /// Expected pose of a view: the motion so far, the reported pose, and the place at which the
@@ -278,10 +283,7 @@ impl ModelBuilder {
         if self.views.iter().any(is_known) {
             return;
         }
-        self.frame_error
-            .add(&view.object_from_camera, &view.reported);
-        self.volume.fuse(&view.depth, &view.object_from_camera);
-        self.views.push(view);
+        self.fuse(view);
         if !self.is_closed && is_orbit_closed(&self.views) {
             self.finish();
             self.is_closed = true;

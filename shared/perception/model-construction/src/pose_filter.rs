@@ -1,8 +1,8 @@
 //! Kalman filter of the camera's pose: the robot's own poses, a smooth motion, and registrations.
 
-use crate::twist::{Twist, exponential, isotropic, moved_to, twist_at};
 use nalgebra::{Isometry3, Matrix3, Matrix6, Point3, SMatrix, SVector};
 use registration::Prior;
+use registration::twist::{Twist, exponential, isotropic, moved_to, twist_at};
 
 /// Standard deviation of the acceleration of a camera that a person or a robot moves, of the
 /// rotation, rad/s², and of the translation, m/s². Chosen.

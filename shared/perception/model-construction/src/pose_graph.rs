@@ -1,9 +1,9 @@
 //! Pose graph: all camera poses at once, from the registrations of pairs of views.
 
 use crate::pose_filter::PoseSigma;
-use crate::twist::{Twist, exponential, moved_to, twist_at};
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3, Matrix6, Point3};
 use registration::PairAlignment;
+use registration::twist::{Twist, exponential, moved_to, twist_at};
 
 /// Number of Gauss-Newton steps, at most. Chosen: three do.
 const N_STEPS_MAX: usize = 10;

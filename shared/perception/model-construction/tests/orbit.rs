@@ -3,6 +3,7 @@
 #[path = "../src/test_object.rs"]
 mod test_object;
 
+use mesh::{TriangleMesh, Vertex};
 use model_construction::{Config, Error, Misfit, ModelBuilder, PoseSigma};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use point_cloud::Point;
@@ -36,6 +37,22 @@ fn world_from_model(builder: &ModelBuilder, truth: &[Isometry3<f64>]) -> Isometr
     truth[0] * builder.views()[0].object_from_camera.inverse()
 }
 
+/// Distances of the vertices from the surface of the object, metres, ascending.
+fn sorted_distances_m(
+    object: TestObject,
+    mesh: &TriangleMesh,
+    world_from_model: &Isometry3<f64>,
+) -> Vec<f64> {
+    let place = |vertex: &Vertex| world_from_model * vertex.position.cast::<f64>();
+    let distances = mesh
+        .vertices
+        .iter()
+        .map(|vertex| object.distance_m(&place(vertex)).abs());
+    let mut distances: Vec<f64> = distances.collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    distances
+}
+
 #[test]
 fn the_mesh_of_a_noisy_orbit_is_the_surface_of_the_object() {
     let object = TestObject::BoxWithBall;
@@ -43,16 +60,7 @@ fn the_mesh_of_a_noisy_orbit_is_the_surface_of_the_object() {
     assert!(builder.is_closed());
     let mesh = builder.mesh();
     let pose = world_from_model(&builder, &truth);
-    let mut distances: Vec<f64> = mesh
-        .vertices
-        .iter()
-        .map(|vertex| {
-            object
-                .distance_m(&(pose * vertex.position.cast::<f64>()))
-                .abs()
-        })
-        .collect();
-    distances.sort_unstable_by(f64::total_cmp);
+    let distances = sorted_distances_m(object, &mesh, &pose);
     assert!(mesh.vertices.len() > 5000);
     assert!(
         distances[distances.len() / 2] < 0.0007,
@@ -141,17 +149,7 @@ fn a_hand_held_camera_without_poses_makes_a_model() {
     );
     builder.finish();
     let pose = world_from_camera(0.0, 40.0) * builder.views()[0].object_from_camera.inverse();
-    let mut distances: Vec<f64> = builder
-        .mesh()
-        .vertices
-        .iter()
-        .map(|vertex| {
-            object
-                .distance_m(&(pose * vertex.position.cast::<f64>()))
-                .abs()
-        })
-        .collect();
-    distances.sort_unstable_by(f64::total_cmp);
+    let distances = sorted_distances_m(object, &builder.mesh(), &pose);
     assert!(
         distances[distances.len() / 2] < 0.001,
         "{}",

@@ -2,10 +2,9 @@
 
 use crate::prior::Prior;
 use crate::surfels::Surfel;
+use crate::twist::{Twist, motion_about, twist_at};
 use crate::view_surface::ViewSurface;
-use nalgebra::{
-    Isometry3, Matrix3, Matrix3x6, Matrix6, Point3, Translation3, UnitQuaternion, Vector3, Vector6,
-};
+use nalgebra::{Isometry3, Matrix3, Matrix3x6, Matrix6, Point3, Vector3, Vector6};
 
 /// Weight of a distance along the surfaces against one across them. Fitted: with less, flat
 /// surfaces slide; with more, curved ones are off.
@@ -20,9 +19,6 @@ const RESIDUAL_SIGMA_M: f64 = 0.001;
 
 /// Minimum number of correspondences of a step.
 const N_CORRESPONDENCES_MIN: usize = 10;
-
-/// Change of a pose: a rotation vector about the centre, radians, then a translation, metres.
-pub(crate) type Twist = Vector6<f64>;
 
 /// Schedule of an alignment.
 #[derive(Debug, Clone, Copy)]
@@ -115,7 +111,7 @@ impl Aligner<'_> {
             let Some(change) = self.solve(&equations, &pose) else {
                 break;
             };
-            alignment.target_from_source = moved(&pose, &(pose * self.centre), &change);
+            alignment.target_from_source = motion_about(&change, &(pose * self.centre)) * pose;
             let (rotation, translation) = (change.fixed_rows::<3>(0), change.fixed_rows::<3>(3));
             let is_small = rotation.norm() < schedule.rotation_min_rad
                 && translation.norm() < 0.05 * schedule.rotation_min_rad;
@@ -181,7 +177,8 @@ impl Aligner<'_> {
     /// Change of the pose that solves the normal equations with the prior.
     fn solve(&self, equations: &NormalEquations, pose: &Isometry3<f64>) -> Option<Twist> {
         let (mut matrix, mut vector) = (equations.matrix, equations.vector);
-        let off = self.change_from_prior(pose);
+        let prior = &self.prior.target_from_source;
+        let off = twist_at(&(pose * prior.inverse()), &(prior * self.centre));
         let sigmas = [
             self.prior.rotation_sigma_rad,
             self.prior.translation_sigma_m,
@@ -198,25 +195,6 @@ impl Aligner<'_> {
         }
         Some(matrix.cholesky()?.solve(&vector))
     }
-
-    /// Change that leads from the prior to a pose.
-    fn change_from_prior(&self, pose: &Isometry3<f64>) -> Twist {
-        let prior = &self.prior.target_from_source;
-        let rotation = (pose.rotation * prior.rotation.inverse()).scaled_axis();
-        let translation = pose * self.centre - prior * self.centre;
-        let mut off = Twist::zeros();
-        off.fixed_rows_mut::<3>(0).copy_from(&rotation);
-        off.fixed_rows_mut::<3>(3).copy_from(&translation);
-        off
-    }
-}
-
-/// Pose after a change about a centre.
-fn moved(pose: &Isometry3<f64>, centre: &Point3<f64>, change: &Twist) -> Isometry3<f64> {
-    let rotation = UnitQuaternion::from_scaled_axis(change.fixed_rows::<3>(0).into_owned());
-    let translation: Vector3<f64> = change.fixed_rows::<3>(3).into();
-    let shift = centre.coords + translation - rotation * centre.coords;
-    Isometry3::from_parts(Translation3::from(shift), rotation) * pose
 }
 
 /// Metric of a distance between two surfels: the inverse sum of their covariances, which are 1

@@ -41,6 +41,7 @@ mod prior;
 mod range_image;
 mod register;
 mod surfels;
+pub mod twist;
 mod view_surface;
 mod weak_rotation;
 
