@@ -3,7 +3,7 @@
 use divan::{Bencher, black_box};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use random::Random;
-use registration::{Prior, ViewSurface, register};
+use registration::{PoseModel, Prior, SegmentView, ViewSurface, estimate_pose, register};
 
 fn main() {
     divan::main();
@@ -43,5 +43,38 @@ fn registration(bencher: Bencher<'_, '_>, n_points: usize) {
     bencher.bench_local(|| {
         let (target, source) = (target.as_ref().ok()?, source.as_ref().ok()?);
         register(black_box(target), black_box(source), &prior).ok()
+    });
+}
+
+/// Whole surface of the box, 3 mm between points.
+fn whole_box() -> Vec<[f32; 3]> {
+    let mut random = Random::from_seed(3);
+    let half = Vector3::new(0.06, 0.04, 0.025);
+    let mut point = || {
+        let mut place = half.map(|half| half * random.between(-1.0, 1.0));
+        let axis = random.below(3);
+        place[axis] = place[axis].signum() * half[axis];
+        place.cast::<f32>().into()
+    };
+    (0..6000).map(|_| point()).collect()
+}
+
+/// Templates and search tree of a model.
+#[divan::bench]
+fn pose_model(bencher: Bencher<'_, '_>) {
+    let points = whole_box();
+    bencher.bench_local(|| PoseModel::new(black_box(&points), 0.003));
+}
+
+/// Pose of a model in a segment of 5000 points, in any orientation.
+#[divan::bench]
+fn model_pose(bencher: Bencher<'_, '_>) {
+    let moved = Translation3::new(0.0, 0.0, 0.9) * far_off();
+    let segment = view(5000, 1, &moved);
+    let model = PoseModel::new(&whole_box(), 0.003);
+    let view = SegmentView::new(&segment, &segment);
+    bencher.bench_local(|| {
+        let (model, view) = (model.as_ref().ok()?, view.as_ref().ok()?);
+        estimate_pose(black_box(model), black_box(view)).ok()
     });
 }

@@ -12,6 +12,8 @@
 //!    the prior, unless the points themselves clearly prefer another one.
 //! 3. All surfels refine the result.
 //!
+//! [`estimate_pose`] finds the pose of a whole model in a segment of a view without a prior.
+//!
 //! # Example
 //!
 //! ```
@@ -36,6 +38,7 @@ mod correspondence_score;
 mod error;
 mod generalized_icp;
 mod kd_tree;
+mod model_pose;
 mod near_grid;
 mod prior;
 mod range_image;
@@ -47,6 +50,7 @@ mod weak_rotation;
 
 pub use error::Error;
 pub use kd_tree::KdTree;
+pub use model_pose::{ModelPose, PoseModel, SegmentView, estimate_pose};
 pub use prior::Prior;
 pub use register::{PairAlignment, Registration, refine, register};
 pub use view_surface::{ViewOrigin, ViewSurface};

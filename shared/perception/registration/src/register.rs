@@ -195,7 +195,7 @@ fn coarse_schedule(prior: &Prior) -> Schedule {
 }
 
 /// Evenly strided surfels, about as many as wanted.
-fn thinned(surfels: &[Surfel], n_wanted: usize) -> Vec<Surfel> {
+pub(crate) fn thinned(surfels: &[Surfel], n_wanted: usize) -> Vec<Surfel> {
     let step = (surfels.len() / n_wanted).max(1);
     surfels.iter().step_by(step).copied().collect()
 }

@@ -1,0 +1,279 @@
+//! 6-D pose of a model in a measured segment: view templates, alignment and verification.
+//!
+//! 1. The part of the model that is seen from each of 100 directions is brought onto the segment in
+//!    24 turns about the line of sight.
+//! 2. The starts that contradict the camera least are aligned by generalised ICP, and the best of
+//!    these again with all surfels.
+//! 3. The pose is taken that contradicts least: the segment must lie on the model, and of the model
+//!    nothing may stand where the camera saw through it (as hypothesis verification in Hinterstoisser
+//!    et al., "Model Based Training, Detection and Pose Estimation of Texture-Less 3D Objects in
+//!    Heavily Cluttered Scenes", 2012).
+
+mod pose_score;
+mod view_template;
+
+use crate::Error;
+use crate::generalized_icp::{Aligner, Schedule};
+use crate::prior::Prior;
+use crate::range_image::RangeImage;
+use crate::register::thinned;
+use crate::view_surface::{ViewOrigin, ViewSurface};
+use nalgebra::{Isometry3, Point3, Vector3};
+use pose_score::{ScoreDetail, contradictions};
+use view_template::ViewTemplate;
+
+/// Numbers of elements of the segment in the score of the starts, in the first alignments, and in
+/// the last ones. Chosen.
+const N_START_ELEMENTS: usize = 40;
+const N_COARSE_ELEMENTS: usize = 120;
+const N_FINE_ELEMENTS: usize = 600;
+
+/// Strides over the points of a template in the scores of the starts and of the first alignments.
+/// Chosen.
+const START_STRIDE: usize = 6;
+const COARSE_STRIDE: usize = 2;
+
+/// Number of starts that are aligned, and of those that are aligned with all elements. Chosen.
+const N_ALIGNED: usize = 80;
+const N_REFINED: usize = 8;
+
+/// Tolerance of the score of a start: a share of the model's diameter within bounds in metres, for
+/// a start is off by the distance of neighbouring directions. Chosen.
+const START_TOLERANCE: f64 = 0.10;
+const START_TOLERANCE_M: std::ops::RangeInclusive<f64> = 0.008..=0.025;
+/// Tolerances of the scores after the first and the last alignments, metres. Chosen.
+const COARSE_TOLERANCE_M: f64 = 0.008;
+const FINE_TOLERANCE_M: f64 = 0.005;
+
+/// Tolerance in standard deviations of the noise of the segment, where this is more.
+const TOLERANCE_SIGMAS: f64 = 2.5;
+
+/// Reach of the first alignments as a share of the model's diameter. Chosen.
+const REACH_SHARE: f64 = 0.2;
+
+/// Uncertainty of a start: a share of the model's diameter, and an angle, radians. Chosen: it only
+/// keeps what the surfaces do not tell, such as the turn of a can.
+const PRIOR_SHARE: f64 = 0.2;
+const PRIOR_RAD: f64 = 0.35;
+
+/// Last alignments, with all elements.
+const FINE_SCHEDULE: Schedule = Schedule {
+    n_steps: 15,
+    reach_m: [0.012, 0.006],
+    factor: 0.85,
+    rotation_min_rad: 1e-4,
+};
+
+/// Contradiction up to which a pose is good. Fitted.
+const GOOD_CONTRADICTION_MAX: f64 = 0.6;
+
+/// Greatest coordinate of a model, metres.
+const COORDINATE_MAX_M: f32 = 5.0;
+
+/// Model of which poses can be estimated: surface points, and what is seen of them from around.
+#[derive(Debug)]
+pub struct PoseModel {
+    surface: ViewSurface,
+    templates: Vec<ViewTemplate>,
+    diameter_m: f64,
+}
+
+impl PoseModel {
+    /// Model of evenly spread points on the surface of an object, with their spacing, metres.
+    ///
+    /// *Cost*: some ten milliseconds for 10 000 points.
+    ///
+    /// # Errors
+    /// When a coordinate is not finite, or the points are too few or too far apart for a surface.
+    pub fn new(points: &[[f32; 3]], spacing_m: f64) -> Result<Self, Error> {
+        let is_bad = |point: &[f32; 3]| !point.iter().all(|c| c.abs() <= COORDINATE_MAX_M);
+        if let Some(index) = points.iter().position(is_bad) {
+            return Err(Error::NotFinite(index));
+        }
+        // No direction is that of the model's camera: its range image is not used.
+        let direction = ViewOrigin::Direction(Vector3::z_axis());
+        let surface = ViewSurface::new(points, Some(direction))?;
+        let places: Vec<Point3<f64>> = points.iter().map(|p| Point3::from(*p).cast()).collect();
+        Ok(Self {
+            templates: ViewTemplate::all_around(&places, spacing_m),
+            diameter_m: diameter_m(&places),
+            surface,
+        })
+    }
+
+    /// Diameter of the model: the greatest distance of two of its points, within some percent,
+    /// metres.
+    pub fn diameter_m(&self) -> f64 {
+        self.diameter_m
+    }
+}
+
+/// Segment of a camera's view, and all that the camera saw around it.
+#[derive(Debug)]
+pub struct SegmentView {
+    surface: ViewSurface,
+    scene: RangeImage,
+}
+
+impl SegmentView {
+    /// Segment of an object, and the scene with it: finite points in the frame of the camera,
+    /// metres.
+    ///
+    /// # Errors
+    /// When a coordinate is not finite, or the points of the segment are too few for a surface.
+    pub fn new(segment: &[[f32; 3]], scene: &[[f32; 3]]) -> Result<Self, Error> {
+        let camera = ViewOrigin::Camera(Point3::origin());
+        let surface = ViewSurface::new(segment, Some(camera))?;
+        if let Some(index) = scene.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+            return Err(Error::NotFinite(index));
+        }
+        let scene = RangeImage::new(scene, &surface.centroid(), camera);
+        Ok(Self { surface, scene })
+    }
+}
+
+/// Estimated pose of a model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModelPose {
+    /// Pose of the model in the frame of the camera.
+    pub camera_from_model: Isometry3<f64>,
+    /// Contradiction of the pose, 0 to 2: how much of the segment is not at the model, and how much
+    /// of what the camera should have seen of the model is not there.
+    pub contradiction: f64,
+}
+
+impl ModelPose {
+    /// `true` if the model is probably there.
+    pub fn is_good(&self) -> bool {
+        self.contradiction <= GOOD_CONTRADICTION_MAX
+    }
+}
+
+/// Candidate pose with its contradiction.
+type Scored = (f64, Isometry3<f64>);
+
+/// Model and the segment in which its pose is searched.
+type Pair<'a> = (&'a PoseModel, &'a SegmentView);
+
+/// Estimates the pose of a model in a segment, whatever its orientation.
+///
+/// *Cost*: some ten milliseconds.
+///
+/// # Errors
+/// When the model comes to lie nowhere on the segment.
+pub fn estimate_pose(model: &PoseModel, view: &SegmentView) -> Result<ModelPose, Error> {
+    let pair = (model, view);
+    let coarse = thinned(view.surface.surfels(), N_COARSE_ELEMENTS);
+    let detail = ScoreDetail {
+        elements: &coarse,
+        stride: COARSE_STRIDE,
+        tolerance_m: tolerance_m(view, COARSE_TOLERANCE_M),
+    };
+    let aligned = align_all(&best_starts(pair), pair, &coarse_schedule(model), &detail);
+    let fine = thinned(view.surface.surfels(), N_FINE_ELEMENTS);
+    let detail = ScoreDetail {
+        elements: &fine,
+        stride: 1,
+        tolerance_m: tolerance_m(view, FINE_TOLERANCE_M),
+    };
+    let best = least(aligned, N_REFINED);
+    let refined = least(align_all(&best, pair, &FINE_SCHEDULE, &detail), 1);
+    let (contradiction, camera_from_model) = *refined.first().ok_or(Error::NoOverlap {
+        reach_mm: (1e3 * FINE_SCHEDULE.reach_m[0]) as u32,
+    })?;
+    Ok(ModelPose {
+        camera_from_model,
+        contradiction,
+    })
+}
+
+/// Poses in which a template lies on the segment that contradict the camera least.
+fn best_starts((model, view): Pair<'_>) -> Vec<Scored> {
+    let elements = thinned(view.surface.surfels(), N_START_ELEMENTS);
+    let share_m = START_TOLERANCE * model.diameter_m;
+    let share_m = share_m.clamp(*START_TOLERANCE_M.start(), *START_TOLERANCE_M.end());
+    let detail = ScoreDetail {
+        elements: &elements,
+        stride: START_STRIDE,
+        tolerance_m: tolerance_m(view, share_m),
+    };
+    let mut starts = Vec::new();
+    for template in &model.templates {
+        for pose in template.poses_at(view.surface.centroid()) {
+            let found = contradictions(&pose, template, (model, view), &detail);
+            starts.push((found.sum(), pose));
+        }
+    }
+    least(starts, N_ALIGNED)
+}
+
+/// Aligns poses with the elements of a score, and scores them anew; those without overlap are
+/// left out.
+fn align_all(
+    starts: &[Scored],
+    (model, view): Pair<'_>,
+    schedule: &Schedule,
+    detail: &ScoreDetail<'_>,
+) -> Vec<Scored> {
+    let centre = view.surface.centroid();
+    let align = |(_, start): &Scored| {
+        let model_from_camera = start.inverse();
+        let aligner = Aligner {
+            target: &model.surface,
+            source: detail.elements,
+            centre,
+            prior: Prior {
+                target_from_source: model_from_camera,
+                translation_sigma_m: PRIOR_SHARE * model.diameter_m,
+                rotation_sigma_rad: PRIOR_RAD,
+            },
+            held: None,
+        };
+        let alignment = aligner.align(model_from_camera, schedule);
+        let pose = alignment.target_from_source.inverse();
+        let template = ViewTemplate::seen_at(&model.templates, &pose, &centre)?;
+        let found = contradictions(&pose, template, (model, view), detail);
+        alignment.has_overlap().then(|| (found.sum(), pose))
+    };
+    starts.iter().filter_map(align).collect()
+}
+
+/// First alignments: from the distance of neighbouring directions on.
+fn coarse_schedule(model: &PoseModel) -> Schedule {
+    let reach_m = REACH_SHARE * model.diameter_m;
+    Schedule {
+        n_steps: 12,
+        reach_m: [reach_m.clamp(0.015, 0.05), 0.010],
+        factor: 0.85,
+        rotation_min_rad: 2e-3,
+    }
+}
+
+/// Tolerance of a score that is no less than the noise of the segment, metres.
+fn tolerance_m(view: &SegmentView, at_least_m: f64) -> f64 {
+    at_least_m.max(TOLERANCE_SIGMAS * view.surface.noise_m())
+}
+
+/// Poses with the least contradictions, in their order.
+fn least(mut poses: Vec<Scored>, n_wanted: usize) -> Vec<Scored> {
+    poses.sort_by(|a, b| a.0.total_cmp(&b.0));
+    poses.truncate(n_wanted);
+    poses
+}
+
+/// Greatest distance of two points, by the extents along directions all around: at most 2 % too
+/// small.
+fn diameter_m(places: &[Point3<f64>]) -> f64 {
+    let mut greatest_m = 0.0_f64;
+    for direction in view_template::directions() {
+        let heights = places.iter().map(|place| direction.dot(&place.coords));
+        let (least, most) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), height| {
+            (a.min(height), b.max(height))
+        });
+        greatest_m = greatest_m.max(most - least);
+    }
+    greatest_m
+}
+
+#[cfg(test)]
+mod tests;
