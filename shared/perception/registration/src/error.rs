@@ -18,6 +18,9 @@ pub enum Error {
     /// A coordinate that is not finite.
     #[error("point {0} of the view has a coordinate that is not a number; leave such points out")]
     NotFinite(usize),
+    /// A coordinate beyond all measurements.
+    #[error("point {0} of the view is more than 1 km away; give the points in metres")]
+    TooFar(usize),
     /// No correspondences between the surfaces.
     #[error(
         "the two views have no surface in common within {reach_mm} mm of the expected pose; take \

@@ -1,5 +1,6 @@
 //! Generalised ICP: alignment of surfels plane to plane.
 
+use crate::nearest_surfel_grid::NearestSurfelGrid;
 use crate::prior::Prior;
 use crate::surfels::Surfel;
 use crate::twist::{Twist, motion_about, twist_at};
@@ -60,6 +61,8 @@ pub(crate) struct Aligner<'a> {
     pub(crate) prior: Prior,
     /// Rotation axis about which the pose is held.
     pub(crate) held: Option<Vector3<f64>>,
+    /// Lookup of the target's surfels in place of the exact search.
+    pub(crate) grid: Option<&'a NearestSurfelGrid>,
 }
 
 /// Normal equations of one step.
@@ -139,7 +142,7 @@ impl Aligner<'_> {
         let centre = pose * self.centre;
         for surfel in self.source {
             let place = pose * surfel.place;
-            let Some((target, squared)) = self.target.nearest_surfel(&place, reach_m) else {
+            let Some((target, squared)) = self.nearest(&place, reach_m) else {
                 continue;
             };
             let normal = pose.rotation * surfel.normal;
@@ -172,6 +175,16 @@ impl Aligner<'_> {
             }
         }
         equations
+    }
+
+    /// Surfel of the target that corresponds to a place, with the squared distance.
+    fn nearest(&self, place: &Point3<f64>, reach_m: f64) -> Option<(&Surfel, f64)> {
+        let Some(grid) = self.grid else {
+            return self.target.nearest_surfel(place, reach_m);
+        };
+        let near = grid.near(self.target.surfels(), place)?;
+        let squared = (near.place - place).norm_squared();
+        (squared < reach_m * reach_m).then_some((near, squared))
     }
 
     /// Change of the pose that solves the normal equations with the prior.

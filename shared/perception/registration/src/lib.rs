@@ -40,6 +40,7 @@ mod generalized_icp;
 mod kd_tree;
 mod model_pose;
 mod near_grid;
+mod nearest_surfel_grid;
 mod prior;
 mod range_image;
 mod register;

@@ -14,19 +14,20 @@ mod view_template;
 
 use crate::Error;
 use crate::generalized_icp::{Aligner, Schedule};
+use crate::nearest_surfel_grid::NearestSurfelGrid;
 use crate::prior::Prior;
 use crate::range_image::RangeImage;
 use crate::register::thinned;
-use crate::view_surface::{ViewOrigin, ViewSurface};
+use crate::view_surface::{ViewOrigin, ViewSurface, check_points};
 use nalgebra::{Isometry3, Point3, Vector3};
-use pose_score::{ScoreDetail, contradictions};
-use view_template::ViewTemplate;
+use pose_score::{ScoreDetail, contradiction, model_contradiction, segment_contradiction};
+use view_template::{ViewTemplate, centroid_and_spread};
 
 /// Numbers of elements of the segment in the score of the starts, in the first alignments, and in
 /// the last ones. Chosen.
 const N_START_ELEMENTS: usize = 40;
-const N_COARSE_ELEMENTS: usize = 120;
-const N_FINE_ELEMENTS: usize = 600;
+const N_COARSE_ELEMENTS: usize = 80;
+const N_FINE_ELEMENTS: usize = 300;
 
 /// Strides over the points of a template in the scores of the starts and of the first alignments.
 /// Chosen.
@@ -34,13 +35,13 @@ const START_STRIDE: usize = 6;
 const COARSE_STRIDE: usize = 2;
 
 /// Number of starts that are aligned, and of those that are aligned with all elements. Chosen.
-const N_ALIGNED: usize = 80;
-const N_REFINED: usize = 8;
+const N_ALIGNED: usize = 120;
+const N_REFINED: usize = 5;
 
 /// Tolerance of the score of a start: a share of the model's diameter within bounds in metres, for
 /// a start is off by the distance of neighbouring directions. Chosen.
 const START_TOLERANCE: f64 = 0.10;
-const START_TOLERANCE_M: std::ops::RangeInclusive<f64> = 0.008..=0.025;
+const START_TOLERANCE_M: std::ops::RangeInclusive<f64> = 0.008..=0.035;
 /// Tolerances of the scores after the first and the last alignments, metres. Chosen.
 const COARSE_TOLERANCE_M: f64 = 0.008;
 const FINE_TOLERANCE_M: f64 = 0.005;
@@ -67,13 +68,11 @@ const FINE_SCHEDULE: Schedule = Schedule {
 /// Contradiction up to which a pose is good. Fitted.
 const GOOD_CONTRADICTION_MAX: f64 = 0.6;
 
-/// Greatest coordinate of a model, metres.
-const COORDINATE_MAX_M: f32 = 5.0;
-
 /// Model of which poses can be estimated: surface points, and what is seen of them from around.
 #[derive(Debug)]
 pub struct PoseModel {
     surface: ViewSurface,
+    nearest: NearestSurfelGrid,
     templates: Vec<ViewTemplate>,
     diameter_m: f64,
 }
@@ -81,15 +80,11 @@ pub struct PoseModel {
 impl PoseModel {
     /// Model of evenly spread points on the surface of an object, with their spacing, metres.
     ///
-    /// *Cost*: some ten milliseconds for 10 000 points.
+    /// *Cost*: some hundred milliseconds.
     ///
     /// # Errors
-    /// When a coordinate is not finite, or the points are too few or too far apart for a surface.
+    /// As [`ViewSurface::new`]; points that are too far apart make no surface.
     pub fn new(points: &[[f32; 3]], spacing_m: f64) -> Result<Self, Error> {
-        let is_bad = |point: &[f32; 3]| !point.iter().all(|c| c.abs() <= COORDINATE_MAX_M);
-        if let Some(index) = points.iter().position(is_bad) {
-            return Err(Error::NotFinite(index));
-        }
         // No direction is that of the model's camera: its range image is not used.
         let direction = ViewOrigin::Direction(Vector3::z_axis());
         let surface = ViewSurface::new(points, Some(direction))?;
@@ -97,6 +92,7 @@ impl PoseModel {
         Ok(Self {
             templates: ViewTemplate::all_around(&places, spacing_m),
             diameter_m: diameter_m(&places),
+            nearest: NearestSurfelGrid::new(&surface, *START_TOLERANCE_M.end()),
             surface,
         })
     }
@@ -120,13 +116,11 @@ impl SegmentView {
     /// metres.
     ///
     /// # Errors
-    /// When a coordinate is not finite, or the points of the segment are too few for a surface.
+    /// As [`ViewSurface::new`]; the scene may have any number of points.
     pub fn new(segment: &[[f32; 3]], scene: &[[f32; 3]]) -> Result<Self, Error> {
         let camera = ViewOrigin::Camera(Point3::origin());
         let surface = ViewSurface::new(segment, Some(camera))?;
-        if let Some(index) = scene.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
-            return Err(Error::NotFinite(index));
-        }
+        check_points(scene)?;
         let scene = RangeImage::new(scene, &surface.centroid(), camera);
         Ok(Self { surface, scene })
     }
@@ -155,29 +149,44 @@ type Scored = (f64, Isometry3<f64>);
 /// Model and the segment in which its pose is searched.
 type Pair<'a> = (&'a PoseModel, &'a SegmentView);
 
+/// Stage of the alignment of candidate poses: detail of their scores, schedule, and whether the
+/// model's elements are looked up in its grid in place of the exact search.
+struct Stage<'a> {
+    detail: ScoreDetail<'a>,
+    schedule: Schedule,
+    uses_grid: bool,
+}
+
 /// Estimates the pose of a model in a segment, whatever its orientation.
 ///
-/// *Cost*: some ten milliseconds.
+/// *Cost*: some ten milliseconds; more for a segment that may be a small part of the model.
 ///
 /// # Errors
 /// When the model comes to lie nowhere on the segment.
 pub fn estimate_pose(model: &PoseModel, view: &SegmentView) -> Result<ModelPose, Error> {
     let pair = (model, view);
-    let coarse = thinned(view.surface.surfels(), N_COARSE_ELEMENTS);
-    let detail = ScoreDetail {
-        elements: &coarse,
-        stride: COARSE_STRIDE,
-        tolerance_m: tolerance_m(view, COARSE_TOLERANCE_M),
+    let elements = thinned(view.surface.surfels(), N_COARSE_ELEMENTS);
+    let coarse = Stage {
+        detail: ScoreDetail {
+            elements: &elements,
+            stride: COARSE_STRIDE,
+            tolerance_m: tolerance_m(view, COARSE_TOLERANCE_M),
+        },
+        schedule: coarse_schedule(model),
+        uses_grid: true,
     };
-    let aligned = align_all(&best_starts(pair), pair, &coarse_schedule(model), &detail);
-    let fine = thinned(view.surface.surfels(), N_FINE_ELEMENTS);
-    let detail = ScoreDetail {
-        elements: &fine,
-        stride: 1,
-        tolerance_m: tolerance_m(view, FINE_TOLERANCE_M),
+    let aligned = least(align_all(&best_starts(pair), pair, &coarse), N_REFINED);
+    let elements = thinned(view.surface.surfels(), N_FINE_ELEMENTS);
+    let fine = Stage {
+        detail: ScoreDetail {
+            elements: &elements,
+            stride: 1,
+            tolerance_m: tolerance_m(view, FINE_TOLERANCE_M),
+        },
+        schedule: FINE_SCHEDULE,
+        uses_grid: false,
     };
-    let best = least(aligned, N_REFINED);
-    let refined = least(align_all(&best, pair, &FINE_SCHEDULE, &detail), 1);
+    let refined = least(align_all(&aligned, pair, &fine), 1);
     let (contradiction, camera_from_model) = *refined.first().ok_or(Error::NoOverlap {
         reach_mm: (1e3 * FINE_SCHEDULE.reach_m[0]) as u32,
     })?;
@@ -187,7 +196,8 @@ pub fn estimate_pose(model: &PoseModel, view: &SegmentView) -> Result<ModelPose,
     })
 }
 
-/// Poses in which a template lies on the segment that contradict the camera least.
+/// Poses in which a template lies on the segment that contradict the camera least: branch and
+/// bound, in the order of the contradictions of the segment alone.
 fn best_starts((model, view): Pair<'_>) -> Vec<Scored> {
     let elements = thinned(view.surface.surfels(), N_START_ELEMENTS);
     let share_m = START_TOLERANCE * model.diameter_m;
@@ -197,30 +207,41 @@ fn best_starts((model, view): Pair<'_>) -> Vec<Scored> {
         stride: START_STRIDE,
         tolerance_m: tolerance_m(view, share_m),
     };
-    let mut starts = Vec::new();
-    for template in &model.templates {
-        for pose in template.poses_at(view.surface.centroid()) {
-            let found = contradictions(&pose, template, (model, view), &detail);
-            starts.push((found.sum(), pose));
+    let places: Vec<Point3<f64>> = elements.iter().map(|element| element.place).collect();
+    let (_, spread_m) = centroid_and_spread(places.iter());
+    let centre = view.surface.centroid();
+    let starts = model.templates.iter().flat_map(|template| {
+        let poses = template.poses_at(centre, spread_m);
+        poses.map(move |pose| (template, pose))
+    });
+    let bounded = starts.map(|(template, pose)| {
+        let bound = segment_contradiction(&pose, model, &detail);
+        (bound, template, pose)
+    });
+    let mut bounded: Vec<(f64, &ViewTemplate, Isometry3<f64>)> = bounded.collect();
+    bounded.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best: Vec<Scored> = Vec::new();
+    for (bound, template, pose) in bounded {
+        let is_full = best.len() == N_ALIGNED;
+        if is_full && best.last().is_some_and(|(worst, _)| bound >= *worst) {
+            break;
         }
+        let score = bound + model_contradiction(&pose, template, view, &detail);
+        let place = best.partition_point(|(other, _)| *other <= score);
+        best.insert(place, (score, pose));
+        best.truncate(N_ALIGNED);
     }
-    least(starts, N_ALIGNED)
+    best
 }
 
-/// Aligns poses with the elements of a score, and scores them anew; those without overlap are
-/// left out.
-fn align_all(
-    starts: &[Scored],
-    (model, view): Pair<'_>,
-    schedule: &Schedule,
-    detail: &ScoreDetail<'_>,
-) -> Vec<Scored> {
+/// Aligns poses in a stage, and scores them anew; those without overlap are left out.
+fn align_all(starts: &[Scored], (model, view): Pair<'_>, stage: &Stage<'_>) -> Vec<Scored> {
     let centre = view.surface.centroid();
     let align = |(_, start): &Scored| {
         let model_from_camera = start.inverse();
         let aligner = Aligner {
             target: &model.surface,
-            source: detail.elements,
+            source: stage.detail.elements,
             centre,
             prior: Prior {
                 target_from_source: model_from_camera,
@@ -228,12 +249,13 @@ fn align_all(
                 rotation_sigma_rad: PRIOR_RAD,
             },
             held: None,
+            grid: stage.uses_grid.then_some(&model.nearest),
         };
-        let alignment = aligner.align(model_from_camera, schedule);
+        let alignment = aligner.align(model_from_camera, &stage.schedule);
         let pose = alignment.target_from_source.inverse();
         let template = ViewTemplate::seen_at(&model.templates, &pose, &centre)?;
-        let found = contradictions(&pose, template, (model, view), detail);
-        alignment.has_overlap().then(|| (found.sum(), pose))
+        let score = contradiction(&pose, template, (model, view), &stage.detail);
+        alignment.has_overlap().then_some((score, pose))
     };
     starts.iter().filter_map(align).collect()
 }
@@ -242,9 +264,9 @@ fn align_all(
 fn coarse_schedule(model: &PoseModel) -> Schedule {
     let reach_m = REACH_SHARE * model.diameter_m;
     Schedule {
-        n_steps: 12,
+        n_steps: 8,
         reach_m: [reach_m.clamp(0.015, 0.05), 0.010],
-        factor: 0.85,
+        factor: 0.8,
         rotation_min_rad: 2e-3,
     }
 }

@@ -85,6 +85,7 @@ pub fn refine(
         centre: source.centroid(),
         prior: prior.with_positive_sigmas(),
         held: None,
+        grid: None,
     };
     let found = aligner.align(prior.target_from_source, &FINE_SCHEDULE);
     if !found.has_overlap() {
@@ -118,6 +119,7 @@ pub fn register(
         centre: source.centroid(),
         prior: prior.with_positive_sigmas(),
         held: None,
+        grid: None,
     };
     let (start, first) = best_start(&aligner, source, prior)?;
     let weak = WeakRotation::of(&first, &aligner);

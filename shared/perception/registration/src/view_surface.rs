@@ -13,6 +13,9 @@ const N_SURFELS_MIN: usize = 20;
 /// Number of points whose nearest neighbours give the spacing. Chosen.
 const N_SPACING_SAMPLES: usize = 400;
 
+/// Greatest coordinate of a point, metres. Chosen: voxels are counted in 32 bits.
+const COORDINATE_MAX_M: f32 = 1000.0;
+
 /// Place from which a view was taken, in the frame of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ViewOrigin {
@@ -42,7 +45,7 @@ impl ViewSurface {
     /// from the normals. Memory and time are linear in the points.
     ///
     /// # Errors
-    /// When a coordinate is not finite, or the points are too few for a surface.
+    /// When a coordinate is not finite or beyond 1 km, or the points are too few for a surface.
     pub fn new(points: &[[f32; 3]], viewpoint: Option<ViewOrigin>) -> Result<Self, Error> {
         Self::with_colors(points, &[], viewpoint)
     }
@@ -57,9 +60,7 @@ impl ViewSurface {
         colors: &[Option<[u8; 3]>],
         viewpoint: Option<ViewOrigin>,
     ) -> Result<Self, Error> {
-        if let Some(place) = points.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
-            return Err(Error::NotFinite(place));
-        }
+        check_points(points)?;
         let (surfels, surfel_of_point) = surfels_of(points, colors);
         if surfels.len() < N_SURFELS_MIN {
             return Err(Error::TooFewSurfels {
@@ -143,6 +144,13 @@ impl ViewSurface {
         Some((&self.surfels[index], f64::from(squared)))
     }
 
+    /// Index of the nearest surfel within a distance.
+    pub(crate) fn nearest_index(&self, place: &Point3<f64>, reach_m: f64) -> Option<usize> {
+        let squared_reach = (reach_m * reach_m) as f32;
+        let nearest = self.surfel_tree.nearest(place_of(place), squared_reach);
+        nearest.map(|(index, _)| index)
+    }
+
     pub(crate) fn range_image(&self) -> &RangeImage {
         &self.range_image
     }
@@ -156,6 +164,19 @@ impl ViewSurface {
     pub fn centroid(&self) -> Point3<f64> {
         self.centroid
     }
+}
+
+/// Checks that all coordinates are finite and at most 1 km.
+pub(crate) fn check_points(points: &[[f32; 3]]) -> Result<(), Error> {
+    for (index, point) in points.iter().enumerate() {
+        if point.iter().any(|c| !c.is_finite()) {
+            return Err(Error::NotFinite(index));
+        }
+        if point.iter().any(|c| c.abs() > COORDINATE_MAX_M) {
+            return Err(Error::TooFar(index));
+        }
+    }
+    Ok(())
 }
 
 /// Place in single precision, for the search trees.

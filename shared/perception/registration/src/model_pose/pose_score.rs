@@ -9,26 +9,13 @@ use nalgebra::{Isometry3, Point3};
 /// pose must not win by hiding everything.
 const HIDDEN_WEIGHT: f64 = 0.25;
 
+/// Distance from a surfel along the surface up to which a place is at it, metres: the distance of
+/// neighbouring surfels, and the cells of the grid in which they are looked up.
+const ALONG_M: f64 = 0.008;
+
 /// Cost of a place at a measured surface that is not of the segment: another object, or a part of
 /// this one that detection cut off. Chosen.
 const ELSEWHERE_COST: f64 = 0.5;
-
-/// Contradictions of a pose.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Contradictions {
-    /// Mean over the segment of 0 for a place at the model and 1 for one that is off.
-    pub(super) of_segment: f64,
-    /// Mean over the parts that the camera should have seen of the model of 0 for a place that
-    /// it saw there and 1 for one behind which it saw something.
-    pub(super) of_model: f64,
-}
-
-impl Contradictions {
-    /// Sum of the contradictions, 0 to 2.
-    pub(super) fn sum(&self) -> f64 {
-        self.of_segment + self.of_model
-    }
-}
 
 /// Detail of a score: elements of the segment, stride over the points of a template, and
 /// tolerance, metres.
@@ -39,39 +26,44 @@ pub(super) struct ScoreDetail<'a> {
     pub(super) tolerance_m: f64,
 }
 
-/// Contradictions of a pose `camera_from_model` that shows the template to the camera.
-pub(super) fn contradictions(
+/// Contradiction of a pose `camera_from_model` that shows the template to the camera, 0 to 2.
+pub(super) fn contradiction(
     pose: &Isometry3<f64>,
     template: &ViewTemplate,
     (model, view): (&PoseModel, &SegmentView),
     detail: &ScoreDetail<'_>,
-) -> Contradictions {
-    Contradictions {
-        of_segment: of_segment(pose, model, detail),
-        of_model: of_model(pose, template, view, detail),
-    }
+) -> f64 {
+    segment_contradiction(pose, model, detail) + model_contradiction(pose, template, view, detail)
 }
 
-fn of_segment(
+/// Mean over the segment of 0 for a place at the model and 1 for one that is off.
+pub(super) fn segment_contradiction(
     camera_from_model: &Isometry3<f64>,
     model: &PoseModel,
     detail: &ScoreDetail<'_>,
 ) -> f64 {
     let model_from_camera = camera_from_model.inverse();
-    let tolerance_m = detail.tolerance_m;
+    let reach_m = detail.tolerance_m.max(ALONG_M);
     let cost = |element: &Surfel| {
         let place = model_from_camera * element.place;
-        let Some((nearest, squared)) = model.surface.nearest_surfel(&place, tolerance_m) else {
+        let Some(near) = model.nearest.near(model.surface.surfels(), &place) else {
             return 1.0;
         };
-        let cosine = (model_from_camera.rotation * element.normal).dot(&nearest.normal);
-        (squared / (tolerance_m * tolerance_m) + 0.5 * (1.0 - cosine.abs())).min(1.0)
+        let off = near.place - place;
+        if off.norm_squared() > reach_m * reach_m {
+            return 1.0;
+        }
+        let across = off.dot(&near.normal) / detail.tolerance_m;
+        let cosine = (model_from_camera.rotation * element.normal).dot(&near.normal);
+        (across * across + 0.5 * (1.0 - cosine.abs())).min(1.0)
     };
     let n = detail.elements.len().max(1) as f64;
     detail.elements.iter().map(cost).sum::<f64>() / n
 }
 
-fn of_model(
+/// Mean over the parts that the camera should have seen of the model of 0 for a place that it saw
+/// there and 1 for one behind which it saw something.
+pub(super) fn model_contradiction(
     camera_from_model: &Isometry3<f64>,
     template: &ViewTemplate,
     view: &SegmentView,

@@ -155,7 +155,8 @@ fn unusable_models_and_segments_are_refused() {
         .collect();
     let refused = PoseModel::new(&[[0.0, f32::NAN, 0.0]], SPACING_M).unwrap_err();
     assert_eq!(refused, Error::NotFinite(0));
-    assert!(PoseModel::new(&[[6.0, 0.0, 0.0]], SPACING_M).is_err());
+    let in_wrong_units = PoseModel::new(&[[6000.0, 0.0, 0.0]], SPACING_M).unwrap_err();
+    assert_eq!(in_wrong_units, Error::TooFar(0));
     assert!(matches!(
         PoseModel::new(&[], SPACING_M),
         Err(Error::TooFewSurfels { .. })

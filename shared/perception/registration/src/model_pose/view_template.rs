@@ -18,6 +18,12 @@ const CELL_IN_SPACINGS: f64 = 2.0;
 /// surface may be slanted by 45°.
 const SEEN_DEPTH_CELLS: f64 = 1.0;
 
+/// Number of places of a template at which a segment may lie. Chosen.
+const N_ANCHORS: usize = 7;
+
+/// Spread of a segment as a share of that of a template below which it may be a part of it. Chosen.
+const PART_SPREAD: f64 = 0.85;
+
 /// Greatest number of points of a template. Chosen.
 const N_POINTS_MAX: usize = 240;
 
@@ -28,8 +34,11 @@ pub(super) struct ViewTemplate {
     towards: UnitVector3<f64>,
     /// Evenly strided points that are seen.
     pub(super) points: Vec<Point3<f64>>,
-    /// Mean of all points that are seen.
-    centroid: Point3<f64>,
+    /// Places of the template that a segment's centroid may have: its own centroid, and points
+    /// spread over it, for a segment that is a part of it.
+    anchors: Vec<Point3<f64>>,
+    /// Root mean square distance of the points from their centroid, metres.
+    spread_m: f64,
 }
 
 impl ViewTemplate {
@@ -58,18 +67,27 @@ impl ViewTemplate {
             highest.is_some_and(|highest| height(point) > highest - SEEN_DEPTH_CELLS * cell_m)
         };
         let seen: Vec<Point3<f64>> = points.iter().filter(is_seen).copied().collect();
-        let sum: Vector3<f64> = seen.iter().map(|point| point.coords).sum();
         let step = seen.len().div_ceil(N_POINTS_MAX).max(1);
+        let points: Vec<Point3<f64>> = seen.into_iter().step_by(step).collect();
+        let (centroid, spread_m) = centroid_and_spread(points.iter());
         Self {
             towards,
-            centroid: Point3::from(sum / seen.len().max(1) as f64),
-            points: seen.iter().step_by(step).copied().collect(),
+            anchors: anchors(&points, centroid),
+            points,
+            spread_m,
         }
     }
 
-    /// Poses `camera_from_model` in which the camera sees the template, with its centroid at a
-    /// place in front of the camera, in all turns about the line of sight.
-    pub(super) fn poses_at(&self, place: Point3<f64>) -> impl Iterator<Item = Isometry3<f64>> {
+    /// Poses `camera_from_model` in which the camera sees the template around a segment, with its
+    /// centroid and spread, in all turns about the line of sight: the centroid of the template at
+    /// that of the segment, and for a small segment other parts of the template as well.
+    pub(super) fn poses_at(
+        &self,
+        place: Point3<f64>,
+        spread_m: f64,
+    ) -> impl Iterator<Item = Isometry3<f64>> {
+        let is_part = spread_m < PART_SPREAD * self.spread_m;
+        let n_anchors = if is_part { self.anchors.len() } else { 1 };
         let to_camera = UnitVector3::new_normalize(-place.coords);
         let facing = UnitQuaternion::rotation_between(&self.towards, &to_camera);
         // Between opposite directions any half turn does.
@@ -78,12 +96,13 @@ impl ViewTemplate {
             UnitQuaternion::from_axis_angle(&across, PI)
         };
         let facing = facing.unwrap_or_else(half_turn);
-        let centroid = self.centroid;
-        (0..N_TURNS).map(move |turn| {
+        (0..N_TURNS).flat_map(move |turn| {
             let angle_rad = TAU * turn as f64 / N_TURNS as f64;
             let rotation = UnitQuaternion::from_axis_angle(&to_camera, angle_rad) * facing;
-            let shift = place - rotation * centroid;
-            Isometry3::from_parts(shift.into(), rotation)
+            self.anchors[..n_anchors].iter().map(move |anchor| {
+                let shift = place - rotation * anchor;
+                Isometry3::from_parts(shift.into(), rotation)
+            })
         })
     }
 
@@ -98,6 +117,33 @@ impl ViewTemplate {
         let by_cosine = |a: &&Self, b: &&Self| cosine(a).total_cmp(&cosine(b));
         templates.iter().max_by(by_cosine)
     }
+}
+
+/// Centroid of points and their root mean square distance from it, metres.
+pub(super) fn centroid_and_spread<'a>(
+    points: impl Iterator<Item = &'a Point3<f64>> + Clone,
+) -> (Point3<f64>, f64) {
+    let n = points.clone().count().max(1) as f64;
+    let sum: Vector3<f64> = points.clone().map(|point| point.coords).sum();
+    let centroid = Point3::from(sum / n);
+    let squared: f64 = points.map(|point| (point - centroid).norm_squared()).sum();
+    (centroid, (squared / n).sqrt())
+}
+
+/// A first place, and points that are each as far as possible from all before (farthest point
+/// sampling).
+fn anchors(points: &[Point3<f64>], first: Point3<f64>) -> Vec<Point3<f64>> {
+    let mut anchors = vec![first];
+    for _ in 1..N_ANCHORS {
+        let clearance = |point: &Point3<f64>| {
+            let distances = anchors.iter().map(|anchor| (point - anchor).norm());
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let farther = |a: &&Point3<f64>, b: &&Point3<f64>| clearance(a).total_cmp(&clearance(b));
+        let farthest = points.iter().max_by(farther).copied();
+        anchors.extend(farthest);
+    }
+    anchors
 }
 
 /// Directions all around: a Fibonacci lattice on the sphere.
@@ -160,8 +206,8 @@ mod tests {
         let place = Point3::new(0.1, -0.2, 0.9);
         let templates = ViewTemplate::all_around(&cube(), 0.003);
         for template in &templates {
-            for pose in template.poses_at(place) {
-                assert!((pose * template.centroid - place).norm() < 1e-9);
+            for pose in template.poses_at(place, template.spread_m) {
+                assert!((pose * template.anchors[0] - place).norm() < 1e-9);
                 let towards = pose.rotation * template.towards.into_inner();
                 assert!((towards + place.coords.normalize()).norm() < 1e-6);
                 let seen = ViewTemplate::seen_at(&templates, &pose, &place).unwrap();
