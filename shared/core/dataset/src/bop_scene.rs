@@ -1,19 +1,23 @@
 //! Scene in the format of the BOP benchmark (Hodaň et al., "BOP: Benchmark for 6D Object Pose
-//! Estimation", ECCV 2018): `scene_camera.json`, `scene_gt.json`, `depth/`, `mask_visib/`, and the
-//! models of the objects as PLY.
+//! Estimation", ECCV 2018): `scene_camera.json`, `scene_gt.json`, `scene_gt_info.json`, `rgb/`,
+//! `depth/`, `mask_visib/`, and the models of the objects as PLY.
 //!
-//! Files are in millimetres, what is read is in metres. Colour images are not read.
+//! Files are in millimetres, what is read and written is in metres.
 
 mod annotation;
+mod error;
+mod writer;
 
 pub use annotation::{BopImage, BopObject};
+pub use error::Error;
+pub use writer::{BopPixels, BopSceneWriter, write_model};
 
-use crate::bounded_file::{FileError, read_file};
+use crate::bounded_file::read_file;
 use crate::image_error::ImageError;
 use crate::mesh::Mesh;
 use crate::ply;
 use crate::png_image::{PixelKind, PngImage};
-use annotation::{CameraEntry, ObjectEntry};
+use annotation::{CameraEntry, ObjectEntry, VisibilityEntry};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -24,62 +28,6 @@ const IMAGE_MAX_BYTES: u64 = 1 << 27;
 /// Metres in a millimetre.
 const M_PER_MM: f32 = 0.001;
 
-/// Error of reading a BOP scene.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// Failed access to a file or folder.
-    #[error("{0}")]
-    File(#[from] FileError),
-    /// Text that is not the expected JSON.
-    #[error("the file {} is not as in the BOP format: {source}", .path.display())]
-    Json {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the parser.
-        source: serde_json::Error,
-    },
-    /// Image whose annotation breaks a rule.
-    #[error("image {image} of the BOP scene {}: {rule}", .folder.display())]
-    Annotation {
-        /// Folder of the scene.
-        folder: PathBuf,
-        /// Number of the image, or its key where that is no number.
-        image: String,
-        /// Broken rule.
-        rule: &'static str,
-    },
-    /// Scene without images.
-    #[error("the BOP scene {} has no images; scene_camera.json lists none", .0.display())]
-    NoImages(PathBuf),
-    /// Image or object index out of range.
-    #[error("there is no {what} {index} in the BOP scene; they count from 0 to {last}")]
-    NoSuch {
-        /// Kind of the requested thing.
-        what: &'static str,
-        /// Requested index.
-        index: usize,
-        /// Greatest index.
-        last: usize,
-    },
-    /// Image file that cannot be decoded.
-    #[error("the image {} is unusable: {source}", .path.display())]
-    Image {
-        /// Path of the image.
-        path: PathBuf,
-        /// Error of the decoder.
-        source: ImageError,
-    },
-    /// Model file that cannot be read.
-    #[error("the model {} is unusable: {source}", .path.display())]
-    Model {
-        /// Path of the model.
-        path: PathBuf,
-        /// Error of the reader.
-        source: ply::Error,
-    },
-}
-
 /// Scene of a BOP data set: a folder such as `test/000001`.
 #[derive(Debug, Clone)]
 pub struct BopScene {
@@ -88,7 +36,8 @@ pub struct BopScene {
 }
 
 impl BopScene {
-    /// Reads the annotations of a scene. Images without ground truth have no objects.
+    /// Reads the annotations of a scene. Images without ground truth have no objects; without
+    /// `scene_gt_info.json` their visible shares are unknown.
     ///
     /// # Errors
     /// A file that is missing or not as in the format, an impossible camera or pose, or no images.
@@ -96,6 +45,12 @@ impl BopScene {
         let cameras: BTreeMap<String, CameraEntry> = read_json(&folder.join("scene_camera.json"))?;
         let truth_path = folder.join("scene_gt.json");
         let mut truth: BTreeMap<String, Vec<ObjectEntry>> = read_json(&truth_path)?;
+        let info_path = folder.join("scene_gt_info.json");
+        let visibility: BTreeMap<String, Vec<VisibilityEntry>> = if info_path.exists() {
+            read_json(&info_path)?
+        } else {
+            BTreeMap::new()
+        };
         let mut images = Vec::new();
         for (key, camera) in cameras {
             let wrong = |rule: &'static str| Error::Annotation {
@@ -105,7 +60,9 @@ impl BopScene {
             };
             let number = key.parse().map_err(|_| wrong("its key must be a number"))?;
             let objects = truth.remove(&key).unwrap_or_default();
-            images.push(BopImage::new(number, &camera, &objects).map_err(wrong)?);
+            let visibility = visibility.get(&key).map(Vec::as_slice);
+            let image = BopImage::new(number, &camera, &objects, visibility);
+            images.push(image.map_err(wrong)?);
         }
         if let Some(image) = truth.into_keys().next() {
             let rule = "it has ground truth but no camera";
@@ -127,6 +84,11 @@ impl BopScene {
         })
     }
 
+    /// Folder of the scene.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Images of the scene in the order of their numbers, at least one.
     pub fn images(&self) -> &[BopImage] {
         &self.images
@@ -136,10 +98,17 @@ impl BopScene {
     /// Returns width and height. The buffer's memory is reused.
     ///
     /// # Errors
-    /// When there is no such image, or its file `depth/NNNNNN.png` is missing or damaged.
+    /// When there is no such image, or its file `depth/NNNNNN.png` is missing, damaged, or a TIFF.
     pub fn read_depth(&self, index: usize, depth_m: &mut Vec<f32>) -> Result<(u32, u32), Error> {
         let image = self.image(index)?;
         let path = self.folder.join(format!("depth/{:06}.png", image.number));
+        let tiff = ["tif", "tiff"].map(|extension| path.with_extension(extension));
+        if let Some(tiff) = tiff
+            .into_iter()
+            .find(|tiff| !path.exists() && tiff.exists())
+        {
+            return Err(Error::DepthFormat(tiff));
+        }
         let (bytes, mut values) = (read_image(&path)?, Vec::new());
         let size = decoded(&path, PngImage::open(&bytes, PixelKind::Depth), |png| {
             png.decode_u16(&mut values)
@@ -148,6 +117,26 @@ impl BopScene {
         depth_m.clear();
         depth_m.extend(values.iter().map(|&value| f32::from(value) * metres));
         Ok(size)
+    }
+
+    /// Reads the colours of an image by its index, three bytes a pixel, row-major. Returns width and
+    /// height; `None` when the scene has no file `rgb/NNNNNN.png`.
+    ///
+    /// # Errors
+    /// When there is no such image, or its file is damaged.
+    pub fn read_color(
+        &self,
+        index: usize,
+        colors: &mut Vec<u8>,
+    ) -> Result<Option<(u32, u32)>, Error> {
+        let image = self.image(index)?;
+        let path = self.folder.join(format!("rgb/{:06}.png", image.number));
+        if !path.exists() {
+            return Ok(None);
+        }
+        let bytes = read_image(&path)?;
+        let opened = PngImage::open(&bytes, PixelKind::Color);
+        decoded(&path, opened, |png| png.decode_u8(colors)).map(Some)
     }
 
     /// Reads the visible part of an object in an image, by the indices of both: `true` where it is

@@ -2,28 +2,30 @@
 
 use geometry::RigidTransform;
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Deviation of a rotation matrix from orthonormality up to which it is accepted.
 const ROTATION_TOLERANCE: f64 = 1e-2;
 /// Greatest coordinate of a translation, millimetres.
 const TRANSLATION_MAX_MM: f64 = 1e6;
+/// Millimetres in a metre.
+const MM_PER_M: f64 = 1000.0;
 
 /// Entry of `scene_camera.json`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 pub(super) struct CameraEntry {
     #[serde(rename = "cam_K")]
     intrinsics: [f64; 9],
     #[serde(default = "one")]
     depth_scale: f64,
-    #[serde(rename = "cam_R_w2c")]
+    #[serde(rename = "cam_R_w2c", skip_serializing_if = "Option::is_none")]
     rotation: Option<[f64; 9]>,
-    #[serde(rename = "cam_t_w2c")]
+    #[serde(rename = "cam_t_w2c", skip_serializing_if = "Option::is_none")]
     translation_mm: Option<[f64; 3]>,
 }
 
 /// Entry of `scene_gt.json`.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, Serialize)]
 pub(super) struct ObjectEntry {
     #[serde(rename = "obj_id")]
     model: u32,
@@ -31,6 +33,54 @@ pub(super) struct ObjectEntry {
     rotation: [f64; 9],
     #[serde(rename = "cam_t_m2c")]
     translation_mm: [f64; 3],
+}
+
+/// Entry of `scene_gt_info.json`.
+#[derive(Debug, Deserialize, Serialize)]
+pub(super) struct VisibilityEntry {
+    #[serde(rename = "visib_fract")]
+    visible_share: f64,
+}
+
+impl CameraEntry {
+    /// Entry of an image, for writing.
+    pub(super) fn of(image: &BopImage) -> Self {
+        let ([fx, fy], [cx, cy]) = (image.focal_px, image.principal_px);
+        let pose = image.camera_from_world.as_ref().map(numbers);
+        Self {
+            intrinsics: [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0],
+            depth_scale: image.depth_scale_mm,
+            rotation: pose.map(|(rotation, _)| rotation),
+            translation_mm: pose.map(|(_, translation_mm)| translation_mm),
+        }
+    }
+}
+
+impl ObjectEntry {
+    /// Entry of an object, for writing.
+    pub(super) fn of(object: &BopObject) -> Self {
+        let (rotation, translation_mm) = numbers(&object.camera_from_object);
+        Self {
+            model: object.model,
+            rotation,
+            translation_mm,
+        }
+    }
+}
+
+impl VisibilityEntry {
+    /// Entry of an object, for writing; `None` where its visible share is unknown.
+    pub(super) fn of(object: &BopObject) -> Option<Self> {
+        let visible_share = object.visible_share?;
+        Some(Self { visible_share })
+    }
+}
+
+/// Row-major rotation matrix and translation in millimetres.
+fn numbers(pose: &RigidTransform) -> ([f64; 9], [f64; 3]) {
+    let matrix = pose.rotation.to_rotation_matrix();
+    let rotation = std::array::from_fn(|i| matrix[(i / 3, i % 3)]);
+    (rotation, (pose.translation.vector * MM_PER_M).into())
 }
 
 fn one() -> f64 {
@@ -61,6 +111,8 @@ pub struct BopObject {
     pub model: u32,
     /// Pose of the object in the camera, metres.
     pub camera_from_object: RigidTransform,
+    /// Visible share of its silhouette; `None` without `scene_gt_info.json`.
+    pub visible_share: Option<f64>,
 }
 
 impl BopImage {
@@ -69,6 +121,7 @@ impl BopImage {
         number: u32,
         camera: &CameraEntry,
         objects: &[ObjectEntry],
+        visibility: Option<&[VisibilityEntry]>,
     ) -> Result<Self, &'static str> {
         let [fx, skew, cx, below, fy, cy, ..] = camera.intrinsics;
         if skew != 0.0 || below != 0.0 {
@@ -86,10 +139,16 @@ impl BopImage {
             (Some(rotation), Some(translation_mm)) => Some(pose(rotation, translation_mm)?),
             _ => None,
         };
-        let object = |raw: &ObjectEntry| {
+        if visibility.is_some_and(|shares| shares.len() != objects.len()) {
+            return Err("scene_gt_info.json must list as many objects as scene_gt.json");
+        }
+        let object = |(index, raw): (usize, &ObjectEntry)| {
             Ok(BopObject {
                 model: raw.model,
                 camera_from_object: pose(&raw.rotation, &raw.translation_mm)?,
+                visible_share: visibility
+                    .map(|shares| share(shares[index].visible_share))
+                    .transpose()?,
             })
         };
         Ok(Self {
@@ -100,9 +159,18 @@ impl BopImage {
             camera_from_world,
             objects: objects
                 .iter()
+                .enumerate()
                 .map(object)
                 .collect::<Result<_, &'static str>>()?,
         })
+    }
+}
+
+fn share(value: f64) -> Result<f64, &'static str> {
+    if (0.0..=1.0).contains(&value) {
+        Ok(value)
+    } else {
+        Err("its visible shares (visib_fract) must lie between 0 and 1")
     }
 }
 
@@ -124,7 +192,7 @@ fn pose(rotation: &[f64; 9], translation_mm: &[f64; 3]) -> Result<RigidTransform
     }
     // The nearest rotation: files have few decimals.
     let rotation = Rotation3::from_matrix(&matrix);
-    let translation = Translation3::from(Vector3::from(*translation_mm) * 1e-3);
+    let translation = Translation3::from(Vector3::from(*translation_mm) / MM_PER_M);
     let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
     Ok(RigidTransform::from_parts(translation, rotation))
 }

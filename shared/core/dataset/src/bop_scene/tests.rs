@@ -171,3 +171,29 @@ fn missing_images_and_objects_are_named() {
         .to_string();
     assert!(nowhere.contains("scene_camera.json"), "{nowhere}");
 }
+
+#[test]
+fn depth_as_tiff_and_odd_visible_shares_are_refused_with_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    write_scene(folder.path());
+    let depth = folder.path().join("depth");
+    std::fs::rename(depth.join("000010.png"), depth.join("000010.tif")).unwrap();
+    let scene = BopScene::open(folder.path()).unwrap();
+    assert_eq!(scene.images()[1].objects[0].visible_share, None);
+    let error = scene
+        .read_depth(1, &mut Vec::new())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("000010.tif is a TIFF; convert it to a grey PNG"),
+        "{error}"
+    );
+    let refused = |info: &str| {
+        std::fs::write(folder.path().join("scene_gt_info.json"), info).unwrap();
+        BopScene::open(folder.path()).unwrap_err().to_string()
+    };
+    let error = refused(r#"{"10": [{"visib_fract": 1.5}]}"#);
+    assert!(error.contains("visib_fract"), "{error}");
+    let error = refused(r#"{"10": []}"#);
+    assert!(error.contains("as many objects"), "{error}");
+}
