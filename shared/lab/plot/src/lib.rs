@@ -1,7 +1,8 @@
 //! Plots as SVG and reports as HTML pages, drawn with plotters.
 //!
-//! [`diagram`] draws line charts, [`forest_plot`] forest plots of estimates with their
-//! confidence intervals, and [`figure_page`] puts tables and figures on an HTML page.
+//! [`diagram`] draws line charts, [`box_plot`] box plots, [`forest_plot`] forest plots of
+//! estimates with their confidence intervals, and [`figure_page`] puts tables and figures on an
+//! HTML page.
 //!
 //! ```
 //! use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};
@@ -26,6 +27,7 @@
 //! Invariants: this crate never writes a file and never reads a clock; the same input gives the
 //! same text.
 
+pub mod box_plot;
 pub mod diagram;
 pub mod figure_page;
 pub mod forest_plot;
