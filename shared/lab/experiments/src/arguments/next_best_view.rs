@@ -5,6 +5,19 @@ use clap::Args;
 use simulated_world::ModelSource;
 use std::path::PathBuf;
 
+/// Options of the simulated scenes, which a BOP scene does not have.
+const SIMULATED: [&str; 9] = [
+    "scenes",
+    "views",
+    "starts",
+    "models",
+    "sigma_share",
+    "visited_share",
+    "gain_weight",
+    "twin_scenes",
+    "twin_views",
+];
+
 /// Arguments of `evaluate next-best-view`.
 #[derive(Debug, Args)]
 pub struct NextBestViewArguments {
@@ -30,6 +43,18 @@ pub struct NextBestViewArguments {
     /// Weight of the information gain against the entropy
     #[arg(long, value_name = "W", default_value_t = 3.0, value_parser = planner_weight)]
     pub(crate) gain_weight: f64,
+    /// Scenes of each kind of the paper's statistic: 15 coffee cups, 5 juice boxes; 0 leaves it out
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=100))]
+    pub(crate) twin_scenes: u32,
+    /// Views of each of these scenes
+    #[arg(long, value_name = "N", default_value_t = 59, value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub(crate) twin_views: u32,
+    /// Folder of a scene in the BOP format, for the paper's statistic on it and nothing else
+    #[arg(long, value_name = "DIR", requires = "bop_models", conflicts_with_all = SIMULATED)]
+    pub(crate) bop: Option<PathBuf>,
+    /// Folder of the models of the BOP scene
+    #[arg(long, value_name = "DIR", requires = "bop")]
+    pub(crate) bop_models: Option<PathBuf>,
     /// Random seed; the same seed gives the same figures
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,

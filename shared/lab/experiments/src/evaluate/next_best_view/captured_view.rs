@@ -3,14 +3,15 @@
 
 use super::bin_scene::{BinScene, Workspace};
 use super::segment_matching::{MatchedSegments, SegmentMatcher};
+use super::simulated_bin::SimulatedBin;
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Unit, Vector3};
 use next_best_view::{SurfaceModel, TotalArea, view_entropy};
 use point_cloud::Point;
 use service::Failure;
-use simulated_world::{ObjectTruth, SimulatedKinect, World};
+use simulated_world::{ObjectTruth, SimulatedKinect};
 
-/// Camera of all views.
+/// Camera of all simulated views.
 pub(super) const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 /// Base of the logarithm of all entropies: bit.
 pub(super) const LOG_BASE: f64 = 2.0;
@@ -39,46 +40,80 @@ pub(super) struct CapturedView {
     pub(super) colors: Vec<u8>,
 }
 
+/// Image of a view: measured points, and the truth about each pixel; row-major.
+#[derive(Debug)]
+pub(super) struct LabelledImage<'a> {
+    pub(super) camera: PinholeCamera,
+    pub(super) world_from_camera: RigidTransform,
+    /// Direction against gravity in the camera, if it is known.
+    pub(super) up_in_camera: Option<Unit<Vector3<f64>>>,
+    /// Measured points, camera frame, metres.
+    pub(super) points: &'a [Point],
+    /// True depth, metres; not finite where nothing is.
+    pub(super) depth_m: &'a [f32],
+    /// Number of the object that each pixel shows, or none of the scene's.
+    pub(super) mask: &'a [u16],
+    /// Visible share of each object.
+    pub(super) visible_shares: Vec<f64>,
+}
+
 impl CapturedView {
+    /// View of an image; the number selects the draws of detection.
+    pub(super) fn new(
+        scene: &BinScene,
+        image: LabelledImage<'_>,
+        number: usize,
+        matcher: &mut SegmentMatcher,
+    ) -> Result<Self, Failure> {
+        let segments = matcher.find(scene, &image, number)?;
+        let (areas_m2, background_m2) = true_areas(scene, &image);
+        let entropy = |total| view_entropy(&areas_m2, background_m2, total, LOG_BASE);
+        Ok(Self {
+            entropy: entropy(TotalArea::Visible),
+            object_entropy: entropy(TotalArea::Objects),
+            segments,
+            measured: measured(&image, &scene.workspace)?,
+            rays: thinned_rays(&image),
+            colors: Vec::new(),
+            visible_shares: image.visible_shares,
+        })
+    }
+
     /// Mean visible share of the objects.
     pub(super) fn visibility(&self) -> f64 {
         self.visible_shares.iter().sum::<f64>() / self.visible_shares.len().max(1) as f64
     }
 }
 
-/// Captures all views of a scene; `keeps_colors` for pictures.
+/// Captures all views of a simulated scene; `keeps_colors` for pictures.
 pub(super) fn capture_all(
-    scene: &BinScene,
+    bin: &SimulatedBin,
     keeps_colors: bool,
 ) -> Result<Vec<CapturedView>, Failure> {
-    let mut world = scene.world.clone();
+    let mut world = bin.world.clone();
     let mut kinect = SimulatedKinect::new(&world, CAMERA).map_err(Failure::general)?;
     let mut matcher = SegmentMatcher::default();
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
     let mut views = Vec::new();
-    for (number, mount) in scene.mounts.iter().enumerate() {
+    for (number, mount) in bin.mounts.iter().enumerate() {
         world.set_camera(*mount);
         let truth = kinect.look(&world, number as u64, &mut points);
         let truth = truth.map_err(Failure::general)?;
         let world_from_camera = world.world_from_camera();
-        let segments = matcher.find(scene, (&points, kinect.mask()), &world_from_camera, number)?;
-        let (areas_m2, background_m2) = true_areas(scene, &kinect, &world);
-        let entropy = |total| view_entropy(&areas_m2, background_m2, total, LOG_BASE);
-        let measured = measured(&points, &world_from_camera, &scene.workspace)?;
-        let color = |point: &Point| point.color.rgb();
-        views.push(CapturedView {
-            entropy: entropy(TotalArea::Visible),
-            object_entropy: entropy(TotalArea::Objects),
-            visible_shares: visible_shares(scene, &truth),
-            segments,
-            measured,
-            rays: thinned_rays(&points),
-            colors: if keeps_colors {
-                points.iter().flat_map(color).collect()
-            } else {
-                Vec::new()
-            },
-        });
+        let image = LabelledImage {
+            camera: CAMERA,
+            world_from_camera,
+            up_in_camera: Some(up_in_camera(&world_from_camera)),
+            points: &points,
+            depth_m: kinect.image().depth_m(),
+            mask: kinect.mask(),
+            visible_shares: visible_shares(&bin.scene, &truth),
+        };
+        let mut view = CapturedView::new(&bin.scene, image, number, &mut matcher)?;
+        if keeps_colors {
+            view.colors = points.iter().flat_map(|point| point.color.rgb()).collect();
+        }
+        views.push(view);
     }
     Ok(views)
 }
@@ -88,24 +123,24 @@ pub(super) fn up_in_camera(world_from_camera: &RigidTransform) -> Unit<Vector3<f
     Unit::new_normalize(world_from_camera.rotation.inverse() * Vector3::z())
 }
 
-/// Visible area of each object, and of all else in the workspace, square metres, from the image
-/// without the errors of the sensor.
-fn true_areas(scene: &BinScene, kinect: &SimulatedKinect, world: &World) -> (Vec<f64>, f64) {
-    let world_from_camera = world.world_from_camera();
+/// Visible area of each object, and of all else in the workspace, square metres, by the true
+/// depth.
+fn true_areas(scene: &BinScene, image: &LabelledImage<'_>) -> (Vec<f64>, f64) {
+    let camera = &image.camera;
     let mut areas_m2 = vec![0.0; scene.objects.len()];
     let mut background_m2 = 0.0;
-    let width = CAMERA.width as usize;
-    let pixels = kinect.image().depth_m().iter().zip(kinect.mask());
+    let width = camera.width as usize;
+    let pixels = image.depth_m.iter().zip(image.mask);
     for (pixel, (depth_m, id)) in pixels.enumerate() {
         let z = f64::from(*depth_m);
         if !z.is_finite() {
             continue;
         }
-        let place = CAMERA.back_project((pixel % width) as f64, (pixel / width) as f64, z);
-        if !scene.workspace.contains(&(world_from_camera * place)) {
+        let place = camera.back_project((pixel % width) as f64, (pixel / width) as f64, z);
+        if !scene.workspace.contains(&(image.world_from_camera * place)) {
             continue;
         }
-        let area_m2 = z * z / (CAMERA.fx_px * CAMERA.fy_px);
+        let area_m2 = z * z / (camera.fx_px * camera.fy_px);
         match scene.objects.iter().position(|object| object.id == *id) {
             Some(object) => areas_m2[object] += area_m2,
             None => background_m2 += area_m2,
@@ -127,13 +162,9 @@ fn visible_shares(scene: &BinScene, truth: &[ObjectTruth]) -> Vec<f64> {
 }
 
 /// Measured points in the workspace, world frame, thinned.
-fn measured(
-    points: &[Point],
-    world_from_camera: &RigidTransform,
-    workspace: &Workspace,
-) -> Result<Vec<[f32; 3]>, Failure> {
-    let finite = points.iter().filter(|point| point.is_finite());
-    let in_world = finite.map(|point| world_from_camera * point.position());
+fn measured(image: &LabelledImage<'_>, workspace: &Workspace) -> Result<Vec<[f32; 3]>, Failure> {
+    let finite = image.points.iter().filter(|point| point.is_finite());
+    let in_world = finite.map(|point| image.world_from_camera * point.position());
     let inside: Vec<[f32; 3]> = in_world
         .filter(|place| workspace.contains(place))
         .map(|place| place.cast::<f32>().into())
@@ -145,8 +176,11 @@ fn measured(
     Ok(thinned.map_err(Failure::general)?.points().to_vec())
 }
 
-fn thinned_rays(points: &[Point]) -> Vec<Point> {
-    let rows = points.chunks(CAMERA.width as usize).step_by(RAY_STRIDE);
+fn thinned_rays(image: &LabelledImage<'_>) -> Vec<Point> {
+    let rows = image
+        .points
+        .chunks(image.camera.width as usize)
+        .step_by(RAY_STRIDE);
     let rays = rows.flat_map(|row| row.iter().step_by(RAY_STRIDE));
     rays.filter(|point| point.is_finite()).copied().collect()
 }

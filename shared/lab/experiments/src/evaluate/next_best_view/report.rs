@@ -1,11 +1,12 @@
 //! Report of the next best view.
 
-use super::bin_scene::N_OBJECTS;
 use super::closed_loop::N_VIEWS_MAX;
 use super::entropy_prediction::{HypothesisSource, PredictionScore};
 use super::loop_method::Method;
 use super::method_report::{self, MethodReport};
 use super::scene_result::{SceneResult, ViewFigures};
+use super::simulated_bin::N_OBJECTS;
+use super::statistic_report::{KindReport, KindScenes};
 use crate::arguments::NextBestViewArguments;
 use next_best_view::Config;
 use serde::Serialize;
@@ -37,6 +38,8 @@ pub(super) struct NextBestViewReport {
     /// Mean number of views until 95 % of the objects were found, by the greedy choice.
     pub(super) views_to_95: f64,
     pub(super) predictions: BTreeMap<String, PredictionScore>,
+    /// Statistic of figure 8 of the paper, one entry for each kind of scene.
+    pub(super) published_statistic: Vec<KindReport>,
     pub(super) methods: BTreeMap<&'static str, MethodReport>,
     pub(super) scenes: Vec<SceneReport>,
 }
@@ -73,6 +76,7 @@ impl NextBestViewReport {
         arguments: &NextBestViewArguments,
         config: &Config,
         scenes: &[SceneResult],
+        twins: &[KindScenes],
     ) -> Self {
         let intervals = CorrelationIntervals::of(scenes, arguments.seed);
         let predictions = predictions(scenes);
@@ -99,6 +103,7 @@ impl NextBestViewReport {
                 .get(Method::Greedy.name())
                 .map_or(N_VIEWS_MAX as f64, |method| method.views_to_95),
             predictions,
+            published_statistic: twins.iter().map(KindReport::of).collect(),
             methods,
             scenes: scenes.iter().map(SceneReport::of).collect(),
         }

@@ -5,6 +5,7 @@ use super::entropy_prediction::HypothesisSource;
 use super::figures::{ENTROPY, LOOPS, PREDICTION};
 use super::loop_method::Method;
 use super::report::{NextBestViewReport, SceneReport, source_name};
+use super::statistic_report::{self, CAPTION, STATISTIC, STATISTIC_HEADS};
 use command_line::format_table;
 use plot::figure_page::{PageFigure, PageTable, html};
 use statistics::bootstrap::Estimate;
@@ -47,6 +48,11 @@ pub(super) fn text(report: &NextBestViewReport) -> String {
         String::new(),
         format_table(&SCENE_HEADS, &scene_rows(report)),
         String::new(),
+        format_table(
+            &STATISTIC_HEADS,
+            &statistic_report::rows(&report.published_statistic),
+        ),
+        String::new(),
     ];
     lines.extend(notes(report));
     lines.join("\n")
@@ -62,6 +68,11 @@ pub(super) fn page(report: &NextBestViewReport, pictures: &[String]) -> String {
             prediction_rows(report),
         ),
         PageTable::new("Scenes", &SCENE_HEADS, scene_rows(report)),
+        PageTable::new(
+            "Published statistic",
+            &STATISTIC_HEADS,
+            statistic_report::rows(&report.published_statistic),
+        ),
     ];
     let figure = |picture: &String| PageFigure {
         caption: caption(picture),
@@ -75,6 +86,7 @@ fn caption(picture: &str) -> String {
     match picture {
         ENTROPY => "Entropy, visibility and F1 of all views; one colour for each scene".to_owned(),
         PREDICTION => "Entropy predicted from the first view and its truth".to_owned(),
+        STATISTIC => CAPTION.to_owned(),
         LOOPS => "Objects found in the closed loop, by views and by travel".to_owned(),
         _ => format!("First views of a loop: {picture}"),
     }
@@ -150,7 +162,7 @@ fn notes(report: &NextBestViewReport) -> Vec<String> {
     } = report;
     let n_thrown = NextBestViewReport::n_thrown();
     let intervals = &report.intervals;
-    vec![
+    let mut notes = vec![
         format!(
             "{n_scenes} scenes of {n_thrown} models ({}) thrown into a bin, {n_views} views over \
              the upper hemisphere, {n_starts} first views for each method; seed {seed}",
@@ -174,5 +186,9 @@ fn notes(report: &NextBestViewReport) -> Vec<String> {
              {}, of the penalty near visited views {}, weight of the information gain {}",
             report.sigma_share, report.visited_share, report.gain_weight
         ),
-    ]
+    ];
+    if !report.published_statistic.is_empty() {
+        notes.extend(statistic_report::notes(&report.published_statistic));
+    }
+    notes
 }

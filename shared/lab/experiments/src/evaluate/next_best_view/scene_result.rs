@@ -5,6 +5,7 @@ use super::captured_view::{CapturedView, capture_all};
 use super::closed_loop::{self, LoopCourse, LoopScene};
 use super::entropy_prediction::{self, HypothesisSource, PredictedPairs, PredictionScore};
 use super::loop_method::Method;
+use super::simulated_bin::SimulatedBin;
 use super::view_pictures;
 use crate::arguments::NextBestViewArguments;
 use next_best_view::{Config, ViewPlanner};
@@ -44,6 +45,11 @@ pub(super) struct SceneResult {
     pub(super) pictures: Vec<(String, Vec<u8>)>,
 }
 
+/// Seed of the scene with a number.
+pub(super) fn scene_seed(seed: u64, number: usize) -> u64 {
+    seed.wrapping_mul(1_000_003).wrapping_add(number as u64)
+}
+
 /// Runs the scene with a number.
 pub(super) fn run(
     number: usize,
@@ -51,15 +57,12 @@ pub(super) fn run(
     config: &Config,
     library: &ModelLibrary,
 ) -> Result<SceneResult, Failure> {
-    let seed = arguments
-        .seed
-        .wrapping_mul(1_000_003)
-        .wrapping_add(number as u64);
-    let scene = BinScene::new(seed, arguments.views, library)?;
-    let views = capture_all(&scene, number == 0)?;
-    let (predictions, pairs) = predictions(&scene, &views, config, seed)?;
+    let seed = scene_seed(arguments.seed, number);
+    let bin = SimulatedBin::new(seed, arguments.views, library)?;
+    let (scene, views) = (&bin.scene, capture_all(&bin, number == 0)?);
+    let (predictions, pairs) = predictions(scene, &views, config, seed)?;
     let loop_scene = LoopScene {
-        scene: &scene,
+        scene,
         views: &views,
         config,
         seed,
@@ -74,7 +77,7 @@ pub(super) fn run(
         .into_iter()
         .filter(|&is| is)
         .count();
-    let figures = views.iter().zip(&scene.mounts);
+    let figures = views.iter().zip(&bin.mounts);
     let figures = figures.map(|(view, mount)| ViewFigures {
         entropy: view.entropy,
         object_entropy: view.object_entropy,

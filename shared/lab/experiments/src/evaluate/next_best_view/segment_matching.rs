@@ -1,11 +1,10 @@
 //! Segments of detection in a view, matched with the true objects.
 
 use super::bin_scene::BinScene;
-use super::captured_view::{CAMERA, up_in_camera};
+use super::captured_view::LabelledImage;
 use crate::frame_detector::FrameDetector;
-use geometry::RigidTransform;
 use nalgebra::Point3;
-use point_cloud::{OrganizedCloud, Point};
+use point_cloud::OrganizedCloud;
 use service::Failure;
 
 /// Intersection over union with the true pixels from which on a segment is the object.
@@ -47,36 +46,33 @@ pub(super) struct SegmentMatcher {
 }
 
 impl SegmentMatcher {
-    /// Detects the segments in a measured image and matches them by their true mask.
+    /// Detects the segments in a measured image and matches them by its true mask.
     pub(super) fn find(
         &mut self,
         scene: &BinScene,
-        (points, mask): (&[Point], &[u16]),
-        world_from_camera: &RigidTransform,
+        image: &LabelledImage<'_>,
         seed: usize,
     ) -> Result<MatchedSegments, Failure> {
-        let size = (CAMERA.width as usize, CAMERA.height as usize);
-        let cloud = OrganizedCloud::new(points, size.0, size.1).map_err(Failure::general)?;
-        let up_in_camera = Some(up_in_camera(world_from_camera));
-        let detection = self.detector.detect(cloud, up_in_camera, seed as u64);
+        let size = (image.camera.width as usize, image.camera.height as usize);
+        let cloud = OrganizedCloud::new(image.points, size.0, size.1).map_err(Failure::general)?;
+        let detection = self.detector.detect(cloud, image.up_in_camera, seed as u64);
         let mut found = MatchedSegments {
             is_detected: vec![false; scene.objects.len()],
             ..MatchedSegments::default()
         };
-        let n_visible = visible_pixels(scene, points, mask);
+        let n_visible = visible_pixels(scene, image);
         let candidates = detection.candidates.iter();
         for candidate in candidates.filter(|candidate| candidate.is_hypothesis()) {
             let indices = detection.points_of(candidate);
-            let in_world = |&index: &u32| world_from_camera * points[index as usize].position();
-            let places: Vec<Point3<f64>> = indices.iter().map(in_world).collect();
-            if is_furniture(scene, &places) {
+            if is_furniture(scene, image, indices) {
                 continue;
             }
             found.n_segments += 1;
-            if let Some(object) = matched_object(scene, indices, mask, &n_visible) {
+            if let Some(object) = matched_object(scene, indices, image.mask, &n_visible) {
                 found.is_detected[object] = true;
             } else {
-                let fragment = places.iter().map(|place| place.cast::<f32>().into());
+                let fragment = indices.iter().map(|&index| in_world(image, index));
+                let fragment = fragment.map(|place| place.cast::<f32>().into());
                 found.fragments.push(fragment.collect());
             }
         }
@@ -84,28 +80,42 @@ impl SegmentMatcher {
     }
 }
 
-/// `true` for a segment of the bin's walls or outside of the workspace.
-fn is_furniture(scene: &BinScene, places: &[Point3<f64>]) -> bool {
-    let is_other = |place: &&Point3<f64>| {
-        !scene.workspace.contains(place) || scene.workspace.is_at_wall(place)
+/// Measured place of a pixel, world frame, metres.
+fn in_world(image: &LabelledImage<'_>, index: u32) -> Point3<f64> {
+    image.world_from_camera * image.points[index as usize].position()
+}
+
+/// `true` for a segment of the bin's walls or outside of the workspace. Where the walls are not
+/// known, all that shows no object counts as bin.
+fn is_furniture(scene: &BinScene, image: &LabelledImage<'_>, indices: &[u32]) -> bool {
+    let is_object = |index: u32| {
+        let id = image.mask[index as usize];
+        scene.objects.iter().any(|object| object.id == id)
     };
-    let n_other = places.iter().filter(is_other).count();
-    n_other as f64 > MOST * places.len() as f64
+    let is_other = |&&index: &&u32| {
+        let place = in_world(image, index);
+        let is_bin = || {
+            scene
+                .workspace
+                .is_at_wall(&place)
+                .unwrap_or(!is_object(index))
+        };
+        !scene.workspace.contains(&place) || is_bin()
+    };
+    let n_other = indices.iter().filter(is_other).count();
+    n_other as f64 > MOST * indices.len() as f64
 }
 
 /// Number of pixels with depth of each object.
-fn visible_pixels(scene: &BinScene, points: &[Point], mask: &[u16]) -> Vec<usize> {
+fn visible_pixels(scene: &BinScene, image: &LabelledImage<'_>) -> Vec<usize> {
     let count = |id: u16| {
-        let pixels = mask.iter().zip(points);
+        let pixels = image.mask.iter().zip(image.points);
         pixels
             .filter(|(m, point)| **m == id && point.is_finite())
             .count()
     };
-    scene
-        .objects
-        .iter()
-        .map(|object| count(object.id))
-        .collect()
+    let ids = scene.objects.iter().map(|object| object.id);
+    ids.map(count).collect()
 }
 
 /// Object whose pixels a segment covers by an intersection over union of at least one half.

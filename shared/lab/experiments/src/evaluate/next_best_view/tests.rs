@@ -1,8 +1,8 @@
-use super::bin_scene::BinScene;
 use super::captured_view::capture_all;
 use super::closed_loop::LoopScene;
 use super::loop_method::Method;
 use super::object_hypotheses::{HypothesisNoise, ObjectHypotheses};
+use super::simulated_bin::SimulatedBin;
 use super::*;
 use nalgebra::Point3;
 use next_best_view::{RenderConfig, ViewPlanner, VirtualView};
@@ -17,6 +17,10 @@ fn arguments(out: PathBuf) -> NextBestViewArguments {
         sigma_share: 0.35,
         visited_share: 0.1,
         gain_weight: 1.0,
+        twin_scenes: 1,
+        twin_views: 12,
+        bop: None,
+        bop_models: None,
         seed: 3,
         out,
     }
@@ -64,21 +68,23 @@ fn report_holds_the_figures_of_a_small_run() {
 
 #[test]
 fn objects_lie_in_the_bin_and_exact_hypotheses_show_them() {
-    let scene = BinScene::new(5, 12, &ModelLibrary::generated()).unwrap();
+    let bin = SimulatedBin::new(5, 12, &ModelLibrary::generated()).unwrap();
+    let scene = &bin.scene;
     assert!(scene.objects.len() > 12, "{}", scene.objects.len());
-    assert_eq!((scene.cameras.len(), scene.mounts.len()), (12, 12));
+    assert_eq!((scene.cameras.len(), bin.mounts.len()), (12, 12));
     let is_inside = |point: &[f32; 3]| {
         let place = Point3::from(*point).cast::<f64>();
         (0..2).all(|axis| place[axis].abs() <= scene.workspace.greatest[axis] + 1e-3)
     };
     assert!(scene.furniture.iter().all(is_inside));
     let at_wall = Point3::new(0.214, 0.0, 0.80);
-    assert!(scene.workspace.is_at_wall(&at_wall));
-    assert!(!scene.workspace.is_at_wall(&Point3::new(0.1, 0.0, 0.80)));
+    assert_eq!(scene.workspace.is_at_wall(&at_wall), Some(true));
+    let inside = Point3::new(0.1, 0.0, 0.80);
+    assert_eq!(scene.workspace.is_at_wall(&inside), Some(false));
     // The entropy of a virtual view from above is near that of the rendered image.
-    let views = capture_all(&scene, false).unwrap();
-    let known = ObjectHypotheses::noisy(&scene, &HypothesisNoise::NONE, 1, |_| true);
-    let planned = known.planning_scene(&scene, &[]).unwrap();
+    let views = capture_all(&bin, false).unwrap();
+    let known = ObjectHypotheses::noisy(scene, &HypothesisNoise::NONE, 1, |_| true);
+    let planned = known.planning_scene(scene, &[]).unwrap();
     let mut view = VirtualView::default();
     view.render(&planned, &scene.cameras[10], &RenderConfig::default())
         .unwrap();
@@ -98,7 +104,7 @@ fn objects_lie_in_the_bin_and_exact_hypotheses_show_them() {
     // No method sees a view twice.
     let config = Config::default();
     let loop_scene = LoopScene {
-        scene: &scene,
+        scene,
         views: &views,
         config: &config,
         seed: 1,
@@ -116,10 +122,11 @@ fn objects_lie_in_the_bin_and_exact_hypotheses_show_them() {
 
 #[test]
 fn missing_objects_and_false_ones_follow_the_noise() {
-    let scene = BinScene::new(5, 2, &ModelLibrary::generated()).unwrap();
+    let bin = SimulatedBin::new(5, 2, &ModelLibrary::generated()).unwrap();
+    let scene = &bin.scene;
     let n_objects = |noise: &HypothesisNoise, seed| {
-        let known = ObjectHypotheses::noisy(&scene, noise, seed, |_| true);
-        known.planning_scene(&scene, &[]).unwrap().ids().len()
+        let known = ObjectHypotheses::noisy(scene, noise, seed, |_| true);
+        known.planning_scene(scene, &[]).unwrap().ids().len()
     };
     let n = scene.objects.len();
     assert_eq!(n_objects(&HypothesisNoise::POSES, 1), n);

@@ -1,0 +1,111 @@
+//! Generated twin of the bin-picking scenes (Doumanoglou et al. 2016) on which the paper measures
+//! its prediction: one model many times in a bin.
+
+use super::captured_view::capture_all;
+use super::published_statistic::{PaperFigures, SceneStatistic};
+use super::simulated_bin::{SimulatedBin, ViewLattice};
+use next_best_view::Config;
+use random::mix64;
+use service::Failure;
+use simulated_world::{ModelChoice, ModelLibrary, Scene, SceneKind};
+
+/// Least elevation of the cameras, degrees. Chosen: above it every camera looks into the bin over
+/// its nearer wall.
+const ELEVATION_MIN_DEG: f64 = 30.0;
+/// Number of throws after which no scene with all objects in the bin is expected. Chosen.
+const N_THROWS: u64 = 50;
+/// Instance of the generated model of all scenes. Chosen: the data set has one model of a kind.
+const INSTANCE: u64 = 1;
+
+/// Kind of bin-picking scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TwinKind {
+    /// 15 coffee cups.
+    CoffeeCups,
+    /// 5 juice boxes.
+    JuiceBoxes,
+}
+
+impl TwinKind {
+    /// Both kinds, in the order of the paper.
+    pub(super) const ALL: [Self; 2] = [Self::CoffeeCups, Self::JuiceBoxes];
+
+    /// Name in reports.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::CoffeeCups => "coffee-cups",
+            Self::JuiceBoxes => "juice-boxes",
+        }
+    }
+
+    /// Number of objects of a scene.
+    pub(super) fn n_objects(self) -> usize {
+        match self {
+            Self::CoffeeCups => 15,
+            Self::JuiceBoxes => 5,
+        }
+    }
+
+    /// Figures of the paper for the kind.
+    pub(super) fn paper(self) -> PaperFigures {
+        match self {
+            Self::CoffeeCups => PaperFigures {
+                sd: 0.105,
+                mse: 5.22,
+            },
+            Self::JuiceBoxes => PaperFigures {
+                sd: 0.067,
+                mse: 3.95,
+            },
+        }
+    }
+
+    /// Model of the objects: a mug of 9 cm, and a carton of a quarter litre with a straw.
+    fn model(self) -> ModelChoice {
+        let category = match self {
+            Self::CoffeeCups => "mug",
+            Self::JuiceBoxes => "juice-box",
+        };
+        ModelChoice::Generated {
+            category: category.to_owned(),
+            instance: INSTANCE,
+        }
+    }
+}
+
+/// Throws the objects of a kind until all of them rest in the bin.
+pub(super) fn thrown(kind: TwinKind, seed: u64, n_views: u32) -> Result<SimulatedBin, Failure> {
+    let views = ViewLattice {
+        n_views,
+        elevation_min_deg: ELEVATION_MIN_DEG,
+    };
+    for throw in 0..N_THROWS {
+        let (seed, mut library) = (mix64(seed ^ mix64(throw)), ModelLibrary::generated());
+        let scene = Scene::generate(SceneKind::Bin, kind.n_objects(), seed, &mut library);
+        let mut scene = scene.map_err(Failure::general)?;
+        for object in &mut scene.objects {
+            object.model = kind.model();
+        }
+        let bin = SimulatedBin::of_scene(scene, views, library)?;
+        if bin.scene.objects.len() == kind.n_objects() {
+            return Ok(bin);
+        }
+    }
+    Err(Failure::general(format!(
+        "in {N_THROWS} throws of {} {} some always fell beside the bin; choose another --seed",
+        kind.n_objects(),
+        kind.name()
+    )))
+}
+
+/// Statistic of one scene of a kind.
+pub(super) fn run(
+    kind: TwinKind,
+    seed: u64,
+    n_views: u32,
+    config: &Config,
+) -> Result<SceneStatistic, Failure> {
+    let bin = thrown(kind, seed, n_views)?;
+    let views = capture_all(&bin, false)?;
+    SceneStatistic::of(&bin.scene, &views, config, seed)
+}

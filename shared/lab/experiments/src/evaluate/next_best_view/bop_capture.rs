@@ -1,0 +1,136 @@
+//! Views of a BOP scene with its objects and their surroundings.
+
+use super::bin_scene::{BinObject, BinScene, FURNITURE_SPACING_M, Workspace};
+use super::bop_frame::BopFrame;
+use super::bop_world::BopWorld;
+use super::captured_view::{CapturedView, LabelledImage};
+use super::filled_depth;
+use super::segment_matching::SegmentMatcher;
+use dataset::bop_scene::{BopScene, open_model};
+use mesh::{Surface, Triangle, TriangleMesh, Vertex};
+use nalgebra::{Point3, Vector3};
+use next_best_view::SurfaceModel;
+use point_cloud::Point;
+use service::Failure;
+use std::path::Path;
+
+/// Least number of images: one to see from, and one to predict.
+const N_IMAGES_MIN: usize = 2;
+
+/// Scene of the next best view with its views.
+#[derive(Debug)]
+pub(super) struct BopCapture {
+    pub(super) scene: BinScene,
+    pub(super) views: Vec<CapturedView>,
+}
+
+impl BopCapture {
+    /// Reads a scene with the models of its objects.
+    ///
+    /// # Errors
+    /// A file that is missing or not as in the format, fewer than two images, no objects, or
+    /// cameras whose poses nothing tells.
+    pub(super) fn read(folder: &Path, models: &Path) -> Result<Self, Failure> {
+        let bop = BopScene::open(folder).map_err(Failure::usage)?;
+        let shown = folder.display();
+        if bop.images().len() < N_IMAGES_MIN {
+            return Err(Failure::usage(format!(
+                "the BOP scene {shown} has one image; the entropy of a view is predicted from \
+                 another one, so give a scene of at least {N_IMAGES_MIN} images"
+            )));
+        }
+        let world = BopWorld::of(bop.images()).map_err(|image| {
+            Failure::usage(format!(
+                "the pose of the camera of image {image} of the BOP scene {shown} is not known: \
+                 scene_camera.json does not give cam_R_w2c and cam_t_w2c for all images, and the \
+                 image has no object in common with the others that tells the pose; add the poses, \
+                 or remove the image from scene_camera.json and scene_gt.json"
+            ))
+        })?;
+        if world.objects.is_empty() {
+            return Err(Failure::usage(format!(
+                "scene_gt.json of the BOP scene {shown} lists no objects; give a scene with ground \
+                 truth"
+            )));
+        }
+        let frames = (0..bop.images().len()).map(|index| BopFrame::read(&bop, &world, index));
+        let frames = frames.collect::<Result<Vec<_>, _>>()?;
+        let scene = scene(&world, &frames, models)?;
+        let mut matcher = SegmentMatcher::default();
+        let views = frames.into_iter().enumerate();
+        let views = views.map(|(number, frame)| view(&scene, frame, number, &mut matcher));
+        Ok(Self {
+            views: views.collect::<Result<_, _>>()?,
+            scene,
+        })
+    }
+}
+
+/// Scene of the objects, and of what else the cameras saw around them.
+fn scene(world: &BopWorld, frames: &[BopFrame], models: &Path) -> Result<BinScene, Failure> {
+    let mut meshes: Vec<(u32, TriangleMesh)> = Vec::new();
+    let mut objects = Vec::new();
+    for (object, id) in world.objects.iter().zip(1..) {
+        if !meshes.iter().any(|(model, _)| *model == object.model) {
+            let mesh = open_model(models, object.model).map_err(Failure::usage)?;
+            meshes.push((object.model, triangle_mesh(&mesh)));
+        }
+        for (_, mesh) in meshes.iter().filter(|(model, _)| *model == object.model) {
+            objects.push(BinObject::new(id, mesh, object.world_from_object)?);
+        }
+    }
+    let workspace = Workspace::around_objects(&objects);
+    let surroundings: Vec<[f32; 3]> = frames
+        .iter()
+        .flat_map(|frame| frame.surroundings(&workspace))
+        .collect();
+    let furniture = if surroundings.is_empty() {
+        surroundings
+    } else {
+        let thinned = SurfaceModel::of_points(&surroundings, FURNITURE_SPACING_M);
+        thinned.map_err(Failure::general)?.points().to_vec()
+    };
+    Ok(BinScene {
+        objects,
+        workspace,
+        furniture,
+        cameras: world.world_from_cameras.clone(),
+    })
+}
+
+fn triangle_mesh(read: &dataset::mesh::Mesh) -> TriangleMesh {
+    let vertex = |point: &Point| Vertex {
+        position: Point3::new(point.x, point.y, point.z),
+        normal: Vector3::z(),
+        color: point.color.rgb(),
+    };
+    let triangle = |&vertices: &[u32; 3]| Triangle {
+        vertices,
+        surface: 0,
+    };
+    TriangleMesh {
+        vertices: read.vertices.iter().map(vertex).collect(),
+        triangles: read.triangles.iter().map(triangle).collect(),
+        surfaces: vec![Surface::MATTE],
+    }
+}
+
+fn view(
+    scene: &BinScene,
+    frame: BopFrame,
+    number: usize,
+    matcher: &mut SegmentMatcher,
+) -> Result<CapturedView, Failure> {
+    let depth_m = filled_depth::filled(&frame.points, &frame.mask, frame.camera.width as usize);
+    let image = LabelledImage {
+        camera: frame.camera,
+        world_from_camera: frame.world_from_camera,
+        // The axes of the world are arbitrary.
+        up_in_camera: None,
+        points: &frame.points,
+        depth_m: &depth_m,
+        mask: &frame.mask,
+        visible_shares: frame.visible_shares,
+    };
+    CapturedView::new(scene, image, number, matcher)
+}

@@ -1,0 +1,144 @@
+//! Simulated bin: objects thrown into a bin until they rest, and cameras around it.
+
+use super::bin_scene::{BinObject, BinScene, DEPTH_M, FURNITURE_SPACING_M, MARGIN_M, Workspace};
+use nalgebra::Point3;
+use next_best_view::SurfaceModel;
+use service::Failure;
+use simulated_world::{Bin, CameraMount, ModelLibrary, ObjectState, Scene, SceneKind, World};
+
+/// Number of objects of a scene (Kasaei et al. 2018).
+pub(super) const N_OBJECTS: usize = 20;
+/// Distance of the cameras from the middle of the bin, metres. Chosen: the bin fills the image of
+/// a Kinect.
+const CAMERA_DISTANCE_M: f64 = 0.9;
+/// Height of the point that the cameras look at, above the table, metres. Chosen.
+const LOOK_AT_M: f64 = 0.07;
+/// Height of the workspace above the table, metres. Chosen: above every heap.
+const HEIGHT_M: f64 = 0.40;
+/// Thickness of the bin's walls, metres, as in the simulation.
+const WALL_M: f64 = 0.008;
+/// Golden angle of the Fibonacci lattice, degrees.
+const GOLDEN_ANGLE_DEG: f64 = 137.507_764;
+
+/// Camera places around the bin.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ViewLattice {
+    pub(super) n_views: u32,
+    /// Least elevation of a camera, degrees; 0 for the upper hemisphere.
+    pub(super) elevation_min_deg: f64,
+}
+
+/// Bin in the simulation with its scene.
+#[derive(Debug)]
+pub(super) struct SimulatedBin {
+    pub(super) world: World,
+    pub(super) mounts: Vec<CameraMount>,
+    pub(super) scene: BinScene,
+}
+
+impl SimulatedBin {
+    /// Throws different objects into the bin and waits until they rest; cameras are on the upper
+    /// hemisphere.
+    pub(super) fn new(seed: u64, n_views: u32, library: &ModelLibrary) -> Result<Self, Failure> {
+        let mut library = library.clone();
+        let scene = Scene::generate(SceneKind::Bin, N_OBJECTS, seed, &mut library);
+        let views = ViewLattice {
+            n_views,
+            elevation_min_deg: 0.0,
+        };
+        Self::of_scene(scene.map_err(Failure::general)?, views, library)
+    }
+
+    /// Lets the objects of a scene come to rest. Objects that ended up outside of the workspace
+    /// are left out.
+    pub(super) fn of_scene(
+        scene: Scene,
+        views: ViewLattice,
+        library: ModelLibrary,
+    ) -> Result<Self, Failure> {
+        let world = World::new(scene, library).map_err(Failure::general)?;
+        let bin = world.scene().bin.unwrap_or_default();
+        let workspace = workspace(world.scene(), bin);
+        let mut objects = Vec::new();
+        for object in world.objects() {
+            let place = object.world_from_object.translation.vector.into();
+            if object.state != ObjectState::OnFloor && workspace.contains(&place) {
+                let (mesh, pose) = (&object.model.mesh, object.world_from_object);
+                objects.push(BinObject::new(object.id, mesh, pose)?);
+            }
+        }
+        let mounts = mounts(views, world.scene().table.height_m);
+        let poses = mounts.iter().map(|mount| mount.world_from_camera(0.0));
+        let scene = BinScene {
+            objects,
+            furniture: furniture(&workspace, bin)?,
+            workspace,
+            cameras: poses.collect(),
+        };
+        Ok(Self {
+            world,
+            mounts,
+            scene,
+        })
+    }
+}
+
+fn workspace(scene: &Scene, bin: Bin) -> Workspace {
+    let [x, y] = [0, 1].map(|axis| bin.inner_size_m[axis] / 2.0 + MARGIN_M);
+    let table_m = scene.table.height_m;
+    let least = Point3::new(-x, -y, table_m - DEPTH_M);
+    let greatest = Point3::new(x, y, table_m + HEIGHT_M);
+    Workspace::around_bin(least, greatest, bin)
+}
+
+/// Surface of the furniture, of which a robot knows where it is: the table in the workspace, and
+/// the bin.
+fn furniture(workspace: &Workspace, bin: Bin) -> Result<Vec<[f32; 3]>, Failure> {
+    let (least, greatest) = (workspace.least, workspace.greatest);
+    let table_m = least.z + DEPTH_M;
+    let table = [
+        [least.x, least.y, table_m - WALL_M],
+        [greatest.x, greatest.y, table_m],
+    ];
+    let mut points = Vec::new();
+    for [low, high] in std::iter::once(table).chain(walls(workspace, bin)) {
+        let sides: [f64; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
+        let mesh = mesh::rounded_box(sides.map(|side| side as f32), 0.0005, 1.0).mesh;
+        let model = SurfaceModel::of_mesh(&mesh, FURNITURE_SPACING_M).map_err(Failure::general)?;
+        let middle: [f64; 3] = std::array::from_fn(|axis| low[axis].midpoint(high[axis]));
+        points.extend(model.points().iter().map(|point| {
+            let place: [f32; 3] = std::array::from_fn(|axis| point[axis] + middle[axis] as f32);
+            place
+        }));
+    }
+    Ok(points)
+}
+
+/// Walls of the bin: least and greatest corners, world frame, metres.
+fn walls(workspace: &Workspace, bin: Bin) -> [[[f64; 3]; 2]; 4] {
+    let [x, y, height_m] = bin.inner_size_m;
+    let (x, y) = (x / 2.0, y / 2.0);
+    let low = workspace.least.z + DEPTH_M;
+    let high = low + height_m;
+    [
+        [[-x - WALL_M, -y - WALL_M, low], [-x, y + WALL_M, high]],
+        [[x, -y - WALL_M, low], [x + WALL_M, y + WALL_M, high]],
+        [[-x, -y - WALL_M, low], [x, -y, high]],
+        [[-x, y, low], [x, y + WALL_M, high]],
+    ]
+}
+
+/// Cameras on a Fibonacci lattice over the sphere around the middle of the bin, evenly from the
+/// least elevation to the zenith.
+fn mounts(views: ViewLattice, table_m: f64) -> Vec<CameraMount> {
+    let least = views.elevation_min_deg.to_radians().sin();
+    let share = |i: u32| (f64::from(i) + 0.5) / f64::from(views.n_views);
+    let mount = |i: u32| CameraMount {
+        look_at_m: [0.0, 0.0, table_m + LOOK_AT_M],
+        distance_m: CAMERA_DISTANCE_M,
+        elevation_deg: (least + (1.0 - least) * share(i)).asin().to_degrees(),
+        azimuth_deg: (f64::from(i) * GOLDEN_ANGLE_DEG).rem_euclid(360.0),
+        orbit_deg_s: 0.0,
+    };
+    (0..views.n_views).map(mount).collect()
+}
