@@ -109,3 +109,34 @@ pub(super) fn run(
     let views = capture_all(&bin, false)?;
     SceneStatistic::of(&bin.scene, &views, config, seed)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twin_has_all_objects_of_one_model_and_is_the_same_for_a_seed() {
+        for kind in TwinKind::ALL {
+            let bin = thrown(kind, 1001, 59).unwrap();
+            let objects = bin.world.objects();
+            assert_eq!(bin.scene.objects.len(), kind.n_objects());
+            assert!(
+                objects
+                    .iter()
+                    .all(|object| object.model.name == objects[0].model.name)
+            );
+            assert_eq!(bin.scene.cameras.len(), 59);
+            let is_above = bin
+                .mounts
+                .iter()
+                .all(|mount| mount.elevation_deg > ELEVATION_MIN_DEG);
+            assert!(is_above && bin.mounts.iter().any(|mount| mount.elevation_deg > 80.0));
+            let poses = |bin: &SimulatedBin| -> Vec<_> {
+                let objects = bin.scene.objects.iter();
+                objects.map(|object| object.world_from_object).collect()
+            };
+            assert_eq!(poses(&bin), poses(&thrown(kind, 1001, 59).unwrap()));
+            assert_ne!(poses(&bin), poses(&thrown(kind, 1002, 59).unwrap()));
+        }
+    }
+}

@@ -2,7 +2,7 @@
 //! cameras.
 
 use geometry::RigidTransform;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3, center};
 use next_best_view::SurfaceModel;
 use service::Failure;
 use simulated_world::Bin;
@@ -50,11 +50,8 @@ impl Workspace {
 
     /// Ball around the middle of the objects that holds their surfaces and a margin.
     pub(super) fn around_objects(objects: &[BinObject]) -> Self {
-        let origins = objects.iter().map(|object| object.origin());
-        let middle = origins
-            .map(|origin| origin.coords)
-            .sum::<nalgebra::Vector3<f64>>()
-            / objects.len().max(1) as f64;
+        let origins = objects.iter().map(|object| object.origin().coords);
+        let middle = origins.sum::<Vector3<f64>>() / objects.len().max(1) as f64;
         let places = objects.iter().flat_map(|object| {
             let points = object.coarse.points().iter();
             points.map(|point| object.world_from_object * Point3::from(*point).cast::<f64>())
@@ -75,7 +72,7 @@ impl Workspace {
                 (0..3).all(|axis| (self.least[axis]..self.greatest[axis]).contains(&in_world[axis]))
             }
             WorkspaceShape::Ball => {
-                let middle = nalgebra::center(&self.least, &self.greatest);
+                let middle = center(&self.least, &self.greatest);
                 (in_world - middle).norm() < (self.greatest.x - self.least.x) / 2.0
             }
         }

@@ -6,7 +6,7 @@ use super::bop_world::BopWorld;
 use super::captured_view::{CapturedView, LabelledImage};
 use super::filled_depth;
 use super::segment_matching::SegmentMatcher;
-use dataset::bop_scene::{BopScene, open_model};
+use dataset::bop_scene::{BopObject, BopScene, open_model};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
 use nalgebra::{Point3, Vector3};
 use next_best_view::SurfaceModel;
@@ -28,8 +28,8 @@ impl BopCapture {
     /// Reads a scene with the models of its objects.
     ///
     /// # Errors
-    /// A file that is missing or not as in the format, fewer than two images, no objects, or
-    /// cameras whose poses nothing tells.
+    /// A file that is missing or not as in the format, fewer than two images, no objects, no
+    /// visible shares, or cameras whose poses nothing tells.
     pub(super) fn read(folder: &Path, models: &Path) -> Result<Self, Failure> {
         let bop = BopScene::open(folder).map_err(Failure::usage)?;
         let shown = folder.display();
@@ -53,12 +53,13 @@ impl BopCapture {
                  truth"
             )));
         }
-        let frames = (0..bop.images().len()).map(|index| BopFrame::read(&bop, &world, index));
-        let frames = frames.collect::<Result<Vec<_>, _>>()?;
-        let scene = scene(&world, &frames, models)?;
+        check_visible_shares(&bop)?;
+        let scene = scene(&bop, &world, models)?;
         let mut matcher = SegmentMatcher::default();
-        let views = frames.into_iter().enumerate();
-        let views = views.map(|(number, frame)| view(&scene, frame, number, &mut matcher));
+        let views = (0..bop.images().len()).map(|number| {
+            let frame = BopFrame::read(&bop, &world, number)?;
+            view(&scene, frame, number, &mut matcher)
+        });
         Ok(Self {
             views: views.collect::<Result<_, _>>()?,
             scene,
@@ -66,8 +67,23 @@ impl BopCapture {
     }
 }
 
+/// Checks that the visible shares of all objects are known.
+fn check_visible_shares(bop: &BopScene) -> Result<(), Failure> {
+    let is_lacking = |object: &BopObject| object.visible_share.is_none();
+    let mut images = bop.images().iter();
+    match images.find(|image| image.objects.iter().any(is_lacking)) {
+        Some(image) => Err(Failure::usage(format!(
+            "the visible shares of image {} of the BOP scene {} are missing; make \
+             scene_gt_info.json with the script calc_gt_info.py of the BOP toolkit",
+            image.number,
+            bop.folder().display()
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// Scene of the objects, and of what else the cameras saw around them.
-fn scene(world: &BopWorld, frames: &[BopFrame], models: &Path) -> Result<BinScene, Failure> {
+fn scene(bop: &BopScene, world: &BopWorld, models: &Path) -> Result<BinScene, Failure> {
     let mut meshes: Vec<(u32, TriangleMesh)> = Vec::new();
     let mut objects = Vec::new();
     for (object, id) in world.objects.iter().zip(1..) {
@@ -80,22 +96,25 @@ fn scene(world: &BopWorld, frames: &[BopFrame], models: &Path) -> Result<BinScen
         }
     }
     let workspace = Workspace::around_objects(&objects);
-    let surroundings: Vec<[f32; 3]> = frames
-        .iter()
-        .flat_map(|frame| frame.surroundings(&workspace))
-        .collect();
-    let furniture = if surroundings.is_empty() {
-        surroundings
-    } else {
-        let thinned = SurfaceModel::of_points(&surroundings, FURNITURE_SPACING_M);
-        thinned.map_err(Failure::general)?.points().to_vec()
-    };
+    let mut surroundings = Vec::new();
+    for index in 0..bop.images().len() {
+        let frame = BopFrame::read(bop, world, index)?;
+        surroundings.extend(thinned(&frame.surroundings(&workspace))?);
+    }
     Ok(BinScene {
         objects,
         workspace,
-        furniture,
+        furniture: thinned(&surroundings)?,
         cameras: world.world_from_cameras.clone(),
     })
+}
+
+fn thinned(points: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Failure> {
+    if points.is_empty() {
+        return Ok(Vec::new());
+    }
+    let model = SurfaceModel::of_points(points, FURNITURE_SPACING_M);
+    Ok(model.map_err(Failure::general)?.points().to_vec())
 }
 
 fn triangle_mesh(read: &dataset::mesh::Mesh) -> TriangleMesh {

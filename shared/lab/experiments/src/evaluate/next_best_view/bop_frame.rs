@@ -27,7 +27,7 @@ impl BopFrame {
     /// Reads the pixels of an image by its index.
     ///
     /// # Errors
-    /// A file that is missing, damaged or of another size, or visible shares that are missing.
+    /// A file that is missing, damaged or of another size.
     pub(super) fn read(bop: &BopScene, world: &BopWorld, index: usize) -> Result<Self, Failure> {
         let image = &bop.images()[index];
         let (mut depth_m, mut colors) = (Vec::new(), Vec::new());
@@ -49,7 +49,7 @@ impl BopFrame {
         Ok(Self {
             points: points(&camera, &depth_m, &colors),
             mask: mask(bop, world, index, &camera)?,
-            visible_shares: visible_shares(bop, world, index)?,
+            visible_shares: visible_shares(bop, world, index),
             world_from_camera: world.world_from_cameras[index],
             camera,
         })
@@ -136,18 +136,11 @@ fn check_size(
 }
 
 /// Visible share of each object of the world; 0 for one that the image does not list.
-fn visible_shares(bop: &BopScene, world: &BopWorld, index: usize) -> Result<Vec<f64>, Failure> {
-    let image = &bop.images()[index];
+fn visible_shares(bop: &BopScene, world: &BopWorld, index: usize) -> Vec<f64> {
+    let seen = bop.images()[index].objects.iter();
     let mut shares = vec![0.0; world.objects.len()];
-    for (seen, object) in image.objects.iter().zip(&world.objects_of_images[index]) {
-        shares[*object] = seen.visible_share.ok_or_else(|| {
-            Failure::usage(format!(
-                "the visible shares of image {} of the BOP scene {} are missing; make \
-                 scene_gt_info.json with the script calc_gt_info.py of the BOP toolkit",
-                image.number,
-                bop.folder().display()
-            ))
-        })?;
+    for (seen, object) in seen.zip(&world.objects_of_images[index]) {
+        shares[*object] = seen.visible_share.unwrap_or_default();
     }
-    Ok(shares)
+    shares
 }

@@ -74,3 +74,8 @@ fn notes(report: &BopReport) -> Vec<String> {
     notes.extend(statistic_report::notes(&report.published_statistic));
     notes
 }
+
+#[cfg(test)]
+mod scene_writer;
+#[cfg(test)]
+mod tests;

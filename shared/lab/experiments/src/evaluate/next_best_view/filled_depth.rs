@@ -90,7 +90,8 @@ mod tests {
         ]);
         let mask = [0, 0, 2, 2, 2, 0, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0];
         let filled = filled(&seen, &mask, 8);
-        let object_m = ((0.36_f32 + 0.64) / 2.0).sqrt();
+        // Root of the mean of 0.36 and 0.64.
+        let object_m = 0.5_f32.sqrt();
         let row = [1.5, 1.5, 0.6, object_m, 0.8, 1.5, 1.5, 1.2];
         for (found, expected) in filled.iter().zip(row) {
             assert!((found - expected).abs() < 1e-6, "{filled:?}");

@@ -60,7 +60,7 @@ pub(super) fn text(report: &NextBestViewReport) -> String {
 
 /// HTML page with the tables, the figures and the pictures.
 pub(super) fn page(report: &NextBestViewReport, pictures: &[String]) -> String {
-    let tables = [
+    let mut tables = vec![
         PageTable::new("Closed loops", &METHOD_HEADS, method_rows(report)),
         PageTable::new(
             "Predicted entropy",
@@ -68,12 +68,15 @@ pub(super) fn page(report: &NextBestViewReport, pictures: &[String]) -> String {
             prediction_rows(report),
         ),
         PageTable::new("Scenes", &SCENE_HEADS, scene_rows(report)),
-        PageTable::new(
+    ];
+    let statistic = statistic_report::rows(&report.published_statistic);
+    if !statistic.is_empty() {
+        tables.push(PageTable::new(
             "Published statistic",
             &STATISTIC_HEADS,
-            statistic_report::rows(&report.published_statistic),
-        ),
-    ];
+            statistic,
+        ));
+    }
     let figure = |picture: &String| PageFigure {
         caption: caption(picture),
         picture: picture.clone(),

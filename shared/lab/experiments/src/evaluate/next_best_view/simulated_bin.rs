@@ -93,7 +93,7 @@ fn workspace(scene: &Scene, bin: Bin) -> Workspace {
 
 /// Surface of the furniture, of which a robot knows where it is: the table in the workspace, and
 /// the bin.
-fn furniture(workspace: &Workspace, bin: Bin) -> Result<Vec<[f32; 3]>, Failure> {
+pub(super) fn furniture(workspace: &Workspace, bin: Bin) -> Result<Vec<[f32; 3]>, Failure> {
     let (least, greatest) = (workspace.least, workspace.greatest);
     let table_m = least.z + DEPTH_M;
     let table = [

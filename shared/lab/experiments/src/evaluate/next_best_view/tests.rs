@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use next_best_view::{RenderConfig, ViewPlanner, VirtualView};
 use std::path::PathBuf;
 
-fn arguments(out: PathBuf) -> NextBestViewArguments {
+pub(super) fn arguments(out: PathBuf) -> NextBestViewArguments {
     NextBestViewArguments {
         scenes: 1,
         views: 6,
@@ -56,8 +56,29 @@ fn report_holds_the_figures_of_a_small_run() {
     }
     let exact = report["predictions"]["truth"]["mae"].as_f64().unwrap();
     assert!(exact < 0.25, "{exact}");
+    let kinds = report["published_statistic"].as_array().unwrap();
+    for (entry, (kind, n_objects)) in kinds.iter().zip([("coffee-cups", 15), ("juice-boxes", 5)]) {
+        assert_eq!(
+            (&entry["kind"], &entry["n_objects"]),
+            (&kind.into(), &n_objects.into())
+        );
+        for (source, figures) in entry["sources"].as_object().unwrap() {
+            let figure = |key: &str| figures[key].as_f64().unwrap();
+            // The ten best of eleven predictions are better than all.
+            assert!(
+                figure("best_ten_mse").sqrt() < figure("rmse"),
+                "{source} {figures}"
+            );
+            assert!(
+                figure("best_ten_sd") > 0.0
+                    && figure("rmse") < entry["entropy_max"].as_f64().unwrap()
+            );
+        }
+    }
+    assert_eq!(kinds.len(), 2);
     for file in [
         "index.html",
+        statistic_report::STATISTIC,
         figures::ENTROPY,
         figures::PREDICTION,
         figures::LOOPS,
