@@ -55,6 +55,9 @@ pub struct NextBestViewArguments {
     /// Folder of the models of the BOP scene
     #[arg(long, value_name = "DIR", requires = "bop")]
     pub(crate) bop_models: Option<PathBuf>,
+    /// Other heaps of the same objects, of 24 views each, in which their names are taught
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub(crate) lesson_heaps: u32,
     /// Random seed; the same seed gives the same figures
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,

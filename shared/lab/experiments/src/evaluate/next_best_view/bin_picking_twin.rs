@@ -2,6 +2,7 @@
 //! its prediction: one model many times in a bin.
 
 use super::captured_view::capture_all;
+use super::known_objects::KnownObjects;
 use super::published_statistic::{PaperFigures, SceneStatistic};
 use super::simulated_bin::{SimulatedBin, ViewLattice};
 use next_best_view::Config;
@@ -106,7 +107,8 @@ pub(super) fn run(
     config: &Config,
 ) -> Result<SceneStatistic, Failure> {
     let bin = thrown(kind, seed, n_views)?;
-    let views = capture_all(&bin, false)?;
+    let known = KnownObjects::new(&bin.scene, None)?;
+    let views = capture_all(&bin, Some(&known), false)?;
     SceneStatistic::of(&bin.scene, &views, config, seed)
 }
 

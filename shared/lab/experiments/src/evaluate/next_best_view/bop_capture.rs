@@ -5,6 +5,7 @@ use super::bop_frame::BopFrame;
 use super::bop_world::BopWorld;
 use super::captured_view::{CapturedView, LabelledImage};
 use super::filled_depth;
+use super::known_objects::KnownObjects;
 use super::segment_matching::SegmentMatcher;
 use dataset::bop_scene::{BopObject, BopScene, open_model};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
@@ -55,10 +56,11 @@ impl BopCapture {
         }
         check_visible_shares(&bop)?;
         let scene = scene(&bop, &world, models)?;
+        let known = KnownObjects::new(&scene, None)?;
         let mut matcher = SegmentMatcher::default();
         let views = (0..bop.images().len()).map(|number| {
             let frame = BopFrame::read(&bop, &world, number)?;
-            view(&scene, frame, number, &mut matcher)
+            view(&scene, frame, number, (&mut matcher, &known))
         });
         Ok(Self {
             views: views.collect::<Result<_, _>>()?,
@@ -138,7 +140,7 @@ fn view(
     scene: &BinScene,
     frame: BopFrame,
     number: usize,
-    matcher: &mut SegmentMatcher,
+    (matcher, known): (&mut SegmentMatcher, &KnownObjects),
 ) -> Result<CapturedView, Failure> {
     let depth_m = filled_depth::filled(&frame.points, &frame.mask, frame.camera.width as usize);
     let image = LabelledImage {
@@ -151,5 +153,5 @@ fn view(
         mask: &frame.mask,
         visible_shares: frame.visible_shares,
     };
-    CapturedView::new(scene, image, number, matcher)
+    CapturedView::new(scene, image, number, (matcher, Some(known)))
 }

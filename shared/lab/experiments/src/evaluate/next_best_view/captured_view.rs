@@ -2,6 +2,7 @@
 //! in them.
 
 use super::bin_scene::{BinScene, Workspace};
+use super::known_objects::KnownObjects;
 use super::segment_matching::{MatchedSegments, SegmentMatcher};
 use super::simulated_bin::SimulatedBin;
 use geometry::{PinholeCamera, RigidTransform};
@@ -24,6 +25,7 @@ const RAY_STRIDE: usize = 4;
 /// View of a scene from one camera.
 #[derive(Debug)]
 pub(super) struct CapturedView {
+    pub(super) world_from_camera: RigidTransform,
     /// Entropy of the true visible areas over all visible area of the workspace, bit.
     pub(super) entropy: f64,
     /// The same over the area of the objects alone.
@@ -58,17 +60,22 @@ pub(super) struct LabelledImage<'a> {
 }
 
 impl CapturedView {
-    /// View of an image; the number selects the draws of detection.
+    /// View of an image, in which known objects are identified; the number selects the draws of
+    /// detection.
     pub(super) fn new(
         scene: &BinScene,
         image: LabelledImage<'_>,
         number: usize,
-        matcher: &mut SegmentMatcher,
+        (matcher, known): (&mut SegmentMatcher, Option<&KnownObjects>),
     ) -> Result<Self, Failure> {
-        let segments = matcher.find(scene, &image, number)?;
+        let mut segments = matcher.find(scene, &image, number)?;
+        if let Some(known) = known {
+            known.identify(scene, &image, &mut segments);
+        }
         let (areas_m2, background_m2) = true_areas(scene, &image);
         let entropy = |total| view_entropy(&areas_m2, background_m2, total, LOG_BASE);
         Ok(Self {
+            world_from_camera: image.world_from_camera,
             entropy: entropy(TotalArea::Visible),
             object_entropy: entropy(TotalArea::Objects),
             segments,
@@ -85,9 +92,11 @@ impl CapturedView {
     }
 }
 
-/// Captures all views of a simulated scene; `keeps_colors` for pictures.
+/// Captures all views of a simulated scene, in which known objects are identified;
+/// `keeps_colors` for pictures.
 pub(super) fn capture_all(
     bin: &SimulatedBin,
+    known: Option<&KnownObjects>,
     keeps_colors: bool,
 ) -> Result<Vec<CapturedView>, Failure> {
     let mut world = bin.world.clone();
@@ -109,7 +118,7 @@ pub(super) fn capture_all(
             mask: kinect.mask(),
             visible_shares: visible_shares(&bin.scene, &truth),
         };
-        let mut view = CapturedView::new(&bin.scene, image, number, &mut matcher)?;
+        let mut view = CapturedView::new(&bin.scene, image, number, (&mut matcher, known))?;
         if keeps_colors {
             view.colors = points.iter().flat_map(|point| point.color.rgb()).collect();
         }

@@ -4,6 +4,7 @@ use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, MEASURED_SPACING_M};
 use super::loop_method::Method;
 use super::object_hypotheses::{HypothesisNoise, ObjectHypotheses};
+use super::object_registration::RegisteredModel;
 use nalgebra::Vector3;
 use next_best_view::{
     CandidateState, CandidateViews, Config, OccupancyGrid, PlanningScene, SurfaceModel,
@@ -46,6 +47,8 @@ pub(super) struct LoopScene<'a> {
 struct LoopState {
     visited: Vec<usize>,
     is_found: Vec<bool>,
+    /// Model of each object that lies on a segment of a visited view with the least contradiction.
+    models: Vec<Option<RegisteredModel>>,
     travel_m: f64,
     /// Measured points of all visited views, world frame.
     measured: Vec<[f32; 3]>,
@@ -92,6 +95,7 @@ pub(super) fn run(
     let mut state = LoopState {
         visited: Vec::new(),
         is_found: vec![false; scene.objects.len()],
+        models: vec![None; scene.objects.len()],
         travel_m: 0.0,
         measured: Vec::new(),
         occupancy: occupancy.transpose().map_err(Failure::general)?,
@@ -134,6 +138,12 @@ impl LoopState {
         for (is_found, is_detected) in self.is_found.iter_mut().zip(&captured.segments.is_detected)
         {
             *is_found |= is_detected;
+        }
+        for model in captured.segments.good_models() {
+            let known = &mut self.models[model.object];
+            if known.is_none_or(|known| model.contradiction < known.contradiction) {
+                *known = Some(*model);
+            }
         }
         if method.needs_entropy() {
             self.measured.extend_from_slice(&captured.measured);
@@ -199,11 +209,18 @@ impl LoopState {
             seed,
         } = loop_scene;
         let current = self.visited.last().copied().unwrap_or(0);
-        let is_found = &self.is_found;
-        let mut known = ObjectHypotheses::noisy(scene, &HypothesisNoise::POSES, *seed, |object| {
-            is_found[object]
-        });
-        known.add_fragments(&views[current])?;
+        let known = if method == Method::GreedyTruth {
+            let mut known =
+                ObjectHypotheses::noisy(scene, &HypothesisNoise::POSES, *seed, |object| {
+                    self.is_found[object]
+                });
+            known.add_fragments(&views[current])?;
+            known
+        } else {
+            let mut known = ObjectHypotheses::of_models(self.models.iter().flatten());
+            known.add_unregistered(&views[current])?;
+            known
+        };
         let planned = if method == Method::InformationGain {
             PlanningScene::default()
         } else {

@@ -25,12 +25,20 @@ pub(super) enum HypothesisSource {
     /// Objects with a segment of their own in the current view, with noisy poses, and the other
     /// segments as measured.
     Segments,
+    /// Models that recognition and registration lay on the segments of the current view, and the
+    /// other segments as measured: no truth at all.
+    Registered,
 }
 
 impl HypothesisSource {
     /// All sources, from the best one on.
-    pub(super) const ALL: [Self; 4] =
-        [Self::Truth, Self::NoisyTruth, Self::Visible, Self::Segments];
+    pub(super) const ALL: [Self; 5] = [
+        Self::Truth,
+        Self::NoisyTruth,
+        Self::Visible,
+        Self::Segments,
+        Self::Registered,
+    ];
 
     fn hypotheses(
         self,
@@ -51,6 +59,11 @@ impl HypothesisSource {
                 let is_detected = &view.segments.is_detected;
                 let mut known = noisy(&HypothesisNoise::POSES, &|object| is_detected[object]);
                 known.add_fragments(view)?;
+                known
+            }
+            Self::Registered => {
+                let mut known = ObjectHypotheses::of_models(view.segments.good_models());
+                known.add_unregistered(view)?;
                 known
             }
         })

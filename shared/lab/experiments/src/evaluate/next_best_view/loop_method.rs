@@ -11,6 +11,8 @@ const PAPER_SIGMA_SHARE: f64 = 0.35;
 pub(super) enum Method {
     /// Greatest weighted entropy with information gain and a penalty near visited views: ours.
     Greedy,
+    /// The same with the true poses of the objects that were found, with noise.
+    GreedyTruth,
     /// Greatest weighted entropy, equation 3 alone.
     Entropy,
     /// Draw by weighted entropy, equation 4.
@@ -29,8 +31,9 @@ pub(super) enum Method {
 
 impl Method {
     /// All methods, ours first.
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::Greedy,
+        Self::GreedyTruth,
         Self::Entropy,
         Self::Sampled,
         Self::InformationGain,
@@ -44,6 +47,7 @@ impl Method {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Greedy => "greedy",
+            Self::GreedyTruth => "greedy-truth",
             Self::Entropy => "entropy",
             Self::Sampled => "sampled",
             Self::InformationGain => "information-gain",
@@ -58,14 +62,14 @@ impl Method {
     pub(super) fn needs_entropy(self) -> bool {
         matches!(
             self,
-            Self::Greedy | Self::Entropy | Self::Sampled | Self::Least
+            Self::Greedy | Self::GreedyTruth | Self::Entropy | Self::Sampled | Self::Least
         )
     }
 
     /// Settings of the planner: ours, or those of the paper, which has no information gain and
     /// excludes no more than the visited views themselves.
     pub(super) fn config(self, ours: &Config) -> Config {
-        if self == Self::Greedy {
+        if matches!(self, Self::Greedy | Self::GreedyTruth) {
             return *ours;
         }
         Config {

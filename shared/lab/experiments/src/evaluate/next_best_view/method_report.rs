@@ -35,10 +35,11 @@ pub(super) struct MethodReport {
     pub(super) found_by_views: Vec<f64>,
 }
 
-/// Closed loops of all methods, by name.
+/// Closed loops of all methods, by name, with the regret of predictions by registered models and
+/// by the truth with noise.
 pub(super) fn all(
     scenes: &[SceneResult],
-    noisy: &PredictionScore,
+    (own, noisy_truth): (&PredictionScore, &PredictionScore),
     seed: u64,
 ) -> BTreeMap<&'static str, MethodReport> {
     let report = |method: Method| {
@@ -50,8 +51,9 @@ pub(super) fn all(
             })
             .collect();
         let regret = match method {
-            Method::Greedy => Some(noisy.regret),
-            Method::Random => Some(noisy.random_regret),
+            Method::Greedy => Some(own.regret),
+            Method::GreedyTruth => Some(noisy_truth.regret),
+            Method::Random => Some(own.random_regret),
             _ => None,
         };
         (method.name(), MethodReport::of(&of_scenes, regret, seed))

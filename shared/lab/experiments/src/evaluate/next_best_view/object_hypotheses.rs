@@ -3,6 +3,8 @@
 
 use super::bin_scene::{BinScene, SPACING_M};
 use super::captured_view::CapturedView;
+use super::object_registration::RegisteredModel;
+use super::segment_matching::SceneSegment;
 use geometry::RigidTransform;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use next_best_view::{Hypothesis, PlanningScene, SurfaceModel};
@@ -91,13 +93,38 @@ impl ObjectHypotheses {
         }
     }
 
-    /// Adds the fragments that detection found in a view, as they were measured.
+    /// Models that were registered with segments.
+    pub(super) fn of_models<'a>(models: impl Iterator<Item = &'a RegisteredModel>) -> Self {
+        let placed = models.map(|model| (model.object, model.world_from_object));
+        Self {
+            placed: placed.collect(),
+            fragments: Vec::new(),
+        }
+    }
+
+    /// Adds the segments of a view on which no model lies, as they were measured.
+    pub(super) fn add_unregistered(&mut self, view: &CapturedView) -> Result<(), Failure> {
+        let segments = view.segments.segments.iter();
+        for segment in segments.filter(|segment| segment.good_model().is_none()) {
+            self.add_fragment(segment, view)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the segments of a view that are no object of their own, as they were measured.
     pub(super) fn add_fragments(&mut self, view: &CapturedView) -> Result<(), Failure> {
-        for points in &view.segments.fragments {
-            if points.len() >= FRAGMENT_POINTS_MIN {
-                let model = SurfaceModel::of_points(points, SPACING_M);
-                self.fragments.push(model.map_err(Failure::general)?);
-            }
+        let segments = view.segments.segments.iter();
+        for segment in segments.filter(|segment| segment.object.is_none()) {
+            self.add_fragment(segment, view)?;
+        }
+        Ok(())
+    }
+
+    fn add_fragment(&mut self, segment: &SceneSegment, view: &CapturedView) -> Result<(), Failure> {
+        let points = in_world(segment, &view.world_from_camera);
+        if points.len() >= FRAGMENT_POINTS_MIN {
+            let model = SurfaceModel::of_points(&points, SPACING_M);
+            self.fragments.push(model.map_err(Failure::general)?);
         }
         Ok(())
     }
@@ -143,6 +170,13 @@ impl ObjectHypotheses {
             .collect();
         PlanningScene::new(&hypotheses, &background).map_err(Failure::general)
     }
+}
+
+/// Points of a segment in the frame of the world, metres.
+fn in_world(segment: &SceneSegment, world_from_camera: &RigidTransform) -> Vec<[f32; 3]> {
+    let place = |point: &[f32; 3]| world_from_camera * Point3::from(*point).cast::<f64>();
+    let places = segment.in_camera.iter().map(place);
+    places.map(|place| place.cast::<f32>().into()).collect()
 }
 
 /// Pose with noise, about the object's origin.

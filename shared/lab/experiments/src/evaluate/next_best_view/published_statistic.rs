@@ -11,12 +11,7 @@ use service::Failure;
 /// Number of predictions of a view that are kept (Kasaei et al. 2018).
 const N_BEST: usize = 10;
 /// Sources of the hypotheses, from the best one on.
-pub(super) const SOURCES: [HypothesisSource; 4] = [
-    HypothesisSource::Truth,
-    HypothesisSource::NoisyTruth,
-    HypothesisSource::Visible,
-    HypothesisSource::Segments,
-];
+pub(super) const SOURCES: [HypothesisSource; 5] = HypothesisSource::ALL;
 /// Source whose predictions are drawn: like a pose estimator it knows what one view shows.
 pub(super) const DRAWN: HypothesisSource = HypothesisSource::Visible;
 

@@ -4,6 +4,7 @@ use super::closed_loop::N_VIEWS_MAX;
 use super::entropy_prediction::{HypothesisSource, PredictionScore};
 use super::loop_method::Method;
 use super::method_report::{self, MethodReport};
+use super::pose_accuracy::PoseCounts;
 use super::scene_result::{SceneResult, ViewFigures};
 use super::simulated_bin::N_OBJECTS;
 use super::statistic_report::{KindReport, KindScenes};
@@ -23,6 +24,7 @@ pub(super) struct NextBestViewReport {
     pub(super) n_scenes: usize,
     pub(super) n_views: u32,
     pub(super) n_starts: u32,
+    pub(super) n_lesson_heaps: u32,
     pub(super) sigma_share: f64,
     pub(super) visited_share: f64,
     pub(super) gain_weight: f64,
@@ -31,12 +33,14 @@ pub(super) struct NextBestViewReport {
     pub(super) spearman_rho: f64,
     /// Means with their 95 % intervals over the scenes.
     pub(super) intervals: CorrelationIntervals,
-    /// Mean absolute error of predicted entropies from noisy hypotheses, bit.
+    /// Mean absolute error of entropies that are predicted from registered models, bit.
     pub(super) entropy_mae: f64,
     /// Mean loss of entropy by choosing on the prediction, bit.
     pub(super) regret: f64,
     /// Mean number of views until 95 % of the objects were found, by the greedy choice.
     pub(super) views_to_95: f64,
+    /// Recognition and registration over the segments of all views.
+    pub(super) poses: PoseCounts,
     pub(super) predictions: BTreeMap<String, PredictionScore>,
     /// Statistic of figure 8 of the paper, one entry for each kind of scene.
     pub(super) published_statistic: Vec<KindReport>,
@@ -53,6 +57,8 @@ pub(super) struct CorrelationIntervals {
     pub(super) pearson_r_objects_only: Option<Estimate>,
     /// Of mean visibility and F1.
     pub(super) pearson_r_visibility: Option<Estimate>,
+    /// Of entropy and F1 of detection alone, without recognition.
+    pub(super) pearson_r_detection: Option<Estimate>,
 }
 
 /// Figures of one scene.
@@ -67,6 +73,7 @@ pub(super) struct SceneReport {
     pub(super) entropy: f64,
     pub(super) visibility: f64,
     pub(super) f1: f64,
+    pub(super) detection_f1: f64,
     pub(super) n_detected: f64,
 }
 
@@ -80,9 +87,13 @@ impl NextBestViewReport {
     ) -> Self {
         let intervals = CorrelationIntervals::of(scenes, arguments.seed);
         let predictions = predictions(scenes);
-        let noisy = predictions.get(source_name(HypothesisSource::NoisyTruth).as_str());
-        let noisy = noisy.copied().unwrap_or_default();
-        let methods = method_report::all(scenes, &noisy, arguments.seed);
+        let of_source = |source| {
+            let score = predictions.get(&source_name(source));
+            score.copied().unwrap_or_default()
+        };
+        let own = of_source(HypothesisSource::Registered);
+        let noisy_truth = of_source(HypothesisSource::NoisyTruth);
+        let methods = method_report::all(scenes, (&own, &noisy_truth), arguments.seed);
         let value = |estimate: Option<Estimate>| estimate.map_or(0.0, |estimate| estimate.value);
         Self {
             version: env!("CARGO_PKG_VERSION"),
@@ -91,17 +102,19 @@ impl NextBestViewReport {
             n_scenes: scenes.len(),
             n_views: arguments.views,
             n_starts: arguments.starts,
+            n_lesson_heaps: arguments.lesson_heaps,
             sigma_share: config.sigma_share,
             visited_share: config.visited_share,
             gain_weight: config.gain_weight,
             pearson_r: value(intervals.pearson_r),
             spearman_rho: value(intervals.spearman_rho),
             intervals,
-            entropy_mae: noisy.mae,
-            regret: noisy.regret,
+            entropy_mae: own.mae,
+            regret: own.regret,
             views_to_95: methods
                 .get(Method::Greedy.name())
                 .map_or(N_VIEWS_MAX as f64, |method| method.views_to_95),
+            poses: PoseCounts::sum(scenes.iter().map(|scene| scene.poses)),
             predictions,
             published_statistic: twins.iter().map(KindReport::of).collect(),
             methods,
@@ -127,6 +140,14 @@ impl CorrelationIntervals {
             spearman_rho: mean(spearman, |view| view.entropy),
             pearson_r_objects_only: mean(pearson, |view| view.object_entropy),
             pearson_r_visibility: mean(pearson, |view| view.visibility),
+            pearson_r_detection: {
+                let detection = |view: &ViewFigures| (view.entropy, view.detection_f1);
+                let of_scene = |scene: &SceneResult| {
+                    pearson(&scene.views.iter().map(detection).collect::<Vec<_>>())
+                };
+                let values: Vec<_> = scenes.iter().map(of_scene).collect();
+                Estimate::mean(&values, seed)
+            },
         }
     }
 }
@@ -145,6 +166,7 @@ impl SceneReport {
             entropy: mean(|view| view.entropy),
             visibility: mean(|view| view.visibility),
             f1: mean(|view| view.f1),
+            detection_f1: mean(|view| view.detection_f1),
             n_detected: mean(|view| view.n_detected as f64),
         }
     }
@@ -162,6 +184,7 @@ pub(super) fn source_name(source: HypothesisSource) -> String {
         HypothesisSource::NoisyTruth => "noisy-truth",
         HypothesisSource::Visible => "visible",
         HypothesisSource::Segments => "segments",
+        HypothesisSource::Registered => "registered",
     }
     .to_owned()
 }

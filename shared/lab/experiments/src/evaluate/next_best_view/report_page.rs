@@ -28,13 +28,15 @@ const PREDICTION_HEADS: [&str; 7] = [
     "regret bit (random)",
     "among the ten best %",
 ];
-const SCENE_HEADS: [&str; 8] = [
+const POSE_HEADS: [&str; 4] = ["segments", "number", "of them", "share %"];
+const SCENE_HEADS: [&str; 9] = [
     "seed",
     "objects",
     "findable",
     "entropy bit",
     "visibility %",
     "F1",
+    "F1 of detection",
     "Pearson r",
     "Spearman rho",
 ];
@@ -45,6 +47,8 @@ pub(super) fn text(report: &NextBestViewReport) -> String {
         format_table(&METHOD_HEADS, &method_rows(report)),
         String::new(),
         format_table(&PREDICTION_HEADS, &prediction_rows(report)),
+        String::new(),
+        format_table(&POSE_HEADS, &report.poses.rows()),
         String::new(),
         format_table(&SCENE_HEADS, &scene_rows(report)),
         String::new(),
@@ -66,6 +70,11 @@ pub(super) fn page(report: &NextBestViewReport, pictures: &[String]) -> String {
             "Predicted entropy",
             &PREDICTION_HEADS,
             prediction_rows(report),
+        ),
+        PageTable::new(
+            "Recognition and registration",
+            &POSE_HEADS,
+            report.poses.rows(),
         ),
         PageTable::new("Scenes", &SCENE_HEADS, scene_rows(report)),
     ];
@@ -137,6 +146,7 @@ fn scene_rows(report: &NextBestViewReport) -> Vec<Vec<String>> {
             format!("{:.2}", scene.entropy),
             percent(scene.visibility),
             format!("{:.2}", scene.f1),
+            format!("{:.2}", scene.detection_f1),
             number(scene.pearson_r),
             number(scene.spearman_rho),
         ]
@@ -173,16 +183,20 @@ fn notes(report: &NextBestViewReport) -> Vec<String> {
         ),
         format!(
             "entropy and F1 over the views of a scene: Pearson r {}, Spearman rho {}; with the \
-             area of the objects alone r {}, mean visibility and F1 r {}",
+             area of the objects alone r {}, mean visibility and F1 r {}, entropy and F1 of \
+             detection alone r {}",
             interval(intervals.pearson_r, 2),
             interval(intervals.spearman_rho, 2),
             interval(intervals.pearson_r_objects_only, 2),
-            interval(intervals.pearson_r_visibility, 2)
+            interval(intervals.pearson_r_visibility, 2),
+            interval(intervals.pearson_r_detection, 2)
         ),
-        "F1 is that of the project's segments over all objects of the scene, hidden ones included; \
-         a segment is an object with an intersection over union of one half; categories are not \
-         asked"
-            .to_owned(),
+        format!(
+            "F1 is that of the project's segments over all objects of the scene, hidden ones \
+             included; a segment is right with an intersection over union of one half and the right \
+             object; objects were taught in {} other heaps of them",
+            report.n_lesson_heaps
+        ),
         format!(
             "a loop ends when 95 % of the objects that detection finds in at least one in twenty \
              views were found, or after {N_VIEWS_MAX} views; deviation of the weight by distance \

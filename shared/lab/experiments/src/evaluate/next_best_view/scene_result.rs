@@ -4,7 +4,10 @@ use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, capture_all};
 use super::closed_loop::{self, LoopCourse, LoopScene};
 use super::entropy_prediction::{self, HypothesisSource, PredictedPairs, PredictionScore};
+use super::known_objects::KnownObjects;
 use super::loop_method::Method;
+use super::object_recognition::ObjectRecogniser;
+use super::pose_accuracy::PoseCounts;
 use super::simulated_bin::SimulatedBin;
 use super::view_pictures;
 use crate::arguments::NextBestViewArguments;
@@ -24,7 +27,10 @@ pub(super) struct ViewFigures {
     pub(super) entropy: f64,
     pub(super) object_entropy: f64,
     pub(super) visibility: f64,
+    /// F1 score of detection with recognition.
     pub(super) f1: f64,
+    /// F1 score of detection alone.
+    pub(super) detection_f1: f64,
     pub(super) n_detected: usize,
     pub(super) elevation_deg: f64,
 }
@@ -37,6 +43,7 @@ pub(super) struct SceneResult {
     /// Number of objects that detection finds in at least one view.
     pub(super) n_findable: usize,
     pub(super) views: Vec<ViewFigures>,
+    pub(super) poses: PoseCounts,
     pub(super) predictions: Vec<(HypothesisSource, PredictionScore)>,
     /// Some predicted and true entropies with noisy hypotheses, for the figure.
     pub(super) pairs: PredictedPairs,
@@ -59,7 +66,10 @@ pub(super) fn run(
 ) -> Result<SceneResult, Failure> {
     let seed = scene_seed(arguments.seed, number);
     let bin = SimulatedBin::new(seed, arguments.views, library)?;
-    let (scene, views) = (&bin.scene, capture_all(&bin, number == 0)?);
+    let scene = &bin.scene;
+    let recogniser = ObjectRecogniser::taught(&bin, (arguments.lesson_heaps, seed), library)?;
+    let known = KnownObjects::new(scene, Some(recogniser))?;
+    let views = capture_all(&bin, Some(&known), number == 0)?;
     let (predictions, pairs) = predictions(scene, &views, config, seed)?;
     let loop_scene = LoopScene {
         scene,
@@ -83,6 +93,7 @@ pub(super) fn run(
         object_entropy: view.object_entropy,
         visibility: view.visibility(),
         f1: view.segments.f1(),
+        detection_f1: view.segments.detection_f1(),
         n_detected: view.segments.n_detected(),
         elevation_deg: mount.elevation_deg,
     });
@@ -91,6 +102,7 @@ pub(super) fn run(
         n_objects: scene.objects.len(),
         n_findable,
         views: figures.collect(),
+        poses: PoseCounts::of(&views),
         predictions,
         pairs,
         courses,

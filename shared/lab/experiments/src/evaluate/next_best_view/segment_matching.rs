@@ -2,6 +2,8 @@
 
 use super::bin_scene::BinScene;
 use super::captured_view::LabelledImage;
+use super::object_recognition::{SegmentDescriber, ViewDescriptors};
+use super::object_registration::RegisteredModel;
 use crate::frame_detector::FrameDetector;
 use nalgebra::Point3;
 use point_cloud::OrganizedCloud;
@@ -12,15 +14,51 @@ const OVERLAP_MIN: f64 = 0.5;
 /// Share of the points of a segment from which on it belongs to the bin or is beside it.
 const MOST: f64 = 0.5;
 
+/// Segment that detection found.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SceneSegment {
+    /// Points in the frame of the camera, metres.
+    pub(super) in_camera: Vec<[f32; 3]>,
+    /// Object whose pixels it covers.
+    pub(super) object: Option<usize>,
+    /// Descriptors of its axis hypotheses, until it is recognised; `None` if it has too few points.
+    pub(super) descriptors: Option<ViewDescriptors>,
+    /// Objects that recognition takes it for, the most probable first.
+    pub(super) recognised: Vec<usize>,
+    /// Model that lies on it, if one was registered.
+    pub(super) registered: Option<RegisteredModel>,
+}
+
+impl SceneSegment {
+    /// Object that it is identified as: that of the model which lies on it, else the most probable.
+    pub(super) fn identified(&self) -> Option<usize> {
+        let registered = self.good_model().map(|model| model.object);
+        registered.or_else(|| self.recognised.first().copied())
+    }
+
+    /// Model that probably lies on it.
+    pub(super) fn good_model(&self) -> Option<&RegisteredModel> {
+        self.registered.as_ref().filter(|model| model.is_good)
+    }
+
+    /// `true` if recognition takes it first for the object that it covers.
+    pub(super) fn is_recognised(&self) -> bool {
+        self.object.is_some() && self.recognised.first().copied() == self.object
+    }
+
+    /// `true` if it is identified as the object that it covers.
+    pub(super) fn is_identified(&self) -> bool {
+        self.object.is_some() && self.identified() == self.object
+    }
+}
+
 /// Segments of a view.
 #[derive(Debug, Clone, Default)]
 pub(super) struct MatchedSegments {
     /// Segments of each object: `true` for an object with a segment of its own.
     pub(super) is_detected: Vec<bool>,
-    /// Number of segments, those of the bin and beside it left out.
-    pub(super) n_segments: usize,
-    /// Points of the segments that are no object of their own, world frame, metres.
-    pub(super) fragments: Vec<Vec<[f32; 3]>>,
+    /// Segments, those of the bin and beside it left out.
+    pub(super) segments: Vec<SceneSegment>,
 }
 
 impl MatchedSegments {
@@ -33,9 +71,30 @@ impl MatchedSegments {
     }
 
     /// F1 score of the segments over all objects of the scene, hidden ones included.
+    pub(super) fn detection_f1(&self) -> f64 {
+        self.f1_of(self.n_detected())
+    }
+
+    /// Models that probably lie on the segments.
+    pub(super) fn good_models(&self) -> impl Iterator<Item = &RegisteredModel> {
+        self.segments.iter().filter_map(SceneSegment::good_model)
+    }
+
+    /// F1 score of the segments that are also identified.
     pub(super) fn f1(&self) -> f64 {
-        let n = self.n_segments + self.is_detected.len();
-        2.0 * self.n_detected() as f64 / n.max(1) as f64
+        let identified = self
+            .segments
+            .iter()
+            .filter(|segment| segment.is_identified());
+        let mut objects: Vec<_> = identified.map(|segment| segment.object).collect();
+        objects.sort_unstable();
+        objects.dedup();
+        self.f1_of(objects.len())
+    }
+
+    fn f1_of(&self, n_right: usize) -> f64 {
+        let n = self.segments.len() + self.is_detected.len();
+        2.0 * n_right as f64 / n.max(1) as f64
     }
 }
 
@@ -43,6 +102,7 @@ impl MatchedSegments {
 #[derive(Debug, Default)]
 pub(super) struct SegmentMatcher {
     detector: FrameDetector,
+    describer: SegmentDescriber,
 }
 
 impl SegmentMatcher {
@@ -67,14 +127,18 @@ impl SegmentMatcher {
             if is_furniture(scene, image, indices) {
                 continue;
             }
-            found.n_segments += 1;
-            if let Some(object) = matched_object(scene, indices, image.mask, &n_visible) {
+            let object = matched_object(scene, indices, image.mask, &n_visible);
+            if let Some(object) = object {
                 found.is_detected[object] = true;
-            } else {
-                let fragment = indices.iter().map(|&index| in_world(image, index));
-                let fragment = fragment.map(|place| place.cast::<f32>().into());
-                found.fragments.push(fragment.collect());
             }
+            let in_camera = |&index: &u32| image.points[index as usize].position().cast().into();
+            let up = image.up_in_camera.as_ref();
+            found.segments.push(SceneSegment {
+                in_camera: indices.iter().map(in_camera).collect(),
+                object,
+                descriptors: self.describer.describe(image.points, indices, up),
+                ..SceneSegment::default()
+            });
         }
         Ok(found)
     }

@@ -49,6 +49,22 @@ impl SimulatedBin {
         Self::of_scene(scene.map_err(Failure::general)?, views, library)
     }
 
+    /// Throws the same objects into the bin anew.
+    pub(super) fn thrown_anew(
+        &self,
+        seed: u64,
+        views: ViewLattice,
+        library: &ModelLibrary,
+    ) -> Result<Self, Failure> {
+        let (mut library, own) = (library.clone(), self.world.scene());
+        let scene = Scene::generate(SceneKind::Bin, own.objects.len(), seed, &mut library);
+        let mut scene = scene.map_err(Failure::general)?;
+        for (object, own) in scene.objects.iter_mut().zip(&own.objects) {
+            object.model = own.model.clone();
+        }
+        Self::of_scene(scene, views, library)
+    }
+
     /// Lets the objects of a scene come to rest. Objects that ended up outside of the workspace
     /// are left out.
     pub(super) fn of_scene(

@@ -19,6 +19,7 @@ pub(super) fn arguments(out: PathBuf) -> NextBestViewArguments {
         gain_weight: 1.0,
         twin_scenes: 1,
         twin_views: 12,
+        lesson_heaps: 1,
         bop: None,
         bop_models: None,
         seed: 3,
@@ -103,7 +104,7 @@ fn objects_lie_in_the_bin_and_exact_hypotheses_show_them() {
     let inside = Point3::new(0.1, 0.0, 0.80);
     assert_eq!(scene.workspace.is_at_wall(&inside), Some(false));
     // The entropy of a virtual view from above is near that of the rendered image.
-    let views = capture_all(&bin, false).unwrap();
+    let views = capture_all(&bin, None, false).unwrap();
     let known = ObjectHypotheses::noisy(scene, &HypothesisNoise::NONE, 1, |_| true);
     let planned = known.planning_scene(scene, &[]).unwrap();
     let mut view = VirtualView::default();

@@ -72,7 +72,7 @@ pub(super) fn write(
         };
         let annotation = annotation(&scene, &image, number, written);
         write_image(&mut writer, &scene, &image, &annotation);
-        views.push(CapturedView::new(&scene, image, number, &mut matcher).unwrap());
+        views.push(CapturedView::new(&scene, image, number, (&mut matcher, None)).unwrap());
     }
     writer.finish().unwrap();
     (scene, views)

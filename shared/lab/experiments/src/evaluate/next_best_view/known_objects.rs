@@ -1,0 +1,71 @@
+//! Known objects of a scene: their recogniser and their models, by which segments are identified.
+
+use super::bin_scene::BinScene;
+use super::captured_view::LabelledImage;
+use super::object_recognition::ObjectRecogniser;
+use super::object_registration::RegistrationModels;
+use super::segment_matching::{MatchedSegments, SceneSegment};
+use service::Failure;
+
+/// Stride over rows and columns of the frame in registration. Chosen: neighbouring points are 3 mm
+/// apart, less than a cell of the range image.
+const FRAME_STRIDE: usize = 2;
+
+/// Known objects of a scene.
+#[derive(Debug)]
+pub(super) struct KnownObjects {
+    /// Recogniser; without one all models are tried.
+    recogniser: Option<ObjectRecogniser>,
+    models: RegistrationModels,
+}
+
+impl KnownObjects {
+    /// Objects whose models are known, and that are recognised if they were taught.
+    pub(super) fn new(
+        scene: &BinScene,
+        recogniser: Option<ObjectRecogniser>,
+    ) -> Result<Self, Failure> {
+        Ok(Self {
+            recogniser,
+            models: RegistrationModels::of(scene)?,
+        })
+    }
+
+    /// Recognises the segments of an image, and registers the models with them.
+    pub(super) fn identify(
+        &self,
+        scene: &BinScene,
+        image: &LabelledImage<'_>,
+        segments: &mut MatchedSegments,
+    ) {
+        let frame = thinned_frame(image);
+        for segment in &mut segments.segments {
+            segment.recognised = self.recognised(scene, segment);
+            segment.descriptors = None;
+            segment.registered =
+                self.models
+                    .register(scene, segment, &frame, &image.world_from_camera);
+        }
+    }
+
+    /// Objects that a segment may be, the most probable first.
+    fn recognised(&self, scene: &BinScene, segment: &SceneSegment) -> Vec<usize> {
+        let Some(recogniser) = &self.recogniser else {
+            return self.models.all();
+        };
+        let descriptors = segment.descriptors.as_ref();
+        descriptors.map_or_else(Vec::new, |descriptors| {
+            recogniser.recognise(scene, descriptors)
+        })
+    }
+}
+
+/// Finite points of every second row and column, frame of the camera, metres.
+fn thinned_frame(image: &LabelledImage<'_>) -> Vec<[f32; 3]> {
+    let rows = image.points.chunks(image.camera.width as usize);
+    let thinned = rows
+        .step_by(FRAME_STRIDE)
+        .flat_map(|row| row.iter().step_by(FRAME_STRIDE));
+    let finite = thinned.filter(|point| point.is_finite());
+    finite.map(|point| point.position().cast().into()).collect()
+}
