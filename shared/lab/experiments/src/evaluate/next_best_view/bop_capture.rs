@@ -18,6 +18,12 @@ use std::path::Path;
 /// Least number of images: one to see from, and one to predict.
 const N_IMAGES_MIN: usize = 2;
 
+/// Share of the images that need a point in a voxel of the surroundings, so that errors of single
+/// images do not pile up in front of the objects. Chosen of 0 to 0.3 on a written twin of 59
+/// views, seed 1001: the figures are nearest those of known surroundings; from 0.3 on surfaces
+/// vanish.
+const CONFIRMED_SHARE: f64 = 0.05;
+
 /// Scene of the next best view with its views.
 #[derive(Debug)]
 pub(super) struct BopCapture {
@@ -106,9 +112,22 @@ fn scene(bop: &BopScene, world: &BopWorld, models: &Path) -> Result<BinScene, Fa
     Ok(BinScene {
         objects,
         workspace,
-        furniture: thinned(&surroundings)?,
+        furniture: thinned(&confirmed(surroundings, bop.images().len()))?,
         cameras: world.world_from_cameras.clone(),
     })
+}
+
+/// Points in voxels that enough images have a point in, of the thinned points of all images.
+fn confirmed(mut points: Vec<[f32; 3]>, n_images: usize) -> Vec<[f32; 3]> {
+    let n_min = (CONFIRMED_SHARE * n_images as f64).ceil() as usize;
+    let voxel = |point: &[f32; 3]| point.map(|c| (c / FURNITURE_SPACING_M as f32).floor() as i32);
+    points.sort_by_key(voxel);
+    let of_voxels = points.chunk_by(|a, b| voxel(a) == voxel(b));
+    of_voxels
+        .filter(|points| points.len() >= n_min)
+        .flatten()
+        .copied()
+        .collect()
 }
 
 fn thinned(points: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Failure> {
@@ -154,4 +173,21 @@ fn view(
         visible_shares: frame.visible_shares,
     };
     CapturedView::new(scene, image, number, (matcher, Some(known)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn surroundings_need_points_of_enough_images() {
+        // Of 60 images three see the first voxel, and two the second.
+        let place = |x: f32| [x, 0.001, 0.001];
+        let points = [0.001, 0.101, 0.002, 0.102, 0.003].map(place).to_vec();
+        let first = [0.001, 0.002, 0.003].map(place);
+        assert_eq!(confirmed(points.clone(), 60), first);
+        // Of a few images each counts.
+        assert_eq!(confirmed(points, 12).len(), 5);
+        assert!(confirmed(Vec::new(), 60).is_empty());
+    }
 }
