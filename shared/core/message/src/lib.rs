@@ -47,6 +47,7 @@ pub mod service_name;
 mod stage;
 mod text;
 mod trace;
+mod view_plan;
 
 pub use actor_event::{ActorEvent, ActorEventKind};
 pub use camera_images::{CheckedImages, ImageHeader, InvalidImages, image_bytes};
@@ -71,6 +72,7 @@ pub use sequenced_header::{PlainHeader, SequencedHeader};
 pub use stage::{Stage, StageScope};
 pub use text::Text;
 pub use trace::{MAX_SPANS, Span, TraceHeader};
+pub use view_plan::{CheckedView, MAX_PLANNED_VIEWS, PlannedView, ViewPlanHeader, ViewState};
 
 /// Schema version of the types in this crate, written into their headers. A type's name in
 /// shared memory carries the schema version in which the type last changed.

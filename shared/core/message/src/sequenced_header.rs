@@ -2,7 +2,7 @@
 
 use crate::{
     ArmState, FrameHeader, ImageHeader, ObjectCloudHeader, ObjectViewHeader, PersonBody,
-    SceneSummary, TraceHeader, TruthHeader,
+    SceneSummary, TraceHeader, TruthHeader, ViewPlanHeader,
 };
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
@@ -52,5 +52,6 @@ counted!(
     ArmState,
     PersonBody,
     TraceHeader,
-    TruthHeader
+    TruthHeader,
+    ViewPlanHeader
 );

@@ -15,6 +15,9 @@ pub const OBJECT_VIEW: &str = "object/view";
 /// Point clouds of objects, sent only while a subscriber exists:
 /// [`ObjectCloudHeader`](crate::ObjectCloudHeader) and points.
 pub const OBJECT_CLOUD: &str = "object/cloud";
+/// Plans of the next best view, sent by each `tabula view plan`:
+/// [`ViewPlanHeader`](crate::ViewPlanHeader) and [`PlannedView`](crate::PlannedView)s.
+pub const VIEW_PLAN: &str = "view/plan";
 /// Life-cycle events of the object actors: [`ActorEvent`](crate::ActorEvent).
 pub const ACTOR_EVENT: &str = "actor/event";
 /// Change notifications of the memory: [`MemoryChange`](crate::MemoryChange).

@@ -3,7 +3,7 @@
 use bytemuck::{AnyBitPattern, pod_read_unaligned};
 use message::{
     ActorEvent, FrameHeader, Health, ImageHeader, MAX_NEAR_CATEGORIES, ObjectViewHeader,
-    SceneObject, SceneSummary, WireCapsule, WirePose, WireTransform,
+    PlannedView, SceneObject, SceneSummary, WireCapsule, WirePose, WireTransform,
 };
 use mutation_fuzzing::fuzz;
 
@@ -85,6 +85,11 @@ fn fuzz_scenes_views_and_events() {
     });
     fuzz_messages(|view: &ObjectViewHeader| {
         assert!(view.categories().count() <= MAX_NEAR_CATEGORIES);
+    });
+    fuzz_messages(|view: &PlannedView| {
+        if let Some(checked) = view.checked() {
+            assert!(view.utility >= 0.0 && checked.state.code() == view.state);
+        }
     });
     fuzz_messages(|event: &ActorEvent| {
         let _ = (event.kind(), event.frame());

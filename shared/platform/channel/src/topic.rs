@@ -5,9 +5,10 @@ use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 use message::{
     ActorEvent, ArmState, CloudPoint, FrameDone, FrameHeader, Health, ImageHeader, MAX_CAPSULES,
-    MAX_SCENE_OBJECTS, MAX_SPANS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange, ObjectCloudHeader,
-    ObjectViewHeader, PersonBody, PlainHeader, SceneObject, SceneSummary, SequencedHeader, Span,
-    TraceHeader, TrueObject, TruthHeader, WireCapsule, image_bytes, service_name,
+    MAX_PLANNED_VIEWS, MAX_SCENE_OBJECTS, MAX_SPANS, MAX_TRUE_OBJECTS, MaskPixel, MemoryChange,
+    ObjectCloudHeader, ObjectViewHeader, PersonBody, PlainHeader, PlannedView, SceneObject,
+    SceneSummary, SequencedHeader, Span, TraceHeader, TrueObject, TruthHeader, ViewPlanHeader,
+    WireCapsule, image_bytes, service_name,
 };
 use std::fmt::Debug;
 
@@ -145,6 +146,10 @@ topics! {
     /// Topic of point clouds of single objects.
     ObjectCloud { OBJECT_CLOUD, ObjectCloudHeader, [CloudPoint; 65_536], DropOldest,
         Limits { publishers: 1, subscribers: 2, buffer: 8, borrowed: 2, history: 0, loaned: 2 } }
+    /// Topic of the plans of the next best view. A new subscriber gets the newest one of each
+    /// planner that is still running.
+    ViewPlans { VIEW_PLAN, ViewPlanHeader, [PlannedView; MAX_PLANNED_VIEWS], DropOldest,
+        Limits { publishers: 2, subscribers: 4, buffer: 2, borrowed: 2, history: 1, loaned: 1 } }
     /// Life-cycle events of the object actors. A new subscriber gets the newest ones.
     ActorEvents { ACTOR_EVENT, PlainHeader, [ActorEvent; 1], DropOldest,
         Limits { publishers: 1, subscribers: 4, buffer: 64, borrowed: 2, history: 16, loaned: 2 } }
