@@ -1,10 +1,15 @@
 //! Command-line arguments of `tabula-modeller`.
 
+mod plan;
+
+pub(crate) use plan::PlanArguments;
+
 use clap::{Args, Parser, Subcommand};
 use model_construction::{Config, PoseSigma};
 use service::CommonArguments;
 
-/// Builds the full model of an object from the views of a moving camera.
+/// Builds the full model of an object from the views of a moving camera, and plans the next best
+/// view.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-modeller", version, propagate_version = true)]
 pub(crate) struct ModellerArguments {
@@ -24,6 +29,8 @@ pub(crate) struct ModellerArguments {
 pub(crate) enum ModellerVerb {
     /// Build the model of a tracked object while the camera moves around it, until Ctrl-C
     Build(BuildArguments),
+    /// Plan the next best view of the objects that the camera sees
+    Plan(PlanArguments),
 }
 
 /// Options of the construction of a model.

@@ -4,13 +4,14 @@ use crate::arguments::BuildArguments;
 use crate::growth::{Growth, Step};
 use crate::model_document::object_model;
 use crate::object_receiver::{ObjectReceiver, TrackedObject};
-use channel::{Domain, DomainName, DomainState, Role, RunFolder};
+use crate::presence::{is_running, require_daemon};
+use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
 use control_client::{MemoryClient, NewDocument};
 use message::control::{DocumentKind, DocumentName};
 use object_model::{MEDIA_TYPE, ObjectModel};
 use serde::Serialize;
-use service::{CommonArguments, Failure, exit_code};
+use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -75,15 +76,7 @@ pub(crate) fn run(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let stop = StopSignal::install()?;
-    if !is_running(&common.domain) {
-        return Err(Failure::new(
-            exit_code::NO_DAEMON,
-            format!(
-                "no daemon runs in the domain {}; start one with `tabula run`",
-                common.domain
-            ),
-        ));
-    }
+    require_daemon(&common.domain)?;
     let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;
     let mut receiver = ObjectReceiver::new(&domain)?;
     let object = chosen_object(&mut receiver, arguments.track, &stop)?;
@@ -127,12 +120,6 @@ pub(crate) fn run(
     };
     output.answer(&document, || text(&document));
     Ok(ExitCode::SUCCESS)
-}
-
-fn is_running(name: &DomainName) -> bool {
-    !DomainState::inspect(name, &RunFolder::of_user())
-        .running
-        .is_empty()
 }
 
 /// Object of a track-id, or the one nearest to the middle of the image.

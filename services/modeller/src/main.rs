@@ -1,11 +1,14 @@
-//! `tabula-modeller`: builds the full model of an object from the views of a moving camera, beside
-//! a running daemon and at low priority.
+//! `tabula-modeller`: builds the full model of an object from the views of a moving camera, and
+//! plans the next best view, beside a running daemon and at low priority.
 
 mod arguments;
 mod build;
 mod growth;
+mod hypotheses;
 mod model_document;
 mod object_receiver;
+mod plan;
+mod presence;
 
 use arguments::{ModellerArguments, ModellerVerb};
 use command_line::Output;
@@ -27,5 +30,6 @@ fn execute(arguments: &ModellerArguments, output: &Output) -> Result<ExitCode, F
         .map_err(|error| Failure::general(format!("the priority could not be lowered: {error}")))?;
     match &arguments.verb {
         ModellerVerb::Build(build) => build::run(&arguments.common, build, output),
+        ModellerVerb::Plan(plan) => plan::run(&arguments.common, plan, output),
     }
 }

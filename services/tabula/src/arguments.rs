@@ -3,6 +3,7 @@
 mod config;
 mod memory;
 mod model;
+mod view;
 mod world;
 
 pub(crate) use config::ConfigVerb;
@@ -13,6 +14,8 @@ pub(crate) use memory::{
 };
 
 pub(crate) use model::ModelVerb;
+
+pub(crate) use view::ViewVerb;
 
 pub(crate) use world::{
     EventsArguments, HistoryArguments, TimeArgument, WorldArguments, WorldPoint, WorldVerb,
@@ -110,6 +113,12 @@ pub(crate) enum Verb {
         /// Action on the stored models
         #[command(subcommand)]
         verb: ModelVerb,
+    },
+    /// Plan the next best view of the objects
+    View {
+        /// Action on views
+        #[command(subcommand)]
+        verb: ViewVerb,
     },
     /// Show the present and past of the world model: objects, robot, events, tasks
     World(WorldArguments),

@@ -20,7 +20,7 @@ mod supervision;
 mod time;
 mod world;
 
-use arguments::{CliArguments, Verb};
+use arguments::{CliArguments, Verb, ViewVerb};
 use command_line::Output;
 use message::control::RevisionChange;
 use service::Failure;
@@ -66,6 +66,9 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Memory { verb } => memory::run(&arguments.common, verb, output),
         Verb::Knowledge { verb } => knowledge::run(&arguments.common, verb, output),
         Verb::Model { verb } => model::run(arguments, verb, output),
+        Verb::View {
+            verb: ViewVerb::Plan(plan),
+        } => lab_program::become_modeller(arguments, "plan", &plan.words),
         Verb::Simulate(lab) => lab_program::become_lab(arguments, "simulate", &lab.words),
         Verb::Evaluate(lab) => lab_program::become_lab(arguments, "evaluate", &lab.words),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),

@@ -1,0 +1,219 @@
+//! Receiver of snapshots: matches frames, scenes and clouds of objects.
+
+use super::snapshot::{Snapshot, SnapshotObject};
+use channel::topic::{CameraCloud, ObjectCloud, Scene};
+use channel::{Domain, Error, Received, SharedMessage, Subscriber};
+use geometry::{Plane, RigidTransform};
+use message::{FrameHeader, SceneObject, TrackState};
+use nalgebra::{Unit, Vector3};
+use point_cloud::Point;
+use service::monotonic_ns;
+use std::collections::{BTreeMap, VecDeque};
+
+/// Number of frames that are held: the scene of a frame follows within a frame or two.
+const N_HELD_MAX: usize = 3;
+/// Number of frames whose headers are kept: perception is at most a second behind.
+const N_HEADERS_MAX: usize = 64;
+/// Age of the points of an object up to which they stand for the present ones, frames. Points of
+/// many objects come in a burst, of which some may be lost.
+const CLOUD_AGE_MAX: u64 = 30;
+
+/// Newest points of a track.
+struct TrackCloud {
+    session: u64,
+    sequence: u64,
+    points: Vec<Point>,
+}
+
+/// Newest scene, without what the plan does not need.
+struct SceneOfFrame {
+    session: u64,
+    sequence: u64,
+    table_in_world: Option<Plane>,
+    objects: Vec<SceneObject>,
+}
+
+/// Subscribers of frames, scenes and the clouds of objects.
+pub(crate) struct SnapshotReceiver {
+    frames: Subscriber<CameraCloud>,
+    clouds: Subscriber<ObjectCloud>,
+    scenes: Subscriber<Scene>,
+    held: VecDeque<SharedMessage<CameraCloud>>,
+    headers: VecDeque<FrameHeader>,
+    newest_clouds: BTreeMap<u64, TrackCloud>,
+    scene: Option<SceneOfFrame>,
+    has_frame: bool,
+}
+
+impl SnapshotReceiver {
+    pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
+        Ok(Self {
+            frames: Subscriber::polled(domain)?,
+            clouds: Subscriber::polled(domain)?,
+            scenes: Subscriber::polled(domain)?,
+            held: VecDeque::new(),
+            headers: VecDeque::new(),
+            newest_clouds: BTreeMap::new(),
+            scene: None,
+            has_frame: false,
+        })
+    }
+
+    /// True if any frame has come so far.
+    pub(crate) fn has_frame(&self) -> bool {
+        self.has_frame
+    }
+
+    /// Receives all messages that are queued; true if there is a new scene.
+    pub(crate) fn receive(&mut self) -> Result<bool, Error> {
+        while let Received::Message(frame) = self.frames.receive()? {
+            self.has_frame = true;
+            if self.headers.len() == N_HEADERS_MAX {
+                self.headers.pop_front();
+            }
+            self.headers.push_back(*frame.header());
+            if self.held.len() == N_HELD_MAX {
+                self.held.pop_front();
+            }
+            self.held.push_back(frame);
+        }
+        while let Received::Message(cloud) = self.clouds.receive()? {
+            let header = cloud.header();
+            self.newest_clouds.insert(
+                header.track_id,
+                TrackCloud {
+                    session: header.session,
+                    sequence: header.sequence,
+                    points: message::points(cloud.items()).to_vec(),
+                },
+            );
+        }
+        let Some(scene) = self.scenes.latest()? else {
+            return Ok(false);
+        };
+        let header = scene.header();
+        let [a, b, c, offset_m] = header.table_plane;
+        let normal = Unit::try_new(Vector3::new(a, b, c), 1e-6);
+        let objects = scene.items().iter().copied();
+        let objects: Vec<SceneObject> = objects.filter(is_confirmed).collect();
+        let is_known = |track: &u64| objects.iter().any(|object| object.track_id == *track);
+        self.newest_clouds.retain(|track, _| is_known(track));
+        self.scene = Some(SceneOfFrame {
+            session: header.session,
+            sequence: header.sequence,
+            table_in_world: normal
+                .filter(|_| header.has_table == 1 && offset_m.is_finite())
+                .map(|normal| Plane { normal, offset_m }),
+            objects,
+        });
+        Ok(true)
+    }
+
+    /// Objects of the newest scene; `None` before the first one.
+    pub(crate) fn objects(&self) -> Option<&[SceneObject]> {
+        self.scene.as_ref().map(|scene| scene.objects.as_slice())
+    }
+
+    /// Pose of the camera in the frame of the newest scene; `None` when it is unknown.
+    pub(crate) fn world_from_camera(&self) -> Option<RigidTransform> {
+        let scene = self.scene.as_ref()?;
+        self.pose_of(scene.session, scene.sequence)?
+    }
+
+    /// True if the newest scene shows objects, and the points of all of them have come.
+    pub(crate) fn is_complete(&self) -> bool {
+        let Some(scene) = &self.scene else {
+            return false;
+        };
+        let mut seen = scene
+            .objects
+            .iter()
+            .filter(|object| is_seen(object))
+            .peekable();
+        seen.peek().is_some() && seen.all(|object| self.cloud_of(object, scene).is_some())
+    }
+
+    /// Snapshot of the newest scene; `None` when its frame is not held any more. Objects whose
+    /// points have not come have none.
+    pub(crate) fn snapshot(&self) -> Option<Snapshot> {
+        let scene = self.scene.as_ref()?;
+        let is_its = |frame: &&SharedMessage<CameraCloud>| {
+            let header = frame.header();
+            (header.session, header.sequence) == (scene.session, scene.sequence)
+        };
+        let frame = self.held.iter().find(is_its)?;
+        let header = frame.header();
+        let checked = header.checked(frame.items().len(), monotonic_ns()).ok()?;
+        let object = |object: &SceneObject| SnapshotObject {
+            track: object.track_id,
+            label: object.label().map(str::to_owned),
+            state: TrackState::from_code(object.state).unwrap_or(TrackState::Missing),
+            middle_in_world: object.pose.position_m.into(),
+            points: self.points_of(object, scene, checked.world_from_camera),
+        };
+        Some(Snapshot {
+            points: message::points(frame.items()).to_vec(),
+            camera: checked.camera,
+            world_from_camera: checked.world_from_camera,
+            up_in_camera: checked.up_in_camera,
+            table_in_world: scene.table_in_world,
+            objects: scene.objects.iter().map(object).collect(),
+            session: header.session,
+            sequence: header.sequence,
+            capture_ns: header.capture_stamp_ns,
+            source_name: header.source_name.as_str().unwrap_or_default().to_owned(),
+        })
+    }
+
+    /// Points of a seen object in the present camera frame, of this frame or of one shortly before.
+    fn points_of(
+        &self,
+        object: &SceneObject,
+        scene: &SceneOfFrame,
+        world_from_camera: Option<RigidTransform>,
+    ) -> Vec<[f32; 3]> {
+        let Some(cloud) = self.cloud_of(object, scene).filter(|_| is_seen(object)) else {
+            return Vec::new();
+        };
+        let then = self.pose_of(cloud.session, cloud.sequence);
+        let Some(then) = then.filter(|then| then.is_some() == world_from_camera.is_some()) else {
+            return Vec::new();
+        };
+        let now_from_then = match (world_from_camera, then) {
+            (Some(now), Some(then)) => now.inverse() * then,
+            _ => RigidTransform::identity(),
+        };
+        let points = cloud.points.iter().filter(|point| point.is_finite());
+        points
+            .map(|point| (now_from_then * point.position()).cast::<f32>().into())
+            .collect()
+    }
+
+    /// Points of an object of this frame or of one shortly before.
+    fn cloud_of(&self, object: &SceneObject, scene: &SceneOfFrame) -> Option<&TrackCloud> {
+        let cloud = self.newest_clouds.get(&object.track_id)?;
+        let age = scene.sequence.abs_diff(cloud.sequence);
+        (cloud.session == scene.session && age <= CLOUD_AGE_MAX).then_some(cloud)
+    }
+
+    /// Pose of the camera in a frame, if the frame is known.
+    fn pose_of(&self, session: u64, sequence: u64) -> Option<Option<RigidTransform>> {
+        let is_its =
+            |header: &&FrameHeader| (header.session, header.sequence) == (session, sequence);
+        let header = self.headers.iter().find(is_its)?;
+        let is_known = header.has(message::frame_flag::HAS_WORLD_POSE);
+        Some(header.world_from_camera.checked().filter(|_| is_known))
+    }
+}
+
+/// True for an object that is measured in the frame of its scene.
+fn is_seen(object: &SceneObject) -> bool {
+    TrackState::from_code(object.state) == Some(TrackState::Tracked)
+}
+
+/// True for an object that is more than a tentative track and has a place.
+fn is_confirmed(object: &SceneObject) -> bool {
+    let state = TrackState::from_code(object.state);
+    let has_place = object.pose.position_m.iter().all(|c| c.is_finite());
+    has_place && state.is_some_and(|state| state != TrackState::Tentative)
+}

@@ -1,0 +1,161 @@
+use super::super::candidate_poses::hemisphere;
+use super::super::planning_frame::PlanningFrame;
+use super::*;
+use crate::arguments::{ModellerArguments, ModellerVerb};
+use crate::hypotheses::HypothesisSource;
+use clap::Parser;
+use geometry::Plane;
+use nalgebra::Point3;
+use next_best_view::SurfaceModel;
+use std::rc::Rc;
+
+const CELL_M: f64 = 0.003;
+
+fn arguments(words: &[&str]) -> PlanArguments {
+    let words = ["tabula-modeller", "plan"].iter().chain(words);
+    match ModellerArguments::try_parse_from(words).unwrap().verb {
+        ModellerVerb::Plan(plan) => plan,
+        ModellerVerb::Build(_) => panic!("no plan"),
+    }
+}
+
+fn looking_from(x: f64, y: f64, z: f64) -> RigidTransform {
+    let eye = Point3::new(x, y, z);
+    RigidTransform::face_towards(&eye, &Point3::origin(), &-Vector3::z())
+}
+
+/// Two boxes in a row along x, of which a camera along the row sees one, on a table.
+struct Row {
+    frame: PlanningFrame,
+    hypotheses: Vec<ObjectHypothesis>,
+    background: Vec<[f32; 3]>,
+}
+
+impl Row {
+    fn new() -> Self {
+        let mesh = mesh::rounded_box([0.1; 3], 0.004, 0.1).mesh;
+        let surface = Rc::new(SurfaceModel::of_mesh(&mesh, CELL_M).unwrap());
+        let hypothesis = |(track, x)| ObjectHypothesis {
+            track,
+            label: None,
+            source: HypothesisSource::Measured,
+            surface: surface.clone(),
+            plan_from_object: RigidTransform::translation(x, 0.0, 0.0),
+            note: String::new(),
+        };
+        let spot = |i: u16| {
+            let (column, row) = (f32::from(i % 200), f32::from(i / 200));
+            [0.003 * column - 0.3, 0.003 * row - 0.3, -0.05]
+        };
+        Self {
+            frame: PlanningFrame {
+                world_from_plan: RigidTransform::identity(),
+                plan_from_camera: looking_from(0.8, 0.0, 0.02),
+                table_in_plan: Some(Plane::through(
+                    &Point3::new(0.0, 0.0, -0.05),
+                    Vector3::z_axis(),
+                )),
+                notes: Vec::new(),
+            },
+            hypotheses: [(7, -0.1), (9, 0.1)].map(hypothesis).into(),
+            background: (0..40_000).map(spot).collect(),
+        }
+    }
+
+    fn plan(
+        &self,
+        candidates: &[RigidTransform],
+        visited: &[RigidTransform],
+        words: &[&str],
+    ) -> Result<ViewPlan, Failure> {
+        let input = PlanInput {
+            frame: &self.frame,
+            camera: PinholeCamera::KINECT_V1,
+            hypotheses: &self.hypotheses,
+            background: &self.background,
+            occupancy: None,
+            candidates,
+            visited,
+            cell_m: CELL_M,
+        };
+        plan(&input, &arguments(words), &mut Random::from_seed(1))
+    }
+}
+
+#[test]
+fn plan_chooses_a_view_beside_the_row_that_shows_both_boxes() {
+    let row = Row::new();
+    let candidates = hemisphere(60, 0.8, 0.1);
+    for words in [&[][..], &["--perspective"], &["--by-segmentation"]] {
+        let plan = row.plan(&candidates, &[], words).unwrap();
+        let chosen = &plan.views[plan.chosen];
+        assert_eq!(plan.present.n_objects_seen, 1, "{words:?}");
+        assert_eq!(chosen.n_objects_seen, 2, "{words:?}");
+        assert_eq!((chosen.rank, plan.reason), (Some(1), ChoiceReason::Utility));
+        assert!(
+            chosen.score.entropy > plan.present.score.entropy + 0.1,
+            "{words:?}"
+        );
+        let [[first_now, first_then], [second_now, _]] = plan.shares[..] else {
+            panic!("{:?}", plan.shares)
+        };
+        assert!(first_now < 0.1 && second_now > 0.99, "{:?}", plan.shares);
+        assert!(first_then > 0.5, "{:?}", plan.shares);
+    }
+}
+
+#[test]
+fn plan_leaves_out_what_is_visited_blocked_or_below_the_table() {
+    let row = Row::new();
+    let beside = looking_from(0.0, 0.8, 0.1);
+    let candidates = [
+        beside,
+        looking_from(0.8, 0.0, 0.02),
+        looking_from(0.12, 0.01, 0.0),
+        looking_from(0.0, 0.6, -0.4),
+        looking_from(0.6, 0.6, 0.3),
+    ];
+    let plan = row.plan(&candidates, &[beside], &[]).unwrap();
+    let states: Vec<ViewState> = plan.views.iter().map(|view| view.state).collect();
+    let expected = [
+        ViewState::Visited,
+        ViewState::Visited,
+        ViewState::Blocked,
+        ViewState::BelowTable,
+        ViewState::Open,
+    ];
+    assert_eq!(states, expected);
+    assert_eq!((plan.chosen, plan.views[4].rank), (4, Some(1)));
+    assert!(plan.views[..4].iter().all(|view| view.rank.is_none()));
+    let refused = row.plan(&candidates[..4], &[beside], &[]).unwrap_err();
+    assert!(
+        refused.sentence.starts_with(
+            "none of the 4 candidate views is left: 2 were visited, 1 are inside an object or at \
+             a surface, and 1 are below the table"
+        ),
+        "{refused}"
+    );
+}
+
+#[test]
+fn drawn_views_differ_and_a_great_exponent_is_greedy() {
+    let row = Row::new();
+    let candidates = hemisphere(30, 0.8, 0.3);
+    let input = PlanInput {
+        frame: &row.frame,
+        camera: PinholeCamera::KINECT_V1,
+        hypotheses: &row.hypotheses,
+        background: &row.background,
+        occupancy: None,
+        candidates: &candidates,
+        visited: &[],
+        cell_m: CELL_M,
+    };
+    let mut random = Random::from_seed(5);
+    let mut draw = |words: &[&str]| plan(&input, &arguments(words), &mut random).unwrap().chosen;
+    let greedy = draw(&[]);
+    let drawn: Vec<usize> = (0..8).map(|_| draw(&["--sampled"])).collect();
+    assert!(drawn.iter().any(|&view| view != drawn[0]), "{drawn:?}");
+    let sharp = (0..8).map(|_| draw(&["--sampled", "100"]));
+    assert!(sharp.filter(|&view| view == greedy).count() >= 4);
+}

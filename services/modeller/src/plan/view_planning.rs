@@ -1,0 +1,276 @@
+//! Planning of views from snapshots, with what is kept from plan to plan: stored models, visited
+//! views, the random numbers of the draws.
+
+use super::plan_document::{self, PlanDocument};
+use super::planning_frame::PlanningFrame;
+use super::planning_space::PlanningSpace;
+use super::publication::PlanPublisher;
+use super::snapshot::Snapshot;
+use super::view_plan::{PlanInput, ViewPlan};
+use super::{candidate_poses, picture, pose_file, view_plan};
+use crate::arguments::PlanArguments;
+use crate::hypotheses::{HypothesisSource, ModelShelf, ObjectHypothesis};
+use channel::{Domain, DomainName, Error};
+use geometry::RigidTransform;
+use message::TrackState;
+use random::Random;
+use service::{CommonArguments, Failure};
+use std::time::Instant;
+
+/// Side of the cells of virtual views, metres, at least, and in distances of measured points.
+const CELL_MIN_M: f64 = 0.003;
+const CELL_STEPS: f64 = 1.2;
+/// Number of cells along the diagonal of the space at most.
+const N_CELLS_MAX: f64 = 1500.0;
+/// Number of visited views that are kept.
+const N_VISITED_MAX: usize = 1000;
+
+/// Planning of views with what is kept from plan to plan.
+pub(crate) struct ViewPlanning<'a> {
+    common: &'a CommonArguments,
+    arguments: &'a PlanArguments,
+    /// Poses of `--views` in the world.
+    given: Option<Vec<RigidTransform>>,
+    /// Poses of `--visited` and of earlier plans in the world.
+    visited: Vec<RigidTransform>,
+    shelf: ModelShelf,
+    random: Random,
+    publisher: Option<PlanPublisher>,
+}
+
+impl<'a> ViewPlanning<'a> {
+    /// Planning by arguments.
+    ///
+    /// # Errors
+    /// When a file of poses is bad.
+    pub(crate) fn new(
+        common: &'a CommonArguments,
+        arguments: &'a PlanArguments,
+    ) -> Result<Self, Failure> {
+        let given = arguments
+            .views
+            .as_deref()
+            .map(pose_file::read)
+            .transpose()?;
+        if let (Some(file), Some([])) = (&arguments.views, given.as_deref()) {
+            return Err(Failure::usage(format!(
+                "the file of poses {} has none; give at least one view, or leave --views out",
+                file.display()
+            )));
+        }
+        let visited = arguments.visited.as_deref().map(pose_file::read);
+        Ok(Self {
+            common,
+            arguments,
+            given,
+            visited: visited.transpose()?.unwrap_or_default(),
+            shelf: ModelShelf::default(),
+            random: Random::from_seed(arguments.seed),
+            publisher: None,
+        })
+    }
+
+    pub(crate) fn arguments(&self) -> &PlanArguments {
+        self.arguments
+    }
+
+    pub(crate) fn domain_name(&self) -> &DomainName {
+        &self.common.domain
+    }
+
+    /// Joins the topic of plans.
+    ///
+    /// # Errors
+    /// When the topic has no room for another planner.
+    pub(crate) fn join(&mut self, domain: &Domain) -> Result<(), Error> {
+        self.publisher = Some(PlanPublisher::new(domain)?);
+        Ok(())
+    }
+
+    /// Delivers the newest plan to new subscribers.
+    ///
+    /// # Errors
+    /// When shared memory fails.
+    pub(crate) fn greet(&self) -> Result<(), Error> {
+        self.publisher.as_ref().map_or(Ok(()), PlanPublisher::greet)
+    }
+
+    /// Plans from a snapshot, publishes the plan, and counts the present view as visited.
+    ///
+    /// # Errors
+    /// When there is nothing to look at, no candidate is left, or the picture cannot be written.
+    pub(crate) fn plan(&mut self, snapshot: &Snapshot) -> Result<PlanDocument, Failure> {
+        let begun = Instant::now();
+        let Some(frame) = PlanningFrame::of(snapshot) else {
+            return Err(Failure::general(
+                "no object is seen, and the middle of the image has no depth, so that there is \
+                 nothing to look at; point the camera at the table",
+            ));
+        };
+        let mut notes = frame.notes.clone();
+        if let Err(failure) = self.shelf.refresh(self.common, snapshot) {
+            notes.push(format!("the stored models are not used: {failure}"));
+        }
+        let cell_m = cell_m(snapshot, &frame);
+        let hypotheses = self.shelf.hypotheses(snapshot, &frame, cell_m)?;
+        notes.extend(remarks(snapshot, &hypotheses));
+        let space = PlanningSpace::around(&hypotheses);
+        let cell_m = cell_m.max(space.diagonal_m() / N_CELLS_MAX);
+        let background = space.background(snapshot, &frame, (&hypotheses, cell_m))?;
+        let wants_gain = self.arguments.gain_weight > 0.0;
+        let occupancy = wants_gain.then(|| space.occupancy(snapshot, &frame));
+        let occupancy = occupancy.transpose()?;
+        let plan_from_world = frame.world_from_plan.inverse();
+        let visited: Vec<_> = self
+            .visited
+            .iter()
+            .map(|pose| plan_from_world * pose)
+            .collect();
+        let candidates = self.candidates(&frame);
+        let input = PlanInput {
+            frame: &frame,
+            camera: snapshot.camera,
+            hypotheses: &hypotheses,
+            background: &background,
+            occupancy: occupancy.as_ref(),
+            candidates: &candidates,
+            visited: &visited,
+            cell_m,
+        };
+        let plan = view_plan::plan(&input, self.arguments, &mut self.random);
+        // The present view is taken, even where no other is left.
+        let n_visited = self.visited.len() + 1;
+        self.note_visited(snapshot);
+        let plan = plan?;
+        let is_published = self.publish(snapshot, &plan, &frame, &mut notes);
+        if let Some(file) = &self.arguments.picture {
+            picture::write(file, &input, &plan)?;
+        }
+        let mut document = document(snapshot, &plan, &input, n_visited);
+        document.is_published = is_published;
+        document.notes = notes;
+        document.processing_ms = 1e3 * begun.elapsed().as_secs_f64();
+        Ok(document)
+    }
+
+    /// Candidates in the frame of planning.
+    fn candidates(&self, frame: &PlanningFrame) -> Vec<RigidTransform> {
+        if let Some(given) = &self.given {
+            let plan_from_world = frame.world_from_plan.inverse();
+            return given.iter().map(|pose| plan_from_world * pose).collect();
+        }
+        let present_m = frame.plan_from_camera.translation.vector.norm();
+        candidate_poses::hemisphere(
+            self.arguments.candidates.into(),
+            self.arguments.distance_m.unwrap_or(present_m),
+            self.arguments.min_elevation_deg.to_radians(),
+        )
+    }
+
+    /// Keeps the present pose. Poses in the frames of a camera that moves cannot be compared.
+    fn note_visited(&mut self, snapshot: &Snapshot) {
+        if let Some(pose) = snapshot.world_from_camera {
+            if self.visited.len() >= N_VISITED_MAX {
+                self.visited.remove(0);
+            }
+            self.visited.push(pose);
+        }
+    }
+
+    fn publish(
+        &mut self,
+        snapshot: &Snapshot,
+        plan: &ViewPlan,
+        frame: &PlanningFrame,
+        notes: &mut Vec<String>,
+    ) -> bool {
+        let Some(publisher) = &mut self.publisher else {
+            return false;
+        };
+        let published = publisher.publish(snapshot, plan, &frame.world_from_plan);
+        if let Err(error) = &published {
+            notes.push(format!("the plan was not published: {error}"));
+        }
+        published.is_ok()
+    }
+}
+
+/// Side of the cells: no less than the distance of measured points.
+fn cell_m(snapshot: &Snapshot, frame: &PlanningFrame) -> f64 {
+    let distance_m = frame.plan_from_camera.translation.vector.norm();
+    let focal_px = snapshot.camera.fx_px.min(snapshot.camera.fy_px);
+    (CELL_STEPS * distance_m / focal_px).clamp(CELL_MIN_M, 0.05)
+}
+
+/// Remarks on objects without hypotheses, and on hypotheses without models.
+fn remarks(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> Vec<String> {
+    let mut notes = Vec::new();
+    if hypotheses.is_empty() {
+        notes.push(
+            "no object is seen: the views are rated by the unknown space around the middle of the \
+             image alone"
+                .to_owned(),
+        );
+    }
+    let without: Vec<_> = snapshot
+        .objects
+        .iter()
+        .filter(|o| o.points.is_empty())
+        .collect();
+    let ids = |is_seen: bool| {
+        let of_kind = without
+            .iter()
+            .filter(|o| (o.state == TrackState::Tracked) == is_seen);
+        let ids: Vec<String> = of_kind.map(|object| object.track.to_string()).collect();
+        ids.join(", ")
+    };
+    let (lost, unseen) = (ids(true), ids(false));
+    if !unseen.is_empty() {
+        notes.push(format!("not seen now, and not planned for: {unseen}"));
+    }
+    if !lost.is_empty() {
+        notes.push(format!(
+            "the points of these objects did not come, so that they count as background: {lost}"
+        ));
+    }
+    let is_measured = |h: &ObjectHypothesis| h.source == HypothesisSource::Measured;
+    let has_no_model = |h: &ObjectHypothesis| is_measured(h) && h.note.is_empty();
+    if !hypotheses.is_empty() && hypotheses.iter().all(has_no_model) {
+        notes.push(
+            "no model is stored under the label of a seen object: only the measured sides are \
+             known; `tabula model build` makes models"
+                .to_owned(),
+        );
+    }
+    notes
+}
+
+fn document(
+    snapshot: &Snapshot,
+    plan: &ViewPlan,
+    input: &PlanInput<'_>,
+    n_visited: usize,
+) -> PlanDocument {
+    let world_from_plan = &input.frame.world_from_plan;
+    let (views, present) = plan_document::views(plan, world_from_plan);
+    let present_pose = plan.present.plan_from_camera;
+    let chosen_pose = plan.views[plan.chosen].plan_from_camera;
+    PlanDocument {
+        chosen: views[plan.chosen].clone(),
+        reason: plan_document::reason_word(plan.reason),
+        motion: super::motion::Motion::new(present_pose, chosen_pose).in_words(),
+        present,
+        views,
+        hypotheses: plan_document::hypotheses(input.hypotheses, plan, world_from_plan),
+        objects: plan_document::objects(snapshot, input.hypotheses),
+        n_background_points: input.background.len(),
+        n_unknown_voxels: input.occupancy.map_or(0, |grid| grid.n_unknown()),
+        n_visited,
+        frame_sequence: snapshot.sequence,
+        source_name: snapshot.source_name.clone(),
+        has_world_pose: snapshot.world_from_camera.is_some(),
+        is_published: false,
+        notes: Vec::new(),
+        processing_ms: 0.0,
+    }
+}

@@ -1,0 +1,12 @@
+//! Arguments of `tabula view`.
+
+use super::LabArguments;
+use clap::Subcommand;
+
+/// Subcommands of `tabula view`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ViewVerb {
+    /// Plan the next best view of the objects that the camera sees; see `tabula view plan --help`
+    #[command(disable_help_flag = true)]
+    Plan(LabArguments),
+}
