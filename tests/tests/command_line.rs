@@ -17,7 +17,7 @@ const TABLE: [&str; 4] = ["--source", "synthetic:0", "--rate", "10"];
 
 /// Type of a JSON value.
 #[derive(Debug, Clone, Copy)]
-enum JsonType {
+pub(crate) enum JsonType {
     Count,
     Number,
     NumberOrNull,
@@ -250,7 +250,7 @@ const MODEL_EXPORT: &[(&str, JsonType)] = &[
 const ERROR: &[(&str, JsonType)] = &[("error", Text), ("exit_code", Count)];
 
 /// Asserts that the document has exactly these keys, with values of these types.
-fn check_shape(document: &Value, shape: &[(&str, JsonType)]) {
+pub(crate) fn check_shape(document: &Value, shape: &[(&str, JsonType)]) {
     let object = document
         .as_object()
         .unwrap_or_else(|| panic!("{document} is no object"));
@@ -265,7 +265,7 @@ fn check_shape(document: &Value, shape: &[(&str, JsonType)]) {
 }
 
 /// Asserts that the list is not empty and all its documents have this shape.
-fn check_list(list: &Value, shape: &[(&str, JsonType)]) {
+pub(crate) fn check_list(list: &Value, shape: &[(&str, JsonType)]) {
     let list = list.as_array().unwrap();
     assert!(!list.is_empty());
     for document in list {

@@ -73,6 +73,8 @@ mod stress;
 mod supervision;
 /// systemd units: accepted, hardened, restarted for ever.
 mod units;
+/// Next best views beside a running daemon.
+mod view_planning;
 /// Working memory: facts, events and tasks survive a kill.
 mod world_memory;
 /// Zero-copy transport: the cloud is written once.

@@ -3,7 +3,7 @@
 
 use crate::plan::planning_frame::PlanningFrame;
 use crate::plan::snapshot::{Snapshot, SnapshotObject};
-use control_client::MemoryClient;
+use control_client::{MemoryClient, connect_if_running};
 use geometry::RigidTransform;
 use mesh::{Triangle, TriangleMesh};
 use message::control::{DocumentKind, DocumentName, DocumentReport};
@@ -69,7 +69,9 @@ impl ModelShelf {
             self.models.clear();
             return Ok(());
         }
-        let mut memory = MemoryClient::open(common)?;
+        let client = connect_if_running(common)?;
+        let client = client.ok_or_else(|| Failure::general("the memory does not run"))?;
+        let mut memory = MemoryClient::of_daemon(common, client);
         let stored = memory.documents(DocumentKind::ObjectModel)?;
         self.models
             .retain(|name, _| stored.iter().any(|report| report.document.name == *name));

@@ -15,8 +15,11 @@ use command_line::Output;
 use service::{Failure, set_private_umask};
 use std::process::ExitCode;
 
-/// Increment of the nice value: the lowest priority, since the frames of the daemon go before.
-const NICENESS: i32 = 19;
+/// Increment of the nice value for models: the lowest priority, since the frames of the daemon go
+/// before.
+const MODEL_NICENESS: i32 = 19;
+/// Increment for plans: below the daemon, too, but a robot waits for the answer.
+const PLAN_NICENESS: i32 = 10;
 
 fn main() -> ExitCode {
     let arguments: ModellerArguments = service::parse_arguments();
@@ -26,7 +29,11 @@ fn main() -> ExitCode {
 }
 
 fn execute(arguments: &ModellerArguments, output: &Output) -> Result<ExitCode, Failure> {
-    rustix::process::nice(NICENESS)
+    let niceness = match &arguments.verb {
+        ModellerVerb::Build(_) => MODEL_NICENESS,
+        ModellerVerb::Plan(_) => PLAN_NICENESS,
+    };
+    rustix::process::nice(niceness)
         .map_err(|error| Failure::general(format!("the priority could not be lowered: {error}")))?;
     match &arguments.verb {
         ModellerVerb::Build(build) => build::run(&arguments.common, build, output),

@@ -9,6 +9,7 @@ pub(crate) mod planning_frame;
 mod planning_space;
 mod pose_file;
 mod publication;
+mod remarks;
 pub(crate) mod snapshot;
 mod snapshot_receiver;
 mod trigger;

@@ -37,8 +37,8 @@ pub(crate) struct PlanArguments {
     /// Seed of the draw
     #[arg(long, value_name = "S", default_value_t = 1, requires = "sampled")]
     pub(crate) seed: u64,
-    /// Standard deviation of the weight by distance, as a share of the diameter of the candidates;
-    /// a large one takes distance out of the choice
+    /// Standard deviation of the weight by distance, as a share of the diameter of the candidates
+    /// and the present pose; a large one takes distance out of the choice
     #[arg(long, value_name = "SHARE", default_value_t = Config::default().sigma_share,
           value_parser = sigma_share)]
     pub(crate) sigma_share: f64,

@@ -32,8 +32,8 @@ impl Motion {
         self.from.rotation.angle_to(&self.to.rotation).to_degrees()
     }
 
-    /// Order for a person who stands behind the camera.
-    pub(crate) fn in_words(&self) -> String {
+    /// Order for a person who stands behind the camera; `target` is the thing in the origin.
+    pub(crate) fn in_words(&self, target: &str) -> String {
         let way = self.to.translation.vector - self.from.translation.vector;
         let right = self.right();
         let ahead = Vector3::z().cross(&right);
@@ -56,16 +56,16 @@ impl Motion {
             [one] => format!("move the camera {one}"),
             [some @ .., last] => format!("move the camera {} and {last}", some.join(", ")),
         };
-        format!("{way}, and {}", self.look())
+        format!("{way}, and {}", self.look(target))
     }
 
     /// Line of sight at the end.
-    fn look(&self) -> String {
+    fn look(&self, target: &str) -> String {
         let eye = self.to.translation.vector;
         let axis = self.to.rotation * Vector3::z();
         let off_m = eye.cross(&axis).norm();
         if off_m < AT_MIDDLE_M && eye.dot(&axis) < 0.0 {
-            return "look at the middle of the objects".into();
+            return format!("look at {target}");
         }
         let down_deg = (-axis.z).clamp(-1.0, 1.0).asin().to_degrees();
         let way = if down_deg < 0.0 { "up" } else { "down" };
@@ -106,14 +106,13 @@ mod tests {
         let from = looking_from(0.0, -0.8, 0.5);
         let motion = Motion::new(from, looking_from(-0.32, -0.75, 0.68));
         assert_eq!(
-            motion.in_words(),
-            "move the camera 32 cm to the left, 18 cm up and 5 cm ahead, and look at the middle of \
-             the objects"
+            motion.in_words("the mug"),
+            "move the camera 32 cm to the left, 18 cm up and 5 cm ahead, and look at the mug"
         );
         let back = Motion::new(from, looking_from(0.0, -0.9, 0.5));
         assert_eq!(
-            back.in_words(),
-            "move the camera 10 cm back, and look at the middle of the objects"
+            back.in_words("the mug"),
+            "move the camera 10 cm back, and look at the mug"
         );
         assert!((back.distance_m() - 0.1).abs() < 1e-12);
     }
@@ -126,7 +125,7 @@ mod tests {
             nalgebra::UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -0.5) * to.rotation;
         let motion = Motion::new(from, to);
         assert_eq!(
-            motion.in_words(),
+            motion.in_words("the mug"),
             "leave the camera in its place, and turn it by 29°, so that it looks down at 29°"
         );
         assert!((motion.angle_deg() - 0.5_f64.to_degrees()).abs() < 1e-9);
@@ -139,7 +138,7 @@ mod tests {
         down.rotation *= nalgebra::UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 1.0);
         assert!(
             Motion::new(down, looking_from(0.3, 0.0, 0.8))
-                .in_words()
+                .in_words("the mug")
                 .contains("cm")
         );
         let mut side = looking_from(0.0, -0.8, 0.0);

@@ -66,27 +66,24 @@ pub(crate) fn plan(
 ) -> Result<ViewPlan, Failure> {
     let scene = planning_scene(input)?;
     let config = config(input, arguments);
-    let mut scores = scores(&scene, input, input.candidates, &config)?;
-    let mut present = scores_of_present(&scene, input, &config)?;
+    // The present pose is rated among the candidates, so that the diameter of them all, of which
+    // the weights are shares, includes the way to them.
+    let mut poses = input.candidates.to_vec();
+    poses.push(input.frame.plan_from_camera);
+    let mut scores = scores(&scene, input, &poses, &config)?;
     if arguments.by_segmentation {
-        rate_by_segments(&scene, input.candidates, &config, &mut scores)?;
-        let pose = [input.frame.plan_from_camera];
-        rate_by_segments(&scene, &pose, &config, std::slice::from_mut(&mut present))?;
+        rate_by_segments(&scene, &poses, &config, &mut scores)?;
     }
     let mut shares = VisibleShares::new(input.hypotheses)?;
-    let mut views = Vec::with_capacity(scores.len());
-    for (pose, score) in input.candidates.iter().zip(&scores) {
-        let seen = shares.seen_from(&scene, pose, &config.render)?;
-        views.push(rated(pose, score, seen, input.frame));
+    let mut views = Vec::with_capacity(poses.len());
+    for (pose, score) in poses.iter().zip(&scores) {
+        let n_seen = shares.seen_from(&scene, pose, &config.render)?;
+        views.push(rated(pose, score, n_seen, input.frame));
     }
-    let seen_now = shares.seen_from(&scene, &input.frame.plan_from_camera, &config.render)?;
-    let present = rated(
-        &input.frame.plan_from_camera,
-        &present,
-        seen_now,
-        input.frame,
-    );
     let shares_now = shares.shares().to_vec();
+    let Some(present) = views.pop().filter(|_| !views.is_empty()) else {
+        return Err(Failure::general(next_best_view::Error::NoCandidates));
+    };
     rank(&mut views);
     let (chosen, reason) = chosen(&views, arguments, random)?;
     shares.seen_from(&scene, &views[chosen].plan_from_camera, &config.render)?;
@@ -145,19 +142,6 @@ fn scores(
     let mut planner = ViewPlanner::default();
     let scores = planner.score(scene, &views, config, input.occupancy);
     Ok(scores.map_err(Failure::general)?.to_vec())
-}
-
-/// Score of the view from the present pose, as if it were a candidate.
-fn scores_of_present(
-    scene: &PlanningScene,
-    input: &PlanInput<'_>,
-    config: &Config,
-) -> Result<ViewScore, Failure> {
-    let present = [input.frame.plan_from_camera];
-    let scores = scores(scene, input, &present, config)?;
-    scores.first().copied().ok_or_else(|| {
-        Failure::general("the present view has no rating; this is a fault of tabula")
-    })
 }
 
 /// Replaces entropies by those of the segments that detection finds in the virtual views.

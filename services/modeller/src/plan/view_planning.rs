@@ -1,18 +1,18 @@
 //! Planning of views from snapshots, with what is kept from plan to plan: stored models, visited
 //! views, the random numbers of the draws.
 
+use super::motion::Motion;
 use super::plan_document::{self, PlanDocument};
 use super::planning_frame::PlanningFrame;
 use super::planning_space::PlanningSpace;
 use super::publication::PlanPublisher;
 use super::snapshot::Snapshot;
 use super::view_plan::{PlanInput, ViewPlan};
-use super::{candidate_poses, picture, pose_file, view_plan};
+use super::{candidate_poses, picture, pose_file, remarks, view_plan};
 use crate::arguments::PlanArguments;
-use crate::hypotheses::{HypothesisSource, ModelShelf, ObjectHypothesis};
+use crate::hypotheses::ModelShelf;
 use channel::{Domain, DomainName, Error};
 use geometry::RigidTransform;
-use message::TrackState;
 use random::Random;
 use service::{CommonArguments, Failure};
 use std::time::Instant;
@@ -113,7 +113,7 @@ impl<'a> ViewPlanning<'a> {
         }
         let cell_m = cell_m(snapshot, &frame);
         let hypotheses = self.shelf.hypotheses(snapshot, &frame, cell_m)?;
-        notes.extend(remarks(snapshot, &hypotheses));
+        notes.extend(remarks::remarks(snapshot, &hypotheses));
         let space = PlanningSpace::around(&hypotheses);
         let cell_m = cell_m.max(space.diagonal_m() / N_CELLS_MAX);
         let background = space.background(snapshot, &frame, (&hypotheses, cell_m))?;
@@ -202,49 +202,6 @@ fn cell_m(snapshot: &Snapshot, frame: &PlanningFrame) -> f64 {
     (CELL_STEPS * distance_m / focal_px).clamp(CELL_MIN_M, 0.05)
 }
 
-/// Remarks on objects without hypotheses, and on hypotheses without models.
-fn remarks(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> Vec<String> {
-    let mut notes = Vec::new();
-    if hypotheses.is_empty() {
-        notes.push(
-            "no object is seen: the views are rated by the unknown space around the middle of the \
-             image alone"
-                .to_owned(),
-        );
-    }
-    let without: Vec<_> = snapshot
-        .objects
-        .iter()
-        .filter(|o| o.points.is_empty())
-        .collect();
-    let ids = |is_seen: bool| {
-        let of_kind = without
-            .iter()
-            .filter(|o| (o.state == TrackState::Tracked) == is_seen);
-        let ids: Vec<String> = of_kind.map(|object| object.track.to_string()).collect();
-        ids.join(", ")
-    };
-    let (lost, unseen) = (ids(true), ids(false));
-    if !unseen.is_empty() {
-        notes.push(format!("not seen now, and not planned for: {unseen}"));
-    }
-    if !lost.is_empty() {
-        notes.push(format!(
-            "the points of these objects did not come, so that they count as background: {lost}"
-        ));
-    }
-    let is_measured = |h: &ObjectHypothesis| h.source == HypothesisSource::Measured;
-    let has_no_model = |h: &ObjectHypothesis| is_measured(h) && h.note.is_empty();
-    if !hypotheses.is_empty() && hypotheses.iter().all(has_no_model) {
-        notes.push(
-            "no model is stored under the label of a seen object: only the measured sides are \
-             known; `tabula model build` makes models"
-                .to_owned(),
-        );
-    }
-    notes
-}
-
 fn document(
     snapshot: &Snapshot,
     plan: &ViewPlan,
@@ -255,10 +212,15 @@ fn document(
     let (views, present) = plan_document::views(plan, world_from_plan);
     let present_pose = plan.present.plan_from_camera;
     let chosen_pose = plan.views[plan.chosen].plan_from_camera;
+    let target = if input.hypotheses.is_empty() {
+        "the place in the middle of the present image"
+    } else {
+        "the middle of the objects"
+    };
     PlanDocument {
         chosen: views[plan.chosen].clone(),
         reason: plan_document::reason_word(plan.reason),
-        motion: super::motion::Motion::new(present_pose, chosen_pose).in_words(),
+        motion: Motion::new(present_pose, chosen_pose).in_words(target),
         present,
         views,
         hypotheses: plan_document::hypotheses(input.hypotheses, plan, world_from_plan),

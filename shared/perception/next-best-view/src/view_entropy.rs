@@ -29,7 +29,8 @@ pub fn view_entropy(areas_m2: &[f64], background_m2: f64, total: TotalArea, base
             0.0
         }
     };
-    let nats: f64 = areas_m2.iter().map(term).sum();
+    // The sum of nothing would be -0.
+    let nats = areas_m2.iter().map(term).fold(0.0, |sum, term| sum + term);
     nats / base.ln()
 }
 
@@ -61,7 +62,8 @@ mod tests {
     #[test]
     fn nothing_visible_is_zero() {
         for total in [TotalArea::Visible, TotalArea::Objects] {
-            assert_eq!(view_entropy(&[], 0.0, total, 2.0), 0.0);
+            let nothing = view_entropy(&[], 0.0, total, 2.0);
+            assert!(nothing == 0.0 && nothing.is_sign_positive(), "{nothing}");
             assert_eq!(view_entropy(&[0.0, 0.0], 0.0, total, 2.0), 0.0);
             assert_eq!(view_entropy(&[0.0, 0.0], 1.0, total, 2.0), 0.0);
         }

@@ -138,6 +138,27 @@ fn plan_leaves_out_what_is_visited_blocked_or_below_the_table() {
 }
 
 #[test]
+fn reachable_views_far_from_the_present_one_are_told_apart_by_their_entropy() {
+    let row = Row::new();
+    // All on the other side, and near each other; one of them sees one box only.
+    let candidates = [
+        looking_from(-0.8, 0.0, 0.02),
+        looking_from(-0.75, 0.3, 0.1),
+        looking_from(-0.72, 0.35, 0.1),
+    ];
+    let plan = row.plan(&candidates, &[], &[]).unwrap();
+    assert_eq!(plan.reason, ChoiceReason::Utility);
+    assert!(
+        plan.chosen != 0 && plan.views[0].rank == Some(3),
+        "{:?}",
+        plan.views
+    );
+    let alone = row.plan(&candidates[..1], &[], &[]).unwrap();
+    assert_eq!((alone.chosen, alone.reason), (0, ChoiceReason::Utility));
+    assert!(alone.views[0].score.weight > 0.01, "{:?}", alone.views);
+}
+
+#[test]
 fn drawn_views_differ_and_a_great_exponent_is_greedy() {
     let row = Row::new();
     let candidates = hemisphere(30, 0.8, 0.3);

@@ -1,0 +1,112 @@
+//! Remarks for people on what a plan leaves out.
+
+use super::snapshot::Snapshot;
+use crate::hypotheses::{HypothesisSource, ObjectHypothesis};
+use message::TrackState;
+
+/// Remarks on objects without hypotheses, and on hypotheses without models.
+pub(crate) fn remarks(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> Vec<String> {
+    let mut notes = Vec::new();
+    if hypotheses.is_empty() {
+        notes.push(
+            "no object is seen: the views are rated by the unknown space around the middle of the \
+             image alone"
+                .to_owned(),
+        );
+    }
+    let without: Vec<_> = snapshot
+        .objects
+        .iter()
+        .filter(|o| o.points.is_empty())
+        .collect();
+    let ids = |is_seen: bool| {
+        let of_kind = without
+            .iter()
+            .filter(|o| (o.state == TrackState::Tracked) == is_seen);
+        let ids: Vec<String> = of_kind.map(|object| object.track.to_string()).collect();
+        ids.join(", ")
+    };
+    let (lost, unseen) = (ids(true), ids(false));
+    if !unseen.is_empty() {
+        notes.push(format!("not seen now, and not planned for: {unseen}"));
+    }
+    if !lost.is_empty() {
+        notes.push(format!(
+            "the points of these objects did not come, so that they count as background: {lost}"
+        ));
+    }
+    let is_measured = |h: &ObjectHypothesis| h.source == HypothesisSource::Measured;
+    let has_no_model = |h: &ObjectHypothesis| is_measured(h) && h.note.is_empty();
+    if !hypotheses.is_empty() && hypotheses.iter().all(has_no_model) {
+        notes.push(
+            "no model is stored under the label of a seen object: only the measured sides are \
+             known; `tabula model build` makes models"
+                .to_owned(),
+        );
+    }
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::snapshot::SnapshotObject;
+    use super::*;
+    use geometry::{PinholeCamera, RigidTransform};
+    use nalgebra::Point3;
+    use next_best_view::SurfaceModel;
+    use std::rc::Rc;
+
+    fn object(track: u64, state: TrackState, points: Vec<[f32; 3]>) -> SnapshotObject {
+        SnapshotObject {
+            track,
+            label: None,
+            state,
+            middle_in_world: Point3::origin(),
+            points,
+        }
+    }
+
+    fn snapshot(objects: Vec<SnapshotObject>) -> Snapshot {
+        Snapshot {
+            points: Vec::new(),
+            camera: PinholeCamera::KINECT_V1,
+            world_from_camera: None,
+            up_in_camera: None,
+            table_in_world: None,
+            objects,
+            session: 1,
+            sequence: 1,
+            capture_ns: 0,
+            source_name: String::new(),
+        }
+    }
+
+    #[test]
+    fn remarks_name_objects_that_are_not_planned_for() {
+        let seen = object(1, TrackState::Tracked, vec![[0.0, 0.0, 1.0]]);
+        let hidden = object(2, TrackState::Occluded, Vec::new());
+        let lost = object(3, TrackState::Tracked, Vec::new());
+        let surface = SurfaceModel::of_points(&[[0.0; 3]], 0.003).unwrap();
+        let measured = ObjectHypothesis {
+            track: 1,
+            label: None,
+            source: HypothesisSource::Measured,
+            surface: Rc::new(surface),
+            plan_from_object: RigidTransform::identity(),
+            note: String::new(),
+        };
+        let all = snapshot(vec![seen, hidden, lost]);
+        let notes = remarks(&all, std::slice::from_ref(&measured));
+        assert_eq!(notes.len(), 3, "{notes:?}");
+        assert_eq!(notes[0], "not seen now, and not planned for: 2");
+        assert!(notes[1].ends_with("count as background: 3"), "{notes:?}");
+        assert!(notes[2].starts_with("no model is stored"), "{notes:?}");
+        let placed = ObjectHypothesis {
+            source: HypothesisSource::Model { contradiction: 0.2 },
+            ..measured
+        };
+        assert_eq!(remarks(&all, &[placed]).len(), 2);
+        let none = remarks(&snapshot(Vec::new()), &[]);
+        assert!(none[0].starts_with("no object is seen"), "{none:?}");
+    }
+}
