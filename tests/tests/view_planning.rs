@@ -289,7 +289,8 @@ fn view_plan_watch_plans_anew_when_the_objects_change_and_ends_on_sigterm() {
     let daemon = started(&sandbox, ROW, 3);
     let mut command = sandbox.command("tabula");
     command.args(["view", "plan", "--watch", "--json"]);
-    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    command.stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut child = command.spawn().unwrap();
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
     let mut next = || -> Value { serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap() };
     let first = next();

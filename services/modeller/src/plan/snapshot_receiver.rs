@@ -10,8 +10,11 @@ use point_cloud::Point;
 use service::monotonic_ns;
 use std::collections::{BTreeMap, VecDeque};
 
-/// Number of frames that are held: the scene of a frame follows within a frame or two.
-const N_HELD_MAX: usize = 3;
+/// Number of frames that are held: one less than a subscriber may borrow.
+const N_HELD_MAX: usize = 5;
+/// Number of frames by which a scene is behind, from which on perception takes the newest frame
+/// next and leaves out those between.
+const LAG_FAR: u64 = 4;
 /// Number of frames whose headers are kept: perception is at most a second behind.
 const N_HEADERS_MAX: usize = 64;
 /// Age of the points of an object up to which they stand for the present ones, frames. Points of
@@ -72,8 +75,11 @@ impl SnapshotReceiver {
                 self.headers.pop_front();
             }
             self.headers.push_back(*frame.header());
+            // Frames of another run of the source have no scene any more.
+            let session = frame.header().session;
+            self.held.retain(|held| held.header().session == session);
             if self.held.len() == N_HELD_MAX {
-                self.held.pop_front();
+                self.held.pop_back();
             }
             self.held.push_back(frame);
         }
@@ -96,6 +102,7 @@ impl SnapshotReceiver {
         let normal = Unit::try_new(Vector3::new(a, b, c), 1e-6);
         let objects = scene.items().iter().copied();
         let objects: Vec<SceneObject> = objects.filter(is_confirmed).collect();
+        release(&mut self.held, header.session, header.sequence);
         let is_known = |track: &u64| objects.iter().any(|object| object.track_id == *track);
         self.newest_clouds.retain(|track, _| is_known(track));
         self.scene = Some(SceneOfFrame {
@@ -204,6 +211,17 @@ impl SnapshotReceiver {
         let is_known = header.has(message::frame_flag::HAS_WORLD_POSE);
         Some(header.world_from_camera.checked().filter(|_| is_known))
     }
+}
+
+/// Releases the frames of which no scene will come any more, now that the scene of a frame has.
+fn release(held: &mut VecDeque<SharedMessage<CameraCloud>>, session: u64, sequence: u64) {
+    let newest = held.back().map_or(0, |frame| frame.header().sequence);
+    let is_far = newest.saturating_sub(sequence) >= LAG_FAR;
+    held.retain(|frame| {
+        let header = frame.header();
+        let is_later = header.sequence > sequence && (!is_far || header.sequence == newest);
+        header.session != session || header.sequence == sequence || is_later
+    });
 }
 
 /// True for an object that is measured in the frame of its scene.
