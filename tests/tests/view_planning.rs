@@ -331,7 +331,8 @@ fn view_plan_places_the_stored_model_of_a_labelled_object() {
     let tallest = objects
         .iter()
         .max_by(|a, b| height(a).total_cmp(&height(b)));
-    let track = tallest.unwrap()["track_id"].to_string();
+    let id = tallest.unwrap()["track_id"].clone();
+    let track = id.to_string();
     let build = [
         "model",
         "build",
@@ -346,13 +347,11 @@ fn view_plan_places_the_stored_model_of_a_labelled_object() {
     daemon.wait_for("the carton has its label", |objects| {
         objects
             .iter()
-            .any(|o| o["label"] == "carton" && o["track_id"].to_string() == track)
+            .any(|o| o["label"] == "carton" && o["track_id"] == id)
     });
     let plan = daemon.ask(&["view", "plan"]);
     let hypotheses = plan["hypotheses"].as_array().unwrap();
-    let carton = hypotheses
-        .iter()
-        .find(|h| h["track_id"].to_string() == track);
+    let carton = hypotheses.iter().find(|h| h["track_id"] == id);
     let carton = carton.unwrap_or_else(|| panic!("{plan}"));
     assert_eq!(
         (&carton["source"], &carton["note"]),

@@ -7,10 +7,6 @@ use std::path::PathBuf;
 
 /// Options of the plan of the next best view.
 #[derive(Debug, Clone, Args)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a flag of the command line"
-)]
 pub(crate) struct PlanArguments {
     /// Number of candidate views, spread evenly above the objects
     #[arg(long, value_name = "N", default_value_t = 100,

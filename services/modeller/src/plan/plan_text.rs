@@ -94,21 +94,21 @@ fn views_table(document: &PlanDocument) -> String {
         "",
     ];
     let n_others = document.views.len() - best.len();
-    let mut table = format_table(&heading, &rows);
-    if n_others > 0 {
-        table += &format!(
-            "\n{n_others} of {} views are left out: ",
-            document.views.len()
-        );
-        let states = ["visited", "blocked", "below-table"].map(|state| {
-            let n = document.views.iter().filter(|v| v.state == state).count();
-            (n, state)
-        });
-        let states = states.iter().filter(|(n, _)| *n > 0);
-        let states: Vec<String> = states.map(|(n, state)| format!("{n} {state}")).collect();
-        table += &states.join(", ");
+    let table = format_table(&heading, &rows);
+    if n_others == 0 {
+        return table;
     }
-    table
+    let states = ["visited", "blocked", "below-table"].map(|state| {
+        let n = document.views.iter().filter(|v| v.state == state).count();
+        (n, state)
+    });
+    let states = states.iter().filter(|(n, _)| *n > 0);
+    let states: Vec<String> = states.map(|(n, state)| format!("{n} {state}")).collect();
+    format!(
+        "{table}\n{n_others} of {} views are left out: {}",
+        document.views.len(),
+        states.join(", ")
+    )
 }
 
 fn hypotheses_table(hypotheses: &[HypothesisDocument], has_picture: bool) -> String {

@@ -67,8 +67,8 @@ fn rigid(pose: &FilePose) -> Result<RigidTransform, String> {
     let [x, y, z, w] = pose.orientation_xyzw;
     let orientation = Quaternion::new(w, x, y, z);
     let length = orientation.norm();
-    // Written so that NaN is refused, too.
-    if !((length - 1.0).abs() <= LENGTH_TOLERANCE) {
+    // NaN is in no range.
+    if !(1.0 - LENGTH_TOLERANCE..=1.0 + LENGTH_TOLERANCE).contains(&length) {
         return Err(format!(
             "its orientation_xyzw has the length {length:.3}; give a unit quaternion"
         ));

@@ -124,7 +124,7 @@ impl SnapshotReceiver {
     /// Pose of the camera in the frame of the newest scene; `None` when it is unknown.
     pub(crate) fn world_from_camera(&self) -> Option<RigidTransform> {
         let scene = self.scene.as_ref()?;
-        self.pose_of(scene.session, scene.sequence)?
+        pose_of(self.header_of(scene.session, scene.sequence)?)
     }
 
     /// True if the newest scene shows objects, and the points of all of them have come.
@@ -182,13 +182,13 @@ impl SnapshotReceiver {
         let Some(cloud) = self.cloud_of(object, scene).filter(|_| is_seen(object)) else {
             return Vec::new();
         };
-        let then = self.pose_of(cloud.session, cloud.sequence);
-        let Some(then) = then.filter(|then| then.is_some() == world_from_camera.is_some()) else {
+        let Some(header) = self.header_of(cloud.session, cloud.sequence) else {
             return Vec::new();
         };
-        let now_from_then = match (world_from_camera, then) {
+        let now_from_then = match (world_from_camera, pose_of(header)) {
             (Some(now), Some(then)) => now.inverse() * then,
-            _ => RigidTransform::identity(),
+            (None, None) => RigidTransform::identity(),
+            _ => return Vec::new(),
         };
         let points = cloud.points.iter().filter(|point| point.is_finite());
         points
@@ -203,14 +203,17 @@ impl SnapshotReceiver {
         (cloud.session == scene.session && age <= CLOUD_AGE_MAX).then_some(cloud)
     }
 
-    /// Pose of the camera in a frame, if the frame is known.
-    fn pose_of(&self, session: u64, sequence: u64) -> Option<Option<RigidTransform>> {
-        let is_its =
-            |header: &&FrameHeader| (header.session, header.sequence) == (session, sequence);
-        let header = self.headers.iter().find(is_its)?;
-        let is_known = header.has(message::frame_flag::HAS_WORLD_POSE);
-        Some(header.world_from_camera.checked().filter(|_| is_known))
+    /// Header of a frame, if it is known.
+    fn header_of(&self, session: u64, sequence: u64) -> Option<&FrameHeader> {
+        let mut headers = self.headers.iter();
+        headers.find(|header| (header.session, header.sequence) == (session, sequence))
     }
+}
+
+/// Pose of the camera in a frame; `None` when it is unknown.
+fn pose_of(header: &FrameHeader) -> Option<RigidTransform> {
+    let is_known = header.has(message::frame_flag::HAS_WORLD_POSE);
+    header.world_from_camera.checked().filter(|_| is_known)
 }
 
 /// Releases the frames of which no scene will come any more, now that the scene of a frame has.

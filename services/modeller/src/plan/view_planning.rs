@@ -13,6 +13,7 @@ use crate::arguments::PlanArguments;
 use crate::hypotheses::ModelShelf;
 use channel::{Domain, DomainName, Error};
 use geometry::RigidTransform;
+use next_best_view::OccupancyGrid;
 use random::Random;
 use service::{CommonArguments, Failure};
 use std::time::Instant;
@@ -226,7 +227,7 @@ fn document(
         hypotheses: plan_document::hypotheses(input.hypotheses, plan, world_from_plan),
         objects: plan_document::objects(snapshot, input.hypotheses),
         n_background_points: input.background.len(),
-        n_unknown_voxels: input.occupancy.map_or(0, |grid| grid.n_unknown()),
+        n_unknown_voxels: input.occupancy.map_or(0, OccupancyGrid::n_unknown),
         n_visited,
         frame_sequence: snapshot.sequence,
         source_name: snapshot.source_name.clone(),
