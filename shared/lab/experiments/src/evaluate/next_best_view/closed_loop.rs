@@ -2,6 +2,7 @@
 
 use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, MEASURED_SPACING_M};
+use super::findable_objects::findable;
 use super::loop_method::Method;
 use super::object_hypotheses::{HypothesisNoise, ObjectHypotheses};
 use super::object_registration::RegisteredModel;
@@ -15,8 +16,6 @@ use service::Failure;
 
 /// Share of the objects at which a loop ends (Kasaei et al. 2018 have no closed loop).
 const FOUND_SHARE: f64 = 0.95;
-/// Share of the views in which detection finds a findable object at least. Chosen.
-const FINDABLE_SHARE: f64 = 0.05;
 /// Number of views after which a loop gives up. Chosen.
 pub(super) const N_VIEWS_MAX: usize = 30;
 /// Side of the voxels of the occupancy, metres. Chosen.
@@ -54,24 +53,6 @@ struct LoopState {
     measured: Vec<[f32; 3]>,
     occupancy: Option<OccupancyGrid>,
     random: Random,
-}
-
-/// Findable objects: those that detection finds in at least one in twenty of the views. Others are
-/// buried, or found by accident.
-pub(super) fn findable(views: &[CapturedView]) -> Vec<bool> {
-    let n_objects = views
-        .first()
-        .map_or(0, |view| view.segments.is_detected.len());
-    let n_views = |object: usize| {
-        let found = views
-            .iter()
-            .filter(|view| view.segments.is_detected[object]);
-        found.count()
-    };
-    let n_min = (FINDABLE_SHARE * views.len() as f64).max(1.0);
-    (0..n_objects)
-        .map(|object| n_views(object) as f64 >= n_min)
-        .collect()
 }
 
 /// Runs a loop from a first view.
@@ -195,6 +176,28 @@ impl LoopState {
         chosen.ok_or_else(|| Failure::general("there is no view left to choose"))
     }
 
+    /// Hypotheses of what was seen so far, and the other segments of the current view: registered
+    /// models, or the truth with noise.
+    fn hypotheses(
+        &self,
+        loop_scene: &LoopScene<'_>,
+        method: Method,
+        current: usize,
+    ) -> Result<ObjectHypotheses, Failure> {
+        let LoopScene { scene, seed, .. } = *loop_scene;
+        let current = &loop_scene.views[current];
+        if method == Method::GreedyTruth {
+            let is_found = |object: usize| self.is_found[object];
+            let noise = HypothesisNoise::POSES;
+            let mut known = ObjectHypotheses::noisy(scene, &noise, seed, is_found);
+            known.add_fragments(current)?;
+            return Ok(known);
+        }
+        let mut known = ObjectHypotheses::of_models(self.models.iter().flatten());
+        known.add_unregistered(current)?;
+        Ok(known)
+    }
+
     /// Choice by the planner.
     fn plan(
         &mut self,
@@ -202,25 +205,9 @@ impl LoopState {
         method: Method,
         planner: &mut ViewPlanner,
     ) -> Result<usize, Failure> {
-        let LoopScene {
-            scene,
-            views,
-            config,
-            seed,
-        } = loop_scene;
+        let LoopScene { scene, config, .. } = loop_scene;
         let current = self.visited.last().copied().unwrap_or(0);
-        let known = if method == Method::GreedyTruth {
-            let mut known =
-                ObjectHypotheses::noisy(scene, &HypothesisNoise::POSES, *seed, |object| {
-                    self.is_found[object]
-                });
-            known.add_fragments(&views[current])?;
-            known
-        } else {
-            let mut known = ObjectHypotheses::of_models(self.models.iter().flatten());
-            known.add_unregistered(&views[current])?;
-            known
-        };
+        let known = self.hypotheses(loop_scene, method, current)?;
         let planned = if method == Method::InformationGain {
             PlanningScene::default()
         } else {

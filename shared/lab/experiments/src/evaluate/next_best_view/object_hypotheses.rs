@@ -3,6 +3,7 @@
 
 use super::bin_scene::{BinScene, SPACING_M};
 use super::captured_view::CapturedView;
+use super::explained_space::ExplainedSpace;
 use super::object_registration::RegisteredModel;
 use super::segment_matching::SceneSegment;
 use geometry::RigidTransform;
@@ -12,9 +13,6 @@ use random::{Random, mix64};
 use serde::Serialize;
 use service::Failure;
 
-/// Side of the voxels within which, and within the neighbours of which, a measured point is
-/// explained by a hypothesis, metres. Chosen: above the noise of depth and poses.
-const EXPLAINED_VOXEL_M: f64 = 0.008;
 /// Visible share from which on an object counts as seen. Chosen.
 pub(super) const SEEN_SHARE: f64 = 0.1;
 /// Identity of the first fragment, above those of the objects.
@@ -202,57 +200,4 @@ fn false_object(scene: &BinScene, random: &mut Random) -> (usize, RigidTransform
     let turn = Vector3::from_fn(|_, _| random.between(-2.0, 2.0));
     let rotation = UnitQuaternion::from_scaled_axis(turn);
     (object, RigidTransform::from_parts(place.into(), rotation))
-}
-
-/// Space near the surfaces of hypotheses, in voxels of the workspace.
-struct ExplainedSpace {
-    least: [f64; 3],
-    n_voxels: [usize; 3],
-    is_explained: Vec<bool>,
-}
-
-impl ExplainedSpace {
-    fn new(scene: &BinScene) -> Self {
-        let (least, greatest) = (scene.workspace.least, scene.workspace.greatest);
-        let n_voxels = std::array::from_fn(|axis| {
-            ((greatest[axis] - least[axis]) / EXPLAINED_VOXEL_M).ceil() as usize
-        });
-        Self {
-            least: least.coords.into(),
-            n_voxels,
-            is_explained: vec![false; n_voxels.iter().product()],
-        }
-    }
-
-    fn add(&mut self, model: &SurfaceModel, world_from_model: &RigidTransform) {
-        for point in model.points() {
-            let place = (world_from_model * Point3::from(*point).cast::<f64>()).coords;
-            for neighbour in 0..27 {
-                let offset = [neighbour % 3, neighbour / 3 % 3, neighbour / 9];
-                let near = std::array::from_fn(|axis| {
-                    place[axis] + (f64::from(offset[axis]) - 1.0) * EXPLAINED_VOXEL_M
-                });
-                if let Some(index) = self.index(near) {
-                    self.is_explained[index] = true;
-                }
-            }
-        }
-    }
-
-    fn contains(&self, point: &[f32; 3]) -> bool {
-        let index = self.index(point.map(f64::from));
-        index.is_some_and(|index| self.is_explained[index])
-    }
-
-    fn index(&self, place: [f64; 3]) -> Option<usize> {
-        let mut index = 0;
-        for axis in [2, 1, 0] {
-            let voxel = (place[axis] - self.least[axis]) / EXPLAINED_VOXEL_M;
-            if !(0.0..self.n_voxels[axis] as f64).contains(&voxel) {
-                return None;
-            }
-            index = index * self.n_voxels[axis] + voxel as usize;
-        }
-        Some(index)
-    }
 }

@@ -4,6 +4,7 @@ use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, capture_all};
 use super::closed_loop::{self, LoopCourse, LoopScene};
 use super::entropy_prediction::{self, HypothesisSource, PredictedPairs, PredictionScore};
+use super::findable_objects::findable;
 use super::known_objects::KnownObjects;
 use super::loop_method::Method;
 use super::object_recognition::ObjectRecogniser;
@@ -83,10 +84,7 @@ pub(super) fn run(
     } else {
         Vec::new()
     };
-    let n_findable = closed_loop::findable(&views)
-        .into_iter()
-        .filter(|&is| is)
-        .count();
+    let n_findable = findable(&views).into_iter().filter(|&is| is).count();
     let figures = views.iter().zip(&bin.mounts);
     let figures = figures.map(|(view, mount)| ViewFigures {
         entropy: view.entropy,
