@@ -139,7 +139,10 @@ fn started<'a>(sandbox: &'a Sandbox, scene: &str, n_objects: usize) -> Daemon<'a
 
 /// Poses of views in a file for `--views` and `--visited`.
 fn pose_file(sandbox: &Sandbox, name: &str, views: &[&Value]) -> PathBuf {
-    let pose = |view: &&Value| json!({"position_m": view["position_m"], "orientation_xyzw": view["orientation_xyzw"]});
+    let pose = |view: &&Value| {
+        let (position, orientation) = (&view["position_m"], &view["orientation_xyzw"]);
+        json!({"position_m": position, "orientation_xyzw": orientation})
+    };
     let poses: Vec<Value> = views.iter().map(pose).collect();
     let file = sandbox.home().join(name);
     std::fs::write(&file, json!(poses).to_string()).unwrap();
