@@ -86,7 +86,8 @@ impl RangeImage {
     /// nothing was seen.
     pub(crate) fn height_above(&self, point: &Point3<f64>) -> Option<f64> {
         let (place, height) = self.project(point)?;
-        let [x, y] = self.cell(place);
+        // Without any point the cells begin at infinity.
+        let [x, y] = self.first[0].is_finite().then(|| self.cell(place))?;
         let mut nearest: Option<f64> = None;
         for offset in 0..9 {
             let Some(index) = self.index(x + offset % 3 - 1, y + offset / 3 - 1) else {
