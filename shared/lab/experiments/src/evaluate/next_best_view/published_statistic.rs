@@ -12,8 +12,8 @@ use service::Failure;
 const N_BEST: usize = 10;
 /// Sources of the hypotheses, from the best one on.
 pub(super) const SOURCES: [HypothesisSource; 5] = HypothesisSource::ALL;
-/// Source whose predictions are drawn: like a pose estimator it knows what one view shows.
-pub(super) const DRAWN: HypothesisSource = HypothesisSource::Visible;
+/// Source whose predictions are drawn: it knows no truth.
+pub(super) const DRAWN: HypothesisSource = HypothesisSource::Registered;
 
 /// Figures of the paper for a kind of scene.
 #[derive(Debug, Clone, Copy)]
