@@ -3,6 +3,7 @@
 
 mod arguments;
 mod build;
+mod frame_headers;
 mod growth;
 mod hypotheses;
 mod model_document;

@@ -1,16 +1,13 @@
 //! Receiver of the views of one object: its points with the camera and the pose of their frame.
 
+use crate::frame_headers::FrameHeaders;
 use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, Subscriber};
 use geometry::PinholeCamera;
-use message::{FrameHeader, SceneObject, TrackState};
+use message::{SceneObject, TrackState};
 use nalgebra::{Isometry3, Point3};
 use point_cloud::Point;
 use service::monotonic_ns;
-use std::collections::VecDeque;
-
-/// Number of frames whose headers are kept: perception is at most a second behind.
-const N_FRAMES_MAX: usize = 64;
 
 /// View of an object.
 #[derive(Debug)]
@@ -39,7 +36,7 @@ pub(crate) struct ObjectReceiver {
     frames: Subscriber<CameraCloud>,
     clouds: Subscriber<ObjectCloud>,
     scenes: Subscriber<Scene>,
-    headers: VecDeque<(FrameHeader, usize)>,
+    headers: FrameHeaders,
 }
 
 impl ObjectReceiver {
@@ -48,7 +45,7 @@ impl ObjectReceiver {
             frames: Subscriber::polled(domain)?,
             clouds: Subscriber::polled(domain)?,
             scenes: Subscriber::polled(domain)?,
-            headers: VecDeque::new(),
+            headers: FrameHeaders::default(),
         })
     }
 
@@ -65,10 +62,7 @@ impl ObjectReceiver {
             return Ok(None);
         };
         let (session, sequence) = (cloud.header().session, cloud.header().sequence);
-        let is_frame = |(header, _): &&(FrameHeader, usize)| {
-            header.session == session && header.sequence == sequence
-        };
-        let frame = self.headers.iter().find(is_frame);
+        let frame = self.headers.find(session, sequence);
         Ok(frame.and_then(|(header, n_points)| {
             let checked = header.checked(*n_points, monotonic_ns()).ok()?;
             Some(ReceivedView {
@@ -84,11 +78,7 @@ impl ObjectReceiver {
     /// Keeps the headers of new frames; their points stay where they are.
     fn note_frames(&mut self) -> Result<(), Error> {
         while let Received::Message(frame) = self.frames.receive()? {
-            if self.headers.len() == N_FRAMES_MAX {
-                self.headers.pop_front();
-            }
-            self.headers
-                .push_back((*frame.header(), frame.items().len()));
+            self.headers.push(frame.header(), frame.items().len());
         }
         Ok(())
     }

@@ -138,18 +138,7 @@ mod tests {
             let color = Rgba::opaque(0, 0, 0);
             Point { x, y, z, color }
         };
-        Snapshot {
-            points: (0..32 * 24).map(point).collect(),
-            camera,
-            world_from_camera: None,
-            up_in_camera: None,
-            table_in_world: None,
-            objects: Vec::new(),
-            session: 1,
-            sequence: 1,
-            capture_ns: 0,
-            source_name: String::new(),
-        }
+        Snapshot::of_points(camera, (0..32 * 24).map(point).collect())
     }
 
     #[test]

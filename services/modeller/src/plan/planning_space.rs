@@ -4,10 +4,9 @@ use super::planning_frame::PlanningFrame;
 use super::snapshot::Snapshot;
 use crate::hypotheses::ObjectHypothesis;
 use nalgebra::{Point3, Vector3};
-use next_best_view::{OccupancyGrid, SurfaceModel};
+use next_best_view::{ExplainedSpace, OccupancyGrid, SurfaceModel};
 use point_cloud::Point;
 use service::Failure;
-use std::collections::HashSet;
 
 /// Margins around the objects: to the sides and above, and below the lowest, metres. Chosen: the
 /// table around them counts, the walls behind do not.
@@ -15,9 +14,6 @@ const MARGIN_M: f64 = 0.15;
 const MARGIN_BELOW_M: f64 = 0.05;
 /// Half side of the space when there are no objects, metres. Chosen.
 const EMPTY_HALF_M: f64 = 0.3;
-/// Side of the voxels within which, and within the neighbours of which, a measured point is
-/// explained by a hypothesis, metres. Chosen: above the noise of depth and poses.
-const EXPLAINED_VOXEL_M: f64 = 0.008;
 /// Side of the voxels of unknown space, metres, and their greatest number, for which they become
 /// larger. Chosen.
 const VOXEL_M: f64 = 0.01;
@@ -76,10 +72,13 @@ impl PlanningSpace {
         frame: &PlanningFrame,
         (hypotheses, cell_m): (&[ObjectHypothesis], f64),
     ) -> Result<Vec<[f32; 3]>, Failure> {
-        let explained = explained_voxels(hypotheses);
+        let mut explained = ExplainedSpace::new(Point3::origin());
+        for hypothesis in hypotheses {
+            explained.add(&hypothesis.surface, &hypothesis.plan_from_object);
+        }
         let places = snapshot.measured().map(|point| frame.place(point));
         let unexplained = places
-            .filter(|place| self.contains(place) && !explained.contains(&voxel_of(place)))
+            .filter(|place| self.contains(place) && !explained.contains(place))
             .map(|place| place.cast::<f32>().into());
         let unexplained: Vec<[f32; 3]> = unexplained.collect();
         if unexplained.is_empty() {
@@ -119,25 +118,6 @@ impl PlanningSpace {
 fn surface_in_plan(hypothesis: &ObjectHypothesis) -> impl Iterator<Item = Point3<f64>> {
     let points = hypothesis.surface.points().iter();
     points.map(|point| hypothesis.plan_from_object * Point3::from(*point).cast::<f64>())
-}
-
-/// Voxel around a place, without an end.
-fn voxel_of(place: &Point3<f64>) -> [i32; 3] {
-    [0, 1, 2].map(|axis| (place[axis] / EXPLAINED_VOXEL_M).floor() as i32)
-}
-
-/// Voxels at the surfaces of hypotheses, and their neighbours.
-fn explained_voxels(hypotheses: &[ObjectHypothesis]) -> HashSet<[i32; 3]> {
-    let surfaces = hypotheses.iter().flat_map(surface_in_plan);
-    let occupied: HashSet<[i32; 3]> = surfaces.map(|place| voxel_of(&place)).collect();
-    let mut explained = HashSet::with_capacity(4 * occupied.len());
-    for voxel in occupied {
-        for neighbour in 0..27 {
-            let offset = [neighbour % 3 - 1, neighbour / 3 % 3 - 1, neighbour / 9 - 1];
-            explained.insert([0, 1, 2].map(|axis| voxel[axis] + offset[axis]));
-        }
-    }
-    explained
 }
 
 #[cfg(test)]

@@ -68,16 +68,8 @@ mod tests {
 
     fn snapshot(objects: Vec<SnapshotObject>) -> Snapshot {
         Snapshot {
-            points: Vec::new(),
-            camera: PinholeCamera::KINECT_V1,
-            world_from_camera: None,
-            up_in_camera: None,
-            table_in_world: None,
             objects,
-            session: 1,
-            sequence: 1,
-            capture_ns: 0,
-            source_name: String::new(),
+            ..Snapshot::of_points(PinholeCamera::KINECT_V1, Vec::new())
         }
     }
 

@@ -48,4 +48,21 @@ impl Snapshot {
     pub(crate) fn measured(&self) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(|point| point.is_finite())
     }
+
+    /// Snapshot of points that nothing else is known of.
+    #[cfg(test)]
+    pub(crate) fn of_points(camera: PinholeCamera, points: Vec<Point>) -> Self {
+        Self {
+            points,
+            camera,
+            world_from_camera: None,
+            up_in_camera: None,
+            table_in_world: None,
+            objects: Vec::new(),
+            session: 1,
+            sequence: 1,
+            capture_ns: 0,
+            source_name: String::new(),
+        }
+    }
 }

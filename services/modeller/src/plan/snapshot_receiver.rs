@@ -1,6 +1,7 @@
 //! Receiver of snapshots: matches frames, scenes and clouds of objects.
 
 use super::snapshot::{Snapshot, SnapshotObject};
+use crate::frame_headers::FrameHeaders;
 use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, SharedMessage, Subscriber};
 use geometry::{Plane, RigidTransform};
@@ -15,8 +16,6 @@ const N_HELD_MAX: usize = 5;
 /// Number of frames by which a scene is behind, from which on perception takes the newest frame
 /// next and leaves out those between.
 const LAG_FAR: u64 = 4;
-/// Number of frames whose headers are kept: perception is at most a second behind.
-const N_HEADERS_MAX: usize = 64;
 /// Age of the points of an object up to which they stand for the present ones, frames. Points of
 /// many objects come in a burst, of which some may be lost.
 const CLOUD_AGE_MAX: u64 = 30;
@@ -42,7 +41,7 @@ pub(crate) struct SnapshotReceiver {
     clouds: Subscriber<ObjectCloud>,
     scenes: Subscriber<Scene>,
     held: VecDeque<SharedMessage<CameraCloud>>,
-    headers: VecDeque<FrameHeader>,
+    headers: FrameHeaders,
     newest_clouds: BTreeMap<u64, TrackCloud>,
     scene: Option<SceneOfFrame>,
     has_frame: bool,
@@ -55,7 +54,7 @@ impl SnapshotReceiver {
             clouds: Subscriber::polled(domain)?,
             scenes: Subscriber::polled(domain)?,
             held: VecDeque::new(),
-            headers: VecDeque::new(),
+            headers: FrameHeaders::default(),
             newest_clouds: BTreeMap::new(),
             scene: None,
             has_frame: false,
@@ -71,10 +70,7 @@ impl SnapshotReceiver {
     pub(crate) fn receive(&mut self) -> Result<bool, Error> {
         while let Received::Message(frame) = self.frames.receive()? {
             self.has_frame = true;
-            if self.headers.len() == N_HEADERS_MAX {
-                self.headers.pop_front();
-            }
-            self.headers.push_back(*frame.header());
+            self.headers.push(frame.header(), frame.items().len());
             // Frames of another run of the source have no scene any more.
             let session = frame.header().session;
             self.held.retain(|held| held.header().session == session);
@@ -124,7 +120,8 @@ impl SnapshotReceiver {
     /// Pose of the camera in the frame of the newest scene; `None` when it is unknown.
     pub(crate) fn world_from_camera(&self) -> Option<RigidTransform> {
         let scene = self.scene.as_ref()?;
-        pose_of(self.header_of(scene.session, scene.sequence)?)
+        let (header, _) = self.headers.find(scene.session, scene.sequence)?;
+        pose_of(header)
     }
 
     /// True if the newest scene shows objects, and the points of all of them have come.
@@ -182,7 +179,7 @@ impl SnapshotReceiver {
         let Some(cloud) = self.cloud_of(object, scene).filter(|_| is_seen(object)) else {
             return Vec::new();
         };
-        let Some(header) = self.header_of(cloud.session, cloud.sequence) else {
+        let Some((header, _)) = self.headers.find(cloud.session, cloud.sequence) else {
             return Vec::new();
         };
         let now_from_then = match (world_from_camera, pose_of(header)) {
@@ -201,12 +198,6 @@ impl SnapshotReceiver {
         let cloud = self.newest_clouds.get(&object.track_id)?;
         let age = scene.sequence.abs_diff(cloud.sequence);
         (cloud.session == scene.session && age <= CLOUD_AGE_MAX).then_some(cloud)
-    }
-
-    /// Header of a frame, if it is known.
-    fn header_of(&self, session: u64, sequence: u64) -> Option<&FrameHeader> {
-        let mut headers = self.headers.iter();
-        headers.find(|header| (header.session, header.sequence) == (session, sequence))
     }
 }
 

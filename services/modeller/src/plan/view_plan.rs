@@ -163,8 +163,7 @@ fn rate_by_segments(
                 .map_or(0.0, |(areas_m2, rest_m2)| {
                     view_entropy(areas_m2, rest_m2, config.total_area, config.log_base)
                 });
-        score.entropy = entropy;
-        score.utility = score.weight * (entropy + config.gain_weight * score.gain);
+        *score = score.with_entropy(entropy, config);
     }
     Ok(())
 }

@@ -44,6 +44,23 @@ pub struct ViewScore {
     pub state: CandidateState,
 }
 
+impl ViewScore {
+    /// This score with another entropy, such as that of the segments of the view.
+    #[must_use]
+    pub fn with_entropy(self, entropy: f64, config: &Config) -> Self {
+        Self {
+            entropy,
+            utility: utility(self.weight, entropy, self.gain, config),
+            ..self
+        }
+    }
+}
+
+/// Weighted entropy with the weighted information gain.
+fn utility(weight: f64, entropy: f64, gain: f64, config: &Config) -> f64 {
+    weight * (entropy + config.gain_weight * gain)
+}
+
 /// View planner with its buffers, reused from decision to decision.
 #[derive(Debug, Clone, Default)]
 pub struct ViewPlanner {
@@ -104,7 +121,7 @@ impl ViewPlanner {
                 gain,
                 distance_m,
                 weight,
-                utility: weight * (entropy + config.gain_weight * gain),
+                utility: utility(weight, entropy, gain, config),
                 state,
             });
         }

@@ -28,6 +28,16 @@ pub(crate) struct RangeImage {
 /// Place in the image, metres at the centroid, and height towards the viewer.
 type ImagePlace = ([f64; 2], f64);
 
+/// Unit vector across a direction.
+pub(crate) fn vector_across(direction: &UnitVector3<f64>) -> Vector3<f64> {
+    let aside = if direction.x.abs() < 0.6 {
+        Vector3::x()
+    } else {
+        Vector3::y()
+    };
+    direction.cross(&aside).normalize()
+}
+
 impl RangeImage {
     /// Range image of the points of a view.
     pub(crate) fn new(points: &[[f32; 3]], centroid: &Point3<f64>, viewpoint: ViewOrigin) -> Self {
@@ -42,12 +52,7 @@ impl RangeImage {
                 )
             }
         };
-        let aside = if towards.x.abs() < 0.6 {
-            Vector3::x()
-        } else {
-            Vector3::y()
-        };
-        let across = towards.cross(&aside).normalize();
+        let across = vector_across(&towards);
         let mut image = Self {
             viewpoint,
             axes: [across, towards.cross(&across), towards.into_inner()],

@@ -38,16 +38,8 @@ fn snapshot() -> Snapshot {
         }
     }
     Snapshot {
-        points,
-        camera,
         world_from_camera: Some(overhead()),
-        up_in_camera: None,
-        table_in_world: None,
-        objects: Vec::new(),
-        session: 1,
-        sequence: 1,
-        capture_ns: 0,
-        source_name: String::new(),
+        ..Snapshot::of_points(camera, points)
     }
 }
 

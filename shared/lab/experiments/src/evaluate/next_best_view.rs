@@ -12,7 +12,6 @@ mod bop_world;
 mod captured_view;
 mod closed_loop;
 mod entropy_prediction;
-mod explained_space;
 mod figures;
 mod filled_depth;
 mod findable_objects;

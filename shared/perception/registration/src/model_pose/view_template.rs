@@ -1,5 +1,6 @@
 //! View templates: the parts of a model that are seen from directions all around it.
 
+use crate::range_image::vector_across;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
@@ -155,16 +156,6 @@ pub(super) fn directions() -> impl Iterator<Item = UnitVector3<f64>> {
         let radius = (1.0 - z * z).sqrt();
         UnitVector3::new_normalize(Vector3::new(radius * cos, radius * sin, z))
     })
-}
-
-/// Unit vector across a direction.
-fn vector_across(direction: &UnitVector3<f64>) -> Vector3<f64> {
-    let aside = if direction.x.abs() < 0.6 {
-        Vector3::x()
-    } else {
-        Vector3::y()
-    };
-    direction.cross(&aside).normalize()
 }
 
 #[cfg(test)]

@@ -59,6 +59,17 @@ pub(super) struct LabelledImage<'a> {
     pub(super) visible_shares: Vec<f64>,
 }
 
+impl LabelledImage<'_> {
+    /// Measured points of every so many rows and columns.
+    pub(super) fn strided_points(&self, stride: usize) -> impl Iterator<Item = &Point> {
+        let rows = self.points.chunks(self.camera.width as usize);
+        let strided = rows
+            .step_by(stride)
+            .flat_map(move |row| row.iter().step_by(stride));
+        strided.filter(|point| point.is_finite())
+    }
+}
+
 impl CapturedView {
     /// View of an image, in which known objects are identified; the number selects the draws of
     /// detection.
@@ -80,7 +91,7 @@ impl CapturedView {
             object_entropy: entropy(TotalArea::Objects),
             segments,
             measured: measured(&image, &scene.workspace)?,
-            rays: thinned_rays(&image),
+            rays: image.strided_points(RAY_STRIDE).copied().collect(),
             colors: Vec::new(),
             visible_shares: image.visible_shares,
         })
@@ -183,13 +194,4 @@ fn measured(image: &LabelledImage<'_>, workspace: &Workspace) -> Result<Vec<[f32
     }
     let thinned = SurfaceModel::of_points(&inside, MEASURED_SPACING_M);
     Ok(thinned.map_err(Failure::general)?.points().to_vec())
-}
-
-fn thinned_rays(image: &LabelledImage<'_>) -> Vec<Point> {
-    let rows = image
-        .points
-        .chunks(image.camera.width as usize)
-        .step_by(RAY_STRIDE);
-    let rays = rows.flat_map(|row| row.iter().step_by(RAY_STRIDE));
-    rays.filter(|point| point.is_finite()).copied().collect()
 }

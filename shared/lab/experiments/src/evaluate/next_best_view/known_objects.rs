@@ -38,7 +38,8 @@ impl KnownObjects {
         image: &LabelledImage<'_>,
         segments: &mut MatchedSegments,
     ) {
-        let frame = thinned_frame(image);
+        let points = image.strided_points(FRAME_STRIDE);
+        let frame: Vec<[f32; 3]> = points.map(|p| p.position().cast().into()).collect();
         for segment in &mut segments.segments {
             segment.recognised = self.recognised(scene, segment);
             segment.descriptors = None;
@@ -58,14 +59,4 @@ impl KnownObjects {
             recogniser.recognise(scene, descriptors)
         })
     }
-}
-
-/// Finite points of every second row and column, frame of the camera, metres.
-fn thinned_frame(image: &LabelledImage<'_>) -> Vec<[f32; 3]> {
-    let rows = image.points.chunks(image.camera.width as usize);
-    let thinned = rows
-        .step_by(FRAME_STRIDE)
-        .flat_map(|row| row.iter().step_by(FRAME_STRIDE));
-    let finite = thinned.filter(|point| point.is_finite());
-    finite.map(|point| point.position().cast().into()).collect()
 }

@@ -3,12 +3,11 @@
 
 use super::bin_scene::{BinScene, SPACING_M};
 use super::captured_view::CapturedView;
-use super::explained_space::ExplainedSpace;
 use super::object_registration::RegisteredModel;
 use super::segment_matching::SceneSegment;
 use geometry::RigidTransform;
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
-use next_best_view::{Hypothesis, PlanningScene, SurfaceModel};
+use next_best_view::{ExplainedSpace, Hypothesis, PlanningScene, SurfaceModel};
 use random::{Random, mix64};
 use serde::Serialize;
 use service::Failure;
@@ -153,7 +152,7 @@ impl ObjectHypotheses {
         measured: &[[f32; 3]],
     ) -> Result<PlanningScene, Failure> {
         let hypotheses = self.hypotheses(scene);
-        let mut explained = ExplainedSpace::new(scene);
+        let mut explained = ExplainedSpace::new(scene.workspace.least);
         for (object, pose) in &self.placed {
             explained.add(&scene.objects[*object].coarse, pose);
         }
@@ -162,7 +161,7 @@ impl ObjectHypotheses {
         }
         let background: Vec<[f32; 3]> = measured
             .iter()
-            .filter(|point| !explained.contains(point))
+            .filter(|point| !explained.contains(&Point3::from(**point).cast()))
             .chain(&scene.furniture)
             .copied()
             .collect();

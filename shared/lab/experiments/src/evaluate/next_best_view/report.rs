@@ -130,24 +130,18 @@ impl NextBestViewReport {
 
 impl CorrelationIntervals {
     fn of(scenes: &[SceneResult], seed: u64) -> Self {
-        let mean = |correlation: fn(&[(f64, f64)]) -> Option<f64>, x: fn(&ViewFigures) -> f64| {
-            let of_scene = |scene: &SceneResult| correlation(&pairs(&scene.views, x));
+        let mean = |correlation: fn(&[(f64, f64)]) -> Option<f64>,
+                    figures: fn(&ViewFigures) -> (f64, f64)| {
+            let of_scene = |scene: &SceneResult| correlation(&pairs(&scene.views, figures));
             let values: Vec<Option<f64>> = scenes.iter().map(of_scene).collect();
             Estimate::mean(&values, seed)
         };
         Self {
-            pearson_r: mean(pearson, |view| view.entropy),
-            spearman_rho: mean(spearman, |view| view.entropy),
-            pearson_r_objects_only: mean(pearson, |view| view.object_entropy),
-            pearson_r_visibility: mean(pearson, |view| view.visibility),
-            pearson_r_detection: {
-                let detection = |view: &ViewFigures| (view.entropy, view.detection_f1);
-                let of_scene = |scene: &SceneResult| {
-                    pearson(&scene.views.iter().map(detection).collect::<Vec<_>>())
-                };
-                let values: Vec<_> = scenes.iter().map(of_scene).collect();
-                Estimate::mean(&values, seed)
-            },
+            pearson_r: mean(pearson, |view| (view.entropy, view.f1)),
+            spearman_rho: mean(spearman, |view| (view.entropy, view.f1)),
+            pearson_r_objects_only: mean(pearson, |view| (view.object_entropy, view.f1)),
+            pearson_r_visibility: mean(pearson, |view| (view.visibility, view.f1)),
+            pearson_r_detection: mean(pearson, |view| (view.entropy, view.detection_f1)),
         }
     }
 }
@@ -156,7 +150,7 @@ impl SceneReport {
     fn of(scene: &SceneResult) -> Self {
         let n = scene.views.len().max(1) as f64;
         let mean = |value: fn(&ViewFigures) -> f64| scene.views.iter().map(value).sum::<f64>() / n;
-        let by_entropy = pairs(&scene.views, |view| view.entropy);
+        let by_entropy = pairs(&scene.views, |view| (view.entropy, view.f1));
         Self {
             seed: scene.seed,
             n_objects: scene.n_objects,
@@ -172,9 +166,9 @@ impl SceneReport {
     }
 }
 
-/// Figure and F1 of each view.
-fn pairs(views: &[ViewFigures], x: fn(&ViewFigures) -> f64) -> Vec<(f64, f64)> {
-    views.iter().map(|view| (x(view), view.f1)).collect()
+/// Two figures of each view.
+fn pairs(views: &[ViewFigures], figures: fn(&ViewFigures) -> (f64, f64)) -> Vec<(f64, f64)> {
+    views.iter().map(figures).collect()
 }
 
 /// Name of a source of hypotheses in the report.
