@@ -58,14 +58,14 @@ fn entropy_and_f1(scenes: &[SceneResult]) -> Result<String, DrawingError> {
     let greatest = all().map(|view| view.entropy).fold(1.0, f64::max);
     side_by_side(&[
         Diagram {
-            title: "Entropy of each view and F1 of detection in it",
+            title: "Entropy of each view and F1 with recognition",
             x: Axis::linear("true entropy, bit", 0.0..greatest * 1.05),
             y: Axis::linear("F1", 0.0..1.0),
             curves: of(|view| (view.entropy, view.f1)),
             legend: Legend::UpperLeft,
         },
         Diagram {
-            title: "Mean visibility of each view and F1 of detection in it",
+            title: "Mean visibility of each view and F1 with recognition",
             x: Axis::linear("mean visible share of the objects", 0.0..1.0),
             y: Axis::linear("F1", 0.0..1.0),
             curves: of(|view| (view.visibility, view.f1)),

@@ -28,7 +28,8 @@ pub(super) struct NextBestViewReport {
     pub(super) sigma_share: f64,
     pub(super) visited_share: f64,
     pub(super) gain_weight: f64,
-    /// Correlation of true entropy and F1 of detection over the views, mean of the scenes.
+    /// Correlation of true entropy and F1 of detection with recognition over the views, mean of the
+    /// scenes.
     pub(super) pearson_r: f64,
     pub(super) spearman_rho: f64,
     /// Means with their 95 % intervals over the scenes.
