@@ -60,6 +60,10 @@ pub(crate) struct BuildArguments {
     /// Uncertainty of the orientation of the camera, degrees about each axis
     #[arg(long, value_name = "DEG", default_value_t = 3.0, value_parser = sigma)]
     pub(crate) pose_deg: f64,
+    /// Nice value at which views are added, 0 to 19: with 19 the frames of the daemon go before,
+    /// with a smaller one the model is ready sooner
+    #[arg(long, value_name = "N", default_value_t = 19, value_parser = clap::value_parser!(u8).range(0..=19))]
+    pub(crate) niceness: u8,
     /// Author of the model in the history [default: the user]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,

@@ -1,5 +1,6 @@
 //! Growth of a model: its views, what is refused, and what is still missing.
 
+use crate::next_move::NextMove;
 use crate::object_receiver::ReceivedView;
 use model_construction::{Config, ModelBuilder, PoseSigma, View};
 use nalgebra::Vector3;
@@ -8,7 +9,7 @@ use std::time::{Duration, Instant};
 
 /// Angle between a direction and that of a view within which its side counts as seen, 40°, as the
 /// cosine. Chosen: a surface that is turned away by more is measured badly.
-const SEEN_COSINE: f32 = 0.766;
+pub(crate) const SEEN_COSINE: f32 = 0.766;
 
 /// Maximum number of fused views. Chosen: 300 MB.
 const N_VIEWS_MAX: usize = 200;
@@ -17,6 +18,7 @@ const N_VIEWS_MAX: usize = 200;
 const N_REFUSED_MAX: usize = 200;
 
 /// Model under construction, with its figures.
+#[derive(Debug)]
 pub(crate) struct Growth {
     builder: ModelBuilder,
     sigma: PoseSigma,
@@ -26,6 +28,42 @@ pub(crate) struct Growth {
     shares: Vec<(f32, u32)>,
     wall_clock_offset_ns: i64,
     view_ms: Vec<f64>,
+}
+
+/// State of a model under construction, for a person.
+#[derive(Debug, Clone)]
+pub(crate) struct GrowthState {
+    n_views: usize,
+    n_refused: usize,
+    unseen: UnseenDirections,
+    next_move: Option<NextMove>,
+}
+
+impl GrowthState {
+    /// Line that tells how far the model is, and where to go next.
+    pub(crate) fn line(&self, elapsed: Duration, n_waiting: usize) -> String {
+        let missing = self.unseen.in_words();
+        let missing = match missing.as_slice() {
+            [] => "nothing".to_owned(),
+            some => some.join(", "),
+        };
+        let waiting = match n_waiting {
+            0 | 1 => String::new(),
+            n => format!(", {n} waiting"),
+        };
+        let next = match self.next_move {
+            Some(next) => next.in_words(),
+            None => "nothing more can be seen from above the table".to_owned(),
+        };
+        format!(
+            "{:.0} s: {} views, {} refused{waiting}, {:.0} % of all directions seen; missing: \
+             {missing}; next: {next}",
+            elapsed.as_secs_f64(),
+            self.n_views,
+            self.n_refused,
+            100.0 * self.unseen.completeness()
+        )
+    }
 }
 
 /// Result of a view.
@@ -144,21 +182,19 @@ impl Growth {
         })
     }
 
-    /// Line that tells how far the model is.
-    pub(crate) fn line(&self, elapsed: Duration) -> String {
-        let unseen = self.unseen();
-        let missing = unseen.in_words();
-        let missing = if missing.is_empty() {
-            "nothing".to_owned()
-        } else {
-            missing.join(", ")
-        };
-        format!(
-            "{:.0} s: {} views, {} refused, {:.0} % of all directions seen; missing: {missing}",
-            elapsed.as_secs_f64(),
-            self.builder.views().len(),
-            self.n_refused,
-            100.0 * unseen.completeness()
-        )
+    /// Move of the camera to what is missing; `None` without views, and where nothing is left to see.
+    pub(crate) fn next_move(&self) -> Option<NextMove> {
+        let view = self.builder.views().last()?;
+        NextMove::towards(&self.unseen(), &view.direction().cast())
+    }
+
+    /// State for a person.
+    pub(crate) fn state(&self) -> GrowthState {
+        GrowthState {
+            n_views: self.builder.views().len(),
+            n_refused: self.n_refused,
+            unseen: self.unseen(),
+            next_move: self.next_move(),
+        }
     }
 }

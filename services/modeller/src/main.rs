@@ -7,20 +7,20 @@ mod frame_headers;
 mod growth;
 mod hypotheses;
 mod model_document;
+mod next_move;
 mod object_receiver;
 mod plan;
 mod presence;
+mod view_queue;
 
 use arguments::{ModellerArguments, ModellerVerb};
 use command_line::Output;
 use service::{Failure, set_private_umask};
 use std::process::ExitCode;
 
-/// Increment of the nice value for models: the lowest priority, since the frames of the daemon go
-/// before.
-const MODEL_NICENESS: i32 = 19;
-/// Increment for plans: below the daemon, too, but a robot waits for the answer.
-const PLAN_NICENESS: i32 = 10;
+/// Nice value: below the daemon, but a robot waits for a plan, and a camera does not wait for a
+/// model.
+const NICENESS: u8 = 10;
 
 fn main() -> ExitCode {
     let arguments: ModellerArguments = service::parse_arguments();
@@ -31,10 +31,10 @@ fn main() -> ExitCode {
 
 fn execute(arguments: &ModellerArguments, output: &Output) -> Result<ExitCode, Failure> {
     let niceness = match &arguments.verb {
-        ModellerVerb::Build(_) => MODEL_NICENESS,
-        ModellerVerb::Plan(_) => PLAN_NICENESS,
+        ModellerVerb::Build(build) => build.niceness.min(NICENESS),
+        ModellerVerb::Plan(_) => NICENESS,
     };
-    rustix::process::nice(niceness)
+    rustix::process::nice(niceness.into())
         .map_err(|error| Failure::general(format!("the priority could not be lowered: {error}")))?;
     match &arguments.verb {
         ModellerVerb::Build(build) => build::run(&arguments.common, build, output),

@@ -5,7 +5,7 @@ use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, Subscriber};
 use geometry::PinholeCamera;
 use message::{SceneObject, TrackState};
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use point_cloud::Point;
 use service::monotonic_ns;
 
@@ -16,6 +16,8 @@ pub(crate) struct ReceivedView {
     pub(crate) points: Vec<Point>,
     pub(crate) camera: PinholeCamera,
     pub(crate) world_from_camera: Option<Isometry3<f64>>,
+    /// Direction from the object to the camera in the world; `None` when the pose is not known.
+    pub(crate) direction: Option<UnitVector3<f64>>,
     /// Capture time, nanoseconds of the camera's clock.
     pub(crate) captured_ns: u64,
     /// Offset from that clock to the time since 1970, nanoseconds.
@@ -65,10 +67,13 @@ impl ObjectReceiver {
         let frame = self.headers.find(session, sequence);
         Ok(frame.and_then(|(header, n_points)| {
             let checked = header.checked(*n_points, monotonic_ns()).ok()?;
+            let points = message::points(cloud.items()).to_vec();
+            let pose = checked.world_from_camera;
             Some(ReceivedView {
-                points: message::points(cloud.items()).to_vec(),
                 camera: checked.camera,
-                world_from_camera: checked.world_from_camera,
+                world_from_camera: pose,
+                direction: pose.and_then(|pose| direction_to_camera(&points, &pose)),
+                points,
                 captured_ns: header.capture_stamp_ns,
                 wall_clock_offset_ns: header.wall_clock_offset_ns,
             })
@@ -114,4 +119,13 @@ impl ObjectReceiver {
         };
         Ok(Some(objects.iter().map(tracked).collect()))
     }
+}
+
+/// Direction from the middle of points to the camera, in the world; `None` without points.
+fn direction_to_camera(
+    points: &[Point],
+    world_from_camera: &Isometry3<f64>,
+) -> Option<UnitVector3<f64>> {
+    let sum: Vector3<f64> = points.iter().map(|p| p.position().coords).sum();
+    UnitVector3::try_new(world_from_camera.rotation * -sum, f64::MIN_POSITIVE)
 }

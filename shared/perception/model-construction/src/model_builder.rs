@@ -10,7 +10,7 @@ use crate::surface_points::SurfacePoint;
 use crate::tsdf_volume::TsdfVolume;
 use geometry::PinholeCamera;
 use mesh::TriangleMesh;
-use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use point_cloud::Point;
 use registration::{Prior, Registration, ViewOrigin, ViewSurface, register};
 
@@ -124,7 +124,7 @@ struct Expectation {
 /// Object model under construction.
 ///
 /// The frame of the object has the axes of the world, and its origin in the centre of the first
-/// view.
+/// view. Without a camera pose the first view counts as that of a level camera.
 #[derive(Debug)]
 pub struct ModelBuilder {
     config: Config,
@@ -216,7 +216,7 @@ impl ModelBuilder {
 
     /// Begins the model with its first view.
     fn begin(&mut self, view: &View<'_>, depth: DepthView) {
-        let world_from_camera = view.world_from_camera.unwrap_or_default();
+        let world_from_camera = view.world_from_camera.unwrap_or_else(level_camera);
         let centre = world_from_camera * depth.surface.centroid();
         let object_from_world = Translation3::from(-centre.coords);
         let object_from_camera = object_from_world * world_from_camera;
@@ -370,6 +370,13 @@ impl ModelBuilder {
     pub fn mesh(&self) -> TriangleMesh {
         self.volume.mesh(self.mesh_weight_min())
     }
+}
+
+/// Pose of a camera that is held level, in a world whose x axis it looks along, and whose z axis is
+/// up.
+fn level_camera() -> Isometry3<f64> {
+    let forward = UnitQuaternion::face_towards(&Vector3::x(), &-Vector3::z());
+    Isometry3::from_parts(Translation3::identity(), forward)
 }
 
 fn is_finite(pose: &Isometry3<f64>) -> bool {

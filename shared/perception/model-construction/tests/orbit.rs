@@ -147,6 +147,11 @@ fn a_hand_held_camera_without_poses_makes_a_model() {
         "{}",
         builder.views().len()
     );
+    // The first camera counts as level, so that the top of the model is on top.
+    let first = &builder.views()[0];
+    let down = first.object_from_camera.rotation * Vector3::y();
+    assert!(down.dot(&-Vector3::z()) > 0.999, "{down}");
+    assert!(first.direction().dot(&-Vector3::x()) > 0.99);
     builder.finish();
     let pose = world_from_camera(0.0, 40.0) * builder.views()[0].object_from_camera.inverse();
     let distances = sorted_distances_m(object, &builder.mesh(), &pose);

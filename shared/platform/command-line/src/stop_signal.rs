@@ -9,7 +9,7 @@ use tokio::signal::unix::{SignalKind, signal};
 
 /// Stop signal, raised by SIGINT, SIGTERM or SIGHUP; sleeping ends when it is raised.
 #[derive(Debug, Clone)]
-pub struct StopSignal(Arc<(Mutex<bool>, Condvar)>);
+pub struct StopSignal(Arc<(Mutex<u32>, Condvar)>);
 
 /// Note of received SIGHUPs, for a program that does not stop at them.
 #[derive(Debug, Clone, Default)]
@@ -57,34 +57,38 @@ impl StopSignal {
             runtime.block_on(async {
                 loop {
                     tokio::select! {
-                        _ = interrupt.recv() => return,
-                        _ = terminate.recv() => return,
+                        _ = interrupt.recv() => to_raise.raise(),
+                        _ = terminate.recv() => to_raise.raise(),
                         _ = hang_up.recv() => match &hang_ups {
-                            None => return,
+                            None => to_raise.raise(),
                             Some(noted) => noted.0.store(true, Ordering::Release),
                         }
                     }
                 }
             });
-            to_raise.raise();
         });
         Ok(raised)
     }
 
     /// `true` after the stop signal was raised.
     pub fn is_raised(&self) -> bool {
+        self.n_raised() > 0
+    }
+
+    /// Number of times that the stop signal was raised.
+    pub fn n_raised(&self) -> u32 {
         *self.0.0.lock()
     }
 
     /// Sleeps for `time`, less when the signal is raised.
     pub fn sleep(&self, time: Duration) {
-        let (raised, condition) = &*self.0;
-        let mut guard = raised.lock();
-        let _ = condition.wait_while_for(&mut guard, |raised| !*raised, time);
+        let (n_raised, condition) = &*self.0;
+        let mut guard = n_raised.lock();
+        let _ = condition.wait_while_for(&mut guard, |n_raised| *n_raised == 0, time);
     }
 
     fn raise(&self) {
-        *self.0.0.lock() = true;
+        *self.0.0.lock() += 1;
         self.0.1.notify_all();
     }
 }

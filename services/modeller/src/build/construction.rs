@@ -1,0 +1,202 @@
+//! Construction of a model, on a thread of its own, from the views that a moving camera takes.
+
+use super::build_thread::{BuildThread, Progress};
+use crate::arguments::BuildArguments;
+use crate::growth::{Growth, GrowthState, Step};
+use crate::object_receiver::ObjectReceiver;
+use crate::presence::is_running;
+use crate::view_queue::ViewQueue;
+use channel::DomainName;
+use command_line::{Output, StopSignal};
+use service::Failure;
+use std::time::{Duration, Instant};
+
+/// Polling period of the topics.
+const POLL_PERIOD: Duration = Duration::from_millis(5);
+/// Period of the checks of the daemon, and of the lines that show the growth.
+const CHECK_PERIOD: Duration = Duration::from_secs(1);
+const LINE_PERIOD: Duration = Duration::from_secs(2);
+/// Time without a view of the object after which a person is told.
+const UNSEEN_PERIOD: Duration = Duration::from_secs(3);
+
+/// Reason for the end of the construction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    Stopped,
+    Time,
+    Closed,
+    DaemonEnded,
+}
+
+impl End {
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Stopped => "stopped",
+            Self::Time => "the time is over",
+            Self::Closed => "the views have led around the object",
+            Self::DaemonEnded => "the daemon has ended",
+        }
+    }
+}
+
+/// Model after the last view.
+#[derive(Debug)]
+pub(super) struct Constructed {
+    pub(super) growth: Growth,
+    pub(super) end: End,
+    /// Number of views that were taken and not added.
+    pub(super) n_left_out: usize,
+}
+
+/// Construction that goes on.
+pub(super) struct Construction<'a> {
+    pub(super) domain: &'a DomainName,
+    pub(super) arguments: &'a BuildArguments,
+    pub(super) stop: &'a StopSignal,
+    pub(super) output: &'a Output,
+    queue: ViewQueue,
+    thread: BuildThread,
+    begun: Instant,
+    last_view: Instant,
+    next_line: Instant,
+    state: Option<GrowthState>,
+    is_closed: bool,
+}
+
+impl<'a> Construction<'a> {
+    pub(super) fn new(
+        domain: &'a DomainName,
+        arguments: &'a BuildArguments,
+        (stop, output): (&'a StopSignal, &'a Output),
+    ) -> Result<Self, Failure> {
+        let begun = Instant::now();
+        let growth = Growth::new(arguments.config(), arguments.pose_sigma());
+        Ok(Self {
+            domain,
+            arguments,
+            stop,
+            output,
+            queue: ViewQueue::new(arguments.step_deg.to_radians()),
+            thread: BuildThread::start(growth, arguments.niceness)?,
+            begun,
+            last_view: begun,
+            next_line: begun + LINE_PERIOD,
+            state: None,
+            is_closed: false,
+        })
+    }
+
+    /// Adds the views of a track until an end, then those that still wait.
+    pub(super) fn run(
+        mut self,
+        receiver: &mut ObjectReceiver,
+        track: u64,
+    ) -> Result<Constructed, Failure> {
+        let mut end = self.take_views(receiver, track)?;
+        let n_left_out = match end {
+            End::Closed => 0,
+            _ => self.add_waiting(),
+        };
+        let growth = self.thread.finish();
+        if self.arguments.until_closed && growth.builder().is_closed() {
+            end = End::Closed;
+        }
+        Ok(Constructed {
+            growth,
+            end,
+            n_left_out,
+        })
+    }
+
+    /// Takes views, and has them added, until an end.
+    fn take_views(&mut self, receiver: &mut ObjectReceiver, track: u64) -> Result<End, Failure> {
+        let mut next_check = self.begun + CHECK_PERIOD;
+        loop {
+            if let Some(view) = receiver.newest_view(track)? {
+                self.last_view = Instant::now();
+                self.queue.push(view);
+            }
+            self.hand_over(Duration::ZERO);
+            self.note_progress();
+            if self.is_closed && self.arguments.until_closed {
+                return Ok(End::Closed);
+            }
+            if self.stop.is_raised() || self.thread.has_ended() {
+                return Ok(End::Stopped);
+            }
+            let seconds = self.begun.elapsed().as_secs();
+            if self.arguments.seconds.is_some_and(|end| seconds >= end) {
+                return Ok(End::Time);
+            }
+            let now = Instant::now();
+            if now >= next_check {
+                next_check = now + CHECK_PERIOD;
+                if !is_running(self.domain) {
+                    return Ok(End::DaemonEnded);
+                }
+            }
+            if now.duration_since(self.last_view) > UNSEEN_PERIOD {
+                self.print_line(|_| Some(format!("object {track} is not seen")));
+            } else {
+                self.print_line(Self::state_line);
+            }
+            self.stop.sleep(POLL_PERIOD);
+        }
+    }
+
+    /// Adds the waiting views; a further stop signal leaves them out. Returns the number of those.
+    fn add_waiting(&mut self) -> usize {
+        let n_raised = self.stop.n_raised();
+        if self.queue.len() > 1 {
+            self.output.print_status(&format!(
+                "{} views are still to be added; Ctrl-C leaves them out",
+                self.queue.len()
+            ));
+        }
+        while self.queue.len() > 0 && self.stop.n_raised() == n_raised && !self.thread.has_ended() {
+            self.hand_over(POLL_PERIOD);
+            self.note_progress();
+            if self.is_closed && self.arguments.until_closed {
+                return 0;
+            }
+            self.print_line(Self::state_line);
+        }
+        self.queue.len()
+    }
+
+    /// Gives the oldest view to the thread, if that is ready for it within a time.
+    fn hand_over(&mut self, patience: Duration) {
+        if let Some(view) = self.queue.pop()
+            && let Some(view) = self.thread.add(view, patience)
+        {
+            self.queue.put_back(view);
+        }
+    }
+
+    fn note_progress(&mut self) {
+        while let Some(Progress { step, state }) = self.thread.progress() {
+            self.state = Some(state);
+            if step == Step::Closed {
+                self.is_closed = true;
+                let text = "the views lead around the object; the loop is closed";
+                self.output.print_status(text);
+            }
+        }
+    }
+
+    /// Prints a line from time to time.
+    fn print_line(&mut self, line: impl FnOnce(&Self) -> Option<String>) {
+        let now = Instant::now();
+        if now >= self.next_line {
+            self.next_line = now + LINE_PERIOD;
+            if let Some(line) = line(self) {
+                self.output.print_status(&line);
+            }
+        }
+    }
+
+    fn state_line(&self) -> Option<String> {
+        let state = self.state.as_ref()?;
+        Some(state.line(self.begun.elapsed(), self.queue.len()))
+    }
+}
