@@ -30,6 +30,10 @@ pub struct ModelArguments {
     /// Folder for the figures, the page and the pictures [default: none are written]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Folder for the views, the poses and the true surfaces, for other programs to compare with
+    /// [default: none are written]
+    #[arg(long, value_name = "DIR", conflicts_with = "sequence")]
+    pub(crate) export: Option<PathBuf>,
 }
 
 impl ModelArguments {

@@ -2,43 +2,30 @@
 //! true surface.
 
 mod model_picture;
+mod object_trials;
 mod orbit;
 mod recognition_gain;
 mod recorded_views;
 mod report;
 mod report_page;
+mod scored_model;
 mod trial;
 mod true_surface;
+mod view_export;
 
 use crate::arguments::ModelArguments;
 use crate::output_files::{create_folder, write};
-use crate::parallel;
-use command_line::{Output, progress_bar};
+use command_line::Output;
 use mesh::TriangleMesh;
-use nalgebra::{Isometry3, Point3};
-use orbit::{Orbit, OrbitView, Path};
+use object_trials::{ObjectTrials, noises, recorded_trials, simulated_trials};
+use orbit::Path;
 use recognition_gain::{DescribedObject, RecognitionGain};
 use report::{LevelReport, ModelReport};
 use report_page::{FIGURE, MODELS};
 use service::Failure;
-use simulated_world::{ModelChoice, ModelLibrary};
 use std::collections::BTreeSet;
 use std::process::ExitCode;
-use trial::{PoseNoise, Trial, Truth};
-use true_surface::TrueSurface;
-
-/// Noises of the camera poses that are tried by default: translation and rotation.
-const TRANSLATIONS_MM: [f64; 4] = [5.0, 10.0, 20.0, 30.0];
-const ROTATIONS_DEG: [f64; 4] = [1.0, 3.0, 5.0, 10.0];
-
-/// All trials of one object.
-struct ObjectTrials {
-    name: String,
-    /// Surface of the object; `None` when it is not known.
-    truth: Option<TriangleMesh>,
-    trials: Vec<(Path, PoseNoise, Trial)>,
-    described: Option<DescribedObject>,
-}
+use trial::{PoseNoise, Trial};
 
 /// Builds models of all objects at all noise levels and reports the figures.
 pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCode, Failure> {
@@ -77,139 +64,6 @@ pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCod
     }
     output.answer(&report, || report_page::text(&report));
     Ok(ExitCode::SUCCESS)
-}
-
-/// Trials of models on the simulated turntable and on free orbits.
-fn simulated_trials(
-    arguments: &ModelArguments,
-    output: &Output,
-) -> Result<Vec<ObjectTrials>, Failure> {
-    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
-    let models = library.choose(arguments.objects as usize, arguments.seed);
-    let bar = progress_bar(models.len() as u64, "objects", output);
-    let objects = parallel::map(
-        models.len(),
-        &bar,
-        || (),
-        |(), object| object_trials(&models[object], &library, object, arguments),
-    );
-    bar.finish_and_clear();
-    objects.into_iter().collect()
-}
-
-/// Trials of the objects of a recorded sequence.
-fn recorded_trials(
-    folder: &std::path::Path,
-    arguments: &ModelArguments,
-    output: &Output,
-) -> Result<Vec<ObjectTrials>, Failure> {
-    let orbits = recorded_views::read(folder, arguments.objects as usize, output)?;
-    if orbits.is_empty() {
-        let sentence = "no object of the sequence is seen often and from different sides; record \
-                        one with a camera that moves around the table";
-        return Err(Failure::general(sentence));
-    }
-    let bar = progress_bar(orbits.len() as u64, "objects", output);
-    let trials = |orbit: &Orbit, object: usize| {
-        let object_from_world = orbit.world_from_object.inverse();
-        let in_object = |view: &OrbitView| -> Vec<Point3<f64>> {
-            let pose = object_from_world * view.world_from_camera;
-            view.points
-                .iter()
-                .map(|point| pose * point.position())
-                .collect()
-        };
-        let samples = orbit.views.first().map(in_object).unwrap_or_default();
-        let trials = noises(arguments)
-            .into_iter()
-            .enumerate()
-            .map(|(level, noise)| {
-                let seed = trial_seed(arguments.seed, object, level);
-                (
-                    orbit.path,
-                    noise,
-                    trial::run(orbit, Truth::Samples(&samples), noise, seed),
-                )
-            });
-        let [x, y, z] = orbit.world_from_object.translation.vector.into();
-        ObjectTrials {
-            name: format!("{:02} at {x:.2} {y:.2} {z:.2}", object + 1),
-            truth: None,
-            trials: trials.collect(),
-            described: None,
-        }
-    };
-    let trials = parallel::map(
-        orbits.len(),
-        &bar,
-        || (),
-        |(), object| trials(&orbits[object], object),
-    );
-    bar.finish_and_clear();
-    Ok(trials)
-}
-
-fn trial_seed(seed: u64, object: usize, level: usize) -> u64 {
-    seed ^ ((object as u64) << 32) ^ ((level as u64) << 16)
-}
-
-fn noises(arguments: &ModelArguments) -> Vec<PoseNoise> {
-    let noise = |translation_mm, rotation_deg| PoseNoise {
-        translation_mm,
-        rotation_deg,
-    };
-    if arguments.noise.is_empty() {
-        let grid = TRANSLATIONS_MM.into_iter();
-        return grid
-            .flat_map(|mm| ROTATIONS_DEG.map(|deg| noise(mm, deg)))
-            .collect();
-    }
-    arguments
-        .noise
-        .iter()
-        .map(|&(mm, deg)| noise(mm, deg))
-        .collect()
-}
-
-fn object_trials(
-    model: &ModelChoice,
-    library: &ModelLibrary,
-    object: usize,
-    arguments: &ModelArguments,
-) -> Result<ObjectTrials, Failure> {
-    let (turntable, orbits) = orbit::simulate(model, library, object, arguments)?;
-    let mesh = turntable
-        .object()
-        .map(|object| object.model.mesh.clone())
-        .unwrap_or_default();
-    let truth = TrueSurface::new(&mesh, arguments.seed);
-    let mut trials = Vec::new();
-    for orbit in &orbits {
-        let object_from_world = orbit.world_from_object.inverse();
-        let cameras: Vec<Isometry3<f64>> = orbit
-            .cameras
-            .iter()
-            .map(|camera| object_from_world * camera)
-            .collect();
-        let visible = truth.visible(&cameras)?;
-        for (level, noise) in noises(arguments).into_iter().enumerate() {
-            let seed = trial_seed(arguments.seed, object, level);
-            let trial = trial::run(orbit, Truth::Surface(&truth, &visible), noise, seed);
-            trials.push((orbit.path, noise, trial));
-        }
-    }
-    let described = match (orbits.as_slice(), trials.first()) {
-        ([turntable, free], Some((_, _, trial))) => {
-            Some(DescribedObject::new(turntable, &trial.fused_ns, free)?)
-        }
-        _ => None,
-    };
-    Ok(ObjectTrials {
-        name: format!("{:02}-{}", object + 1, model.category()),
-        truth: Some(mesh),
-        trials,
-        described,
-    })
 }
 
 /// Reports of all levels, path by path.

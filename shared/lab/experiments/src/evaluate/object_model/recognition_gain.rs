@@ -1,6 +1,7 @@
 //! Gain of recognition by a model: sides that were never taught are recognised by its views.
 
 use super::orbit::{Orbit, OrbitView};
+use super::trial::FusedView;
 use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
 use learning::{CategoryIndex, CategoryName, ViewId};
 use nalgebra::{UnitVector3, Vector3};
@@ -41,7 +42,7 @@ pub(super) struct RecognitionGain {
 impl DescribedObject {
     /// Describes the first views of an orbit as lessons, the fused ones as those of the model, and
     /// those of another path from other sides as questions.
-    pub(super) fn new(orbit: &Orbit, fused_ns: &[u64], other: &Orbit) -> Result<Self, Failure> {
+    pub(super) fn new(orbit: &Orbit, fused: &[FusedView], other: &Orbit) -> Result<Self, Failure> {
         let mut descriptor =
             AppearanceDescriptor::new(AppearanceWeights::default()).map_err(Failure::general)?;
         let mut described = |views: Vec<&OrbitView>| -> Vec<ViewDescriptors> {
@@ -56,7 +57,10 @@ impl DescribedObject {
                 azimuth(other, view).angle(&side).to_degrees() > NEVER_SHOWN_DEG
             })
         };
-        let is_fused = |view: &&OrbitView| fused_ns.contains(&view.captured_ns);
+        let is_fused = |view: &&OrbitView| {
+            let mut all = fused.iter();
+            all.any(|fused| fused.captured_ns == view.captured_ns)
+        };
         Ok(Self {
             lessons: described(orbit.views.iter().take(N_LESSONS).collect()),
             of_model: described(orbit.views.iter().filter(is_fused).collect()),

@@ -2,7 +2,8 @@
 
 use super::orbit::Path;
 use super::recognition_gain::RecognitionGain;
-use super::trial::{PoseError, PoseNoise, Trial, median};
+use super::scored_model::{PoseError, median};
+use super::trial::{PoseNoise, Trial};
 use serde::Serialize;
 
 /// Report of object models.

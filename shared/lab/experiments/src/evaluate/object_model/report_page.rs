@@ -85,7 +85,7 @@ fn known(value: f64, text: impl Fn(f64) -> String) -> String {
 /// Notes below the table, one sentence each.
 fn notes(document: &ModelReport) -> Vec<String> {
     let median = |value: fn(&LevelReport) -> f64| {
-        super::trial::median(document.levels.iter().map(value).collect())
+        super::scored_model::median(document.levels.iter().map(value).collect())
     };
     let mut notes = vec![
         format!(

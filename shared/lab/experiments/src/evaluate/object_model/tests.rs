@@ -1,4 +1,6 @@
+use super::true_surface::TrueSurface;
 use super::*;
+use nalgebra::Point3;
 
 fn arguments(objects: u32, views: u32) -> ModelArguments {
     ModelArguments {
@@ -9,6 +11,7 @@ fn arguments(objects: u32, views: u32) -> ModelArguments {
         noise: vec![(10.0, 3.0)],
         seed: 4,
         out: None,
+        export: None,
     }
 }
 
@@ -17,6 +20,7 @@ fn models_of_noisy_views_are_near_the_truth_and_the_report_says_so() {
     let out = tempfile::tempdir().unwrap();
     let arguments = ModelArguments {
         out: Some(out.path().to_owned()),
+        export: Some(out.path().join("export")),
         ..arguments(3, 24)
     };
     run(&arguments, &Output::new(true)).unwrap();
@@ -42,6 +46,41 @@ fn models_of_noisy_views_are_near_the_truth_and_the_report_says_so() {
     assert!(accuracy("accuracy_after") > 0.8, "{report}");
     for file in ["index.html", FIGURE, MODELS] {
         assert!(out.path().join(file).exists(), "{file}");
+    }
+    assert_exported(&out.path().join("export"));
+}
+
+/// Each object has a surface, and two orbits whose reported poses are near the true ones.
+fn assert_exported(folder: &std::path::Path) {
+    let objects: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    assert_eq!(objects.len(), 3);
+    for object in objects {
+        let surface = std::fs::read(object.path().join("surface.f32")).unwrap();
+        assert!(surface.len() > 20_000 * 24 && surface.len() % 24 == 0);
+        for path in ["turntable", "free-orbit"] {
+            let folder = object.path().join(path);
+            let json = std::fs::read(folder.join("views.json")).unwrap();
+            let document: serde_json::Value = serde_json::from_slice(&json).unwrap();
+            let (views, level) = (
+                document["views"].as_array().unwrap(),
+                &document["levels"][0],
+            );
+            for (index, view) in views.iter().enumerate() {
+                let points = std::fs::read(folder.join(view["points"].as_str().unwrap())).unwrap();
+                assert!(!points.is_empty() && points.len() % 24 == 0);
+                for axis in 0..3 {
+                    let at = |pose: &serde_json::Value| pose[axis][3].as_f64().unwrap();
+                    let off = at(&view["object_from_camera"]) - at(&level["reported"][index]);
+                    assert!(off.abs() < 0.06, "{off}");
+                }
+            }
+            let registered = level["registered"].as_array().unwrap();
+            assert_eq!(registered.len(), views.len());
+            assert!(registered.iter().filter(|pose| pose.is_array()).count() > views.len() / 2);
+        }
     }
 }
 

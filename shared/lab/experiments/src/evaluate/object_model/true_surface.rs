@@ -78,6 +78,17 @@ impl TrueSurface {
         self.places.iter().map(|place| Point3::from(*place).cast())
     }
 
+    /// Places of the samples, metres, with their unit normals.
+    pub(super) fn oriented_samples(&self) -> impl Iterator<Item = [f32; 6]> {
+        self.places
+            .iter()
+            .zip(&self.normals)
+            .map(|(place, normal)| {
+                let ([x, y, z], n) = (*place, normal.cast::<f32>());
+                [x, y, z, n.x, n.y, n.z]
+            })
+    }
+
     /// Distance of a place from the surface, metres.
     pub(super) fn distance_m(&self, place: &Point3<f64>) -> f64 {
         let found = self
