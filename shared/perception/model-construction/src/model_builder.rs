@@ -23,7 +23,7 @@ const COLOR_WEIGHT_MIN: f32 = 0.1;
 
 /// Weight of the surface of the mesh, as a share of the number of views, and its limits. Chosen:
 /// what only one of many views saw is noise.
-const MESH_WEIGHT_SHARE: f32 = 0.01;
+const MESH_WEIGHT_SHARE: f32 = 0.02;
 const MESH_WEIGHT: std::ops::RangeInclusive<f32> = 0.1..=3.0;
 
 /// Cosine of the greatest angle at which the model's surface takes part in a registration, 80°.
