@@ -197,6 +197,26 @@ fn layering_gives_every_crate_a_home() {
 }
 
 #[test]
+fn layering_is_drawn_with_every_crate_in_the_order_of_its_folder() {
+    let picture = std::fs::read_to_string(root().join("docs/architecture.svg")).unwrap();
+    let label = |line: &str| {
+        let text = line.trim().strip_suffix("</text>")?;
+        let text = text.split_once("class=\"crate\"")?.1;
+        Some(text.rsplit_once('>')?.1.to_owned())
+    };
+    let drawn: Vec<String> = picture.lines().filter_map(label).collect();
+    for folder in table("shared/README.md").into_keys() {
+        let (crates, home) = (order(&folder), homes());
+        let is_here = |name: &&String| home.get(*name).is_some_and(|(its, _)| *its == folder);
+        let shown: Vec<String> = drawn.iter().filter(is_here).cloned().collect();
+        assert_eq!(shown, crates, "shared/{folder} in docs/architecture.svg");
+    }
+    for program in table("services/README.md").into_keys() {
+        assert!(drawn.contains(&program), "{program} is not drawn");
+    }
+}
+
+#[test]
 fn layering_leaves_foreign_libraries_to_their_owners() {
     let metadata = workspace();
     let packages = metadata.workspace_packages();

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 /// Result of a view, and the state of the model after it.
 #[derive(Debug)]
-pub(super) struct Progress {
+pub(super) struct BuildProgress {
     pub(super) step: Step,
     pub(super) state: GrowthState,
 }
@@ -18,7 +18,7 @@ pub(super) struct Progress {
 #[derive(Debug)]
 pub(super) struct BuildThread {
     views: Sender<ReceivedView>,
-    progress: Receiver<Progress>,
+    progress: Receiver<BuildProgress>,
     handle: JoinHandle<Growth>,
 }
 
@@ -53,7 +53,7 @@ impl BuildThread {
     }
 
     /// Next result, if there is one.
-    pub(super) fn progress(&self) -> Option<Progress> {
+    pub(super) fn progress(&self) -> Option<BuildProgress> {
         self.progress.try_recv().ok()
     }
 
@@ -70,12 +70,16 @@ impl BuildThread {
     }
 }
 
-fn grow(mut growth: Growth, views: &Receiver<ReceivedView>, done: &Sender<Progress>) -> Growth {
+fn grow(
+    mut growth: Growth,
+    views: &Receiver<ReceivedView>,
+    done: &Sender<BuildProgress>,
+) -> Growth {
     for view in views {
         let step = growth.add(&view);
         let state = growth.state();
         // Nobody listens any more when the construction was left by an error.
-        let _ = done.send(Progress { step, state });
+        let _ = done.send(BuildProgress { step, state });
     }
     growth
 }

@@ -1,6 +1,6 @@
 //! Construction of a model, on a thread of its own, from the views that a moving camera takes.
 
-use super::build_thread::{BuildThread, Progress};
+use super::build_thread::{BuildProgress, BuildThread};
 use crate::arguments::BuildArguments;
 use crate::growth::{Growth, GrowthState, Step};
 use crate::object_receiver::ObjectReceiver;
@@ -174,7 +174,7 @@ impl<'a> Construction<'a> {
     }
 
     fn note_progress(&mut self) {
-        while let Some(Progress { step, state }) = self.thread.progress() {
+        while let Some(BuildProgress { step, state }) = self.thread.progress() {
             self.state = Some(state);
             if step == Step::Closed {
                 self.is_closed = true;

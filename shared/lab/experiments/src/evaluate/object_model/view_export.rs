@@ -17,14 +17,14 @@ const VIEWS: &str = "views.json";
 type Rows = [[f64; 4]; 4];
 
 #[derive(Debug, Serialize)]
-struct OrbitDocument {
-    camera: CameraDocument,
-    views: Vec<ViewDocument>,
-    levels: Vec<LevelDocument>,
+struct ExportedOrbit {
+    camera: ExportedCamera,
+    views: Vec<ExportedView>,
+    levels: Vec<ExportedLevel>,
 }
 
 #[derive(Debug, Serialize)]
-struct CameraDocument {
+struct ExportedCamera {
     width: u32,
     height: u32,
     fx_px: f64,
@@ -34,14 +34,14 @@ struct CameraDocument {
 }
 
 #[derive(Debug, Serialize)]
-struct ViewDocument {
+struct ExportedView {
     points: String,
     object_from_camera: Rows,
 }
 
 /// Poses of all views at a noise level, in the frame of the true object.
 #[derive(Debug, Serialize)]
-struct LevelDocument {
+struct ExportedLevel {
     sigma_translation_mm: f64,
     sigma_rotation_deg: f64,
     reported: Vec<Rows>,
@@ -67,7 +67,7 @@ pub(super) fn write_orbit(
             [point.x, point.y, point.z, red, green, blue]
         });
         write(&folder.join(&points), &bytes(values))?;
-        views.push(ViewDocument {
+        views.push(ExportedView {
             points,
             object_from_camera: rows(&(object_from_world * view.world_from_camera)),
         });
@@ -75,12 +75,12 @@ pub(super) fn write_orbit(
     let samples = truth.oriented_samples().zip(visible);
     let samples = samples.filter_map(|(sample, is_visible)| is_visible.then_some(sample));
     write(&folder.join("visible.f32"), &bytes(samples.flatten()))?;
-    let document = OrbitDocument {
-        camera: camera_document(orbit),
+    let document = ExportedOrbit {
+        camera: exported_camera(orbit),
         views,
         levels: levels
             .iter()
-            .map(|(noise, trial)| level_document(orbit, *noise, trial))
+            .map(|(noise, trial)| exported_level(orbit, *noise, trial))
             .collect(),
     };
     let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
@@ -94,9 +94,9 @@ pub(super) fn write_surface(folder: &FilePath, truth: &TrueSurface) -> Result<()
     write(&folder.join("surface.f32"), &bytes(samples))
 }
 
-fn camera_document(orbit: &Orbit) -> CameraDocument {
+fn exported_camera(orbit: &Orbit) -> ExportedCamera {
     let camera = &orbit.camera;
-    CameraDocument {
+    ExportedCamera {
         width: camera.width,
         height: camera.height,
         fx_px: camera.fx_px,
@@ -106,14 +106,14 @@ fn camera_document(orbit: &Orbit) -> CameraDocument {
     }
 }
 
-fn level_document(orbit: &Orbit, noise: PoseNoise, trial: &Trial) -> LevelDocument {
+fn exported_level(orbit: &Orbit, noise: PoseNoise, trial: &Trial) -> ExportedLevel {
     let object_from_world = orbit.world_from_object.inverse();
     let registered = |captured_ns: u64| {
         let fused = trial.fused.iter();
         let mut of_view = fused.filter(|view| view.captured_ns == captured_ns);
         of_view.next().map(|view| rows(&view.object_from_camera))
     };
-    LevelDocument {
+    ExportedLevel {
         sigma_translation_mm: noise.translation_mm,
         sigma_rotation_deg: noise.rotation_deg,
         reported: trial
