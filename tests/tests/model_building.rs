@@ -113,10 +113,18 @@ fn stopped_builder_stores_what_it_has_and_a_killed_one_harms_nobody() {
     std::thread::sleep(Duration::from_secs(2));
     send_signal(killed.id(), Signal::KILL).unwrap();
     assert!(wait_for_end(&mut killed, Duration::from_secs(5)).is_some());
-    let stopped = build(&sandbox, &[&track, "--name", "part", "--step-deg", "12"]);
-    std::thread::sleep(Duration::from_secs(5));
-    send_signal(stopped.id(), Signal::TERM).unwrap();
-    let part = answer(stopped);
+    let part = |name: &str, signal: Signal| {
+        let options = [&track, "--name", name, "--step-deg", "12"];
+        let stopped = build(&sandbox, &options);
+        std::thread::sleep(Duration::from_secs(5));
+        send_signal(stopped.id(), signal).unwrap();
+        answer(stopped)
+    };
+    let terminated = part("terminated", Signal::TERM);
+    assert_eq!(terminated["end"], "stopped");
+    assert!(terminated["left_out"].is_number(), "{terminated}");
+    // The views that wait at Ctrl-C are added.
+    let part = part("part", Signal::INT);
     assert_eq!(
         (&part["end"], &part["left_out"]),
         (&"stopped".into(), &0.into())
@@ -125,7 +133,7 @@ fn stopped_builder_stores_what_it_has_and_a_killed_one_harms_nobody() {
     assert!(part["views"].as_u64().unwrap() >= 1, "{part}");
     assert!(!part["missing"].as_array().unwrap().is_empty(), "{part}");
     let listed = daemon.ask(&["model", "list"]);
-    assert_eq!(listed["models"].as_array().unwrap().len(), 1, "{listed}");
+    assert_eq!(listed["models"].as_array().unwrap().len(), 2, "{listed}");
     eventually("perception goes on", || daemon.objects().len() >= 2);
     daemon.stop();
 }

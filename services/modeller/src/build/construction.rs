@@ -50,10 +50,10 @@ pub(super) struct Constructed {
 
 /// Construction that goes on.
 pub(super) struct Construction<'a> {
-    pub(super) domain: &'a DomainName,
-    pub(super) arguments: &'a BuildArguments,
-    pub(super) stop: &'a StopSignal,
-    pub(super) output: &'a Output,
+    domain: &'a DomainName,
+    arguments: &'a BuildArguments,
+    stop: &'a StopSignal,
+    output: &'a Output,
     queue: ViewQueue,
     thread: BuildThread,
     begun: Instant,
@@ -144,16 +144,21 @@ impl<'a> Construction<'a> {
         }
     }
 
-    /// Adds the waiting views; a further stop signal leaves them out. Returns the number of those.
+    /// Adds the waiting views, until a further stop signal; SIGTERM leaves them out at once. Returns
+    /// the number of those left out.
     fn add_waiting(&mut self) -> usize {
         let n_raised = self.stop.n_raised();
-        if self.queue.len() > 1 {
+        let goes_on = |waiting: &Self| {
+            let is_stopped = waiting.stop.is_terminated() || waiting.stop.n_raised() > n_raised;
+            waiting.queue.len() > 0 && !is_stopped && !waiting.thread.has_ended()
+        };
+        if self.queue.len() > 1 && goes_on(self) {
             self.output.print_status(&format!(
                 "{} views are still to be added; Ctrl-C leaves them out",
                 self.queue.len()
             ));
         }
-        while self.queue.len() > 0 && self.stop.n_raised() == n_raised && !self.thread.has_ended() {
+        while goes_on(self) {
             self.hand_over(POLL_PERIOD);
             self.note_progress();
             if self.is_closed && self.arguments.until_closed {

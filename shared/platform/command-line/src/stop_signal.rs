@@ -9,7 +9,15 @@ use tokio::signal::unix::{SignalKind, signal};
 
 /// Stop signal, raised by SIGINT, SIGTERM or SIGHUP; sleeping ends when it is raised.
 #[derive(Debug, Clone)]
-pub struct StopSignal(Arc<(Mutex<u32>, Condvar)>);
+pub struct StopSignal(Arc<(Mutex<Raised>, Condvar)>);
+
+/// Signals that came so far.
+#[derive(Debug, Clone, Copy, Default)]
+struct Raised {
+    n_raised: u32,
+    /// SIGTERM or SIGHUP was one of them.
+    is_terminated: bool,
+}
 
 /// Note of received SIGHUPs, for a program that does not stop at them.
 #[derive(Debug, Clone, Default)]
@@ -57,10 +65,10 @@ impl StopSignal {
             runtime.block_on(async {
                 loop {
                     tokio::select! {
-                        _ = interrupt.recv() => to_raise.raise(),
-                        _ = terminate.recv() => to_raise.raise(),
+                        _ = interrupt.recv() => to_raise.raise(false),
+                        _ = terminate.recv() => to_raise.raise(true),
                         _ = hang_up.recv() => match &hang_ups {
-                            None => to_raise.raise(),
+                            None => to_raise.raise(true),
                             Some(noted) => noted.0.store(true, Ordering::Release),
                         }
                     }
@@ -77,18 +85,27 @@ impl StopSignal {
 
     /// Number of times that the stop signal was raised.
     pub fn n_raised(&self) -> u32 {
-        *self.0.0.lock()
+        self.0.0.lock().n_raised
+    }
+
+    /// `true` after a signal that no person has given with a key: SIGTERM or SIGHUP, after which a
+    /// program is killed that does not end soon.
+    pub fn is_terminated(&self) -> bool {
+        self.0.0.lock().is_terminated
     }
 
     /// Sleeps for `time`, less when the signal is raised.
     pub fn sleep(&self, time: Duration) {
-        let (n_raised, condition) = &*self.0;
-        let mut guard = n_raised.lock();
-        let _ = condition.wait_while_for(&mut guard, |n_raised| *n_raised == 0, time);
+        let (raised, condition) = &*self.0;
+        let mut guard = raised.lock();
+        let _ = condition.wait_while_for(&mut guard, |raised| raised.n_raised == 0, time);
     }
 
-    fn raise(&self) {
-        *self.0.0.lock() += 1;
+    fn raise(&self, is_terminated: bool) {
+        let mut raised = self.0.0.lock();
+        raised.n_raised += 1;
+        raised.is_terminated |= is_terminated;
+        drop(raised);
         self.0.1.notify_all();
     }
 }
