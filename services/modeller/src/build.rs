@@ -12,7 +12,7 @@ use crate::presence::require_daemon;
 use built_document::BuiltDocument;
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
-use construction::{Construction, End};
+use construction::Construction;
 use control_client::{MemoryClient, NewDocument};
 use message::control::{DocumentKind, DocumentName};
 use object_model::{MEDIA_TYPE, ObjectModel};
@@ -45,14 +45,8 @@ pub(crate) fn run(
     ));
     let begun = Instant::now();
     let construction = Construction::new(&common.domain, arguments, (&stop, output))?;
-    let mut constructed = construction.run(&mut receiver, object.track)?;
+    let constructed = construction.run(&mut receiver, object.track)?;
     require_views(&constructed.growth, object.track)?;
-    // The views that closed the loop agree already.
-    if constructed.end != End::Closed {
-        let n_views = constructed.growth.builder().views().len();
-        output.print_status(&format!("bringing {n_views} views into agreement"));
-        constructed.growth.finish();
-    }
     let model = object_model(&constructed.growth);
     let n_bytes = store(common, arguments.author.as_deref(), (&name, &model))?;
     let mut document = BuiltDocument::new(&constructed, &model, (name, object.track), n_bytes);

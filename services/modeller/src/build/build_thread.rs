@@ -62,7 +62,7 @@ impl BuildThread {
         self.handle.is_finished()
     }
 
-    /// Model after the view that is being added.
+    /// Model after the view that is being added, with all views in agreement.
     pub(super) fn finish(self) -> Growth {
         drop(self.views);
         let joined = self.handle.join();
@@ -70,16 +70,26 @@ impl BuildThread {
     }
 }
 
+/// Adds views until there are no more, and brings them into agreement.
 fn grow(
     mut growth: Growth,
     views: &Receiver<ReceivedView>,
     done: &Sender<BuildProgress>,
 ) -> Growth {
+    let mut are_agreed = true;
     for view in views {
         let step = growth.add(&view);
+        match step {
+            Step::Fused => are_agreed = false,
+            Step::Closed => are_agreed = true,
+            Step::Nothing | Step::Refused => {}
+        }
         let state = growth.state();
         // Nobody listens any more when the construction was left by an error.
         let _ = done.send(BuildProgress { step, state });
+    }
+    if !are_agreed {
+        growth.finish();
     }
     growth
 }

@@ -97,6 +97,8 @@ impl<'a> Construction<'a> {
             End::Closed => 0,
             _ => self.add_waiting(),
         };
+        self.output
+            .print_status("bringing the views into agreement");
         let growth = self.thread.finish();
         if self.arguments.until_closed && growth.builder().is_closed() {
             end = End::Closed;
