@@ -1,6 +1,8 @@
 //! Configuration: layers and commands without a daemon, and reload by running processes.
 
-use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually, send_signal, suspend, wait_for_end};
+use crate::daemon::{
+    Daemon, Sandbox, WATCHDOG, eventually, notification, send_signal, suspend, wait_for_end,
+};
 use crate::faults::wait_for_frames;
 use message::ProcessKind;
 use rustix::process::Signal;
@@ -353,11 +355,7 @@ fn configuration_reload_follows_the_protocol_of_systemd() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let next = || {
-        let mut bytes = [0; 4096];
-        let n_bytes = manager.recv(&mut bytes).expect("a notification");
-        String::from_utf8(bytes[..n_bytes].to_vec()).unwrap()
-    };
+    let next = || notification(&manager);
     // State and watchdog are notified in between.
     let next_with = |word: &str| loop {
         let text = next();

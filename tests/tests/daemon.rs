@@ -5,8 +5,9 @@ use channel::{Domain, DomainName, DomainState, Role, RunFolder};
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind};
 use std::os::unix::fs::PermissionsExt;
+use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, ExitStatus, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -459,6 +460,19 @@ impl Drop for Daemon<'_> {
                 }
                 std::thread::sleep(POLL_PERIOD);
             }
+        }
+    }
+}
+
+/// Next notification at a socket in the place of systemd's: lines of assignments. A read with a time
+/// limit is interrupted when a signal comes, such as that of a child's end.
+pub(crate) fn notification(socket: &UnixDatagram) -> String {
+    let mut bytes = [0; 4096];
+    loop {
+        match socket.recv(&mut bytes) {
+            Ok(n_bytes) => return String::from_utf8(bytes[..n_bytes].to_vec()).unwrap(),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => panic!("a notification: {error}"),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Notifications to systemd: readiness, watchdog, longer starts, and the readiness marker, by
 //! processes that believe systemd has started them.
 
-use crate::daemon::{Sandbox, WATCHDOG, eventually, send_signal, wait_for_end};
+use crate::daemon::{Sandbox, WATCHDOG, eventually, notification, send_signal, wait_for_end};
 use rustix::process::Signal;
 use std::os::unix::net::UnixDatagram;
 use std::path::PathBuf;
@@ -37,9 +37,7 @@ impl Systemd {
 
     /// Next notification: lines of assignments.
     fn next(&self) -> String {
-        let mut buffer = [0; 4096];
-        let n = self.socket.recv(&mut buffer).unwrap();
-        String::from_utf8(buffer[..n].to_vec()).unwrap()
+        notification(&self.socket)
     }
 
     /// Notifications up to the first that contains a text, which is the last.
