@@ -143,8 +143,7 @@ fn common_alignment(truth: &[Isometry3<f64>], poses: &[Isometry3<f64>]) -> Isome
         .zip(poses)
         .map(|(truth, pose)| matrix(truth) * matrix(pose).transpose())
         .sum();
-    let rotation = Rotation3::from_matrix(&sum);
-    let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
+    let rotation = nearest_rotation(&sum);
     let shift = |(truth, pose): (&Isometry3<f64>, &Isometry3<f64>)| {
         // Place of the true origin in the frame of the model.
         let origin = pose * truth.inverse() * Point3::origin();
@@ -160,7 +159,61 @@ fn common_alignment(truth: &[Isometry3<f64>], poses: &[Isometry3<f64>]) -> Isome
     Isometry3::from_parts(Translation3::from(Vector3::from(mean)), rotation)
 }
 
+/// Rotation nearest to a matrix, by its singular values (Kabsch 1976); the identity where there is
+/// none. The iteration of `Rotation3::from_matrix` does not end where rotations cancel each other.
+fn nearest_rotation(matrix: &Matrix3<f64>) -> UnitQuaternion<f64> {
+    if matrix.iter().any(|value| !value.is_finite()) {
+        return UnitQuaternion::identity();
+    }
+    let svd = matrix.svd(true, true);
+    let (Some(left), Some(right)) = (svd.u, svd.v_t) else {
+        return UnitQuaternion::identity();
+    };
+    let sign = (left * right).determinant().signum();
+    let proper = left * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, sign)) * right;
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(proper))
+}
+
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     nearest_rank(&values, 0.5).unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nearest_rotation_is_the_chordal_mean_of_rotations() {
+        let turn = |angle: f64| UnitQuaternion::from_scaled_axis(Vector3::new(0.2, angle, -0.1));
+        let matrix = |angle: f64| turn(angle).to_rotation_matrix().into_inner();
+        let mean = nearest_rotation(&(matrix(0.4) + matrix(0.4)));
+        assert!(mean.angle_to(&turn(0.4)) < 1e-9);
+        let about = |axis: Vector3<f64>| UnitQuaternion::from_scaled_axis(axis);
+        let sum = [0.3, 0.5].map(|angle| about(Vector3::z() * angle));
+        let sum =
+            sum[0].to_rotation_matrix().into_inner() + sum[1].to_rotation_matrix().into_inner();
+        assert!(nearest_rotation(&sum).angle_to(&about(Vector3::z() * 0.4)) < 1e-9);
+    }
+
+    #[test]
+    fn nearest_rotation_ends_where_rotations_cancel_each_other() {
+        let flip = |axis: Vector3<f64>| {
+            let turn = UnitQuaternion::from_scaled_axis(axis * std::f64::consts::PI);
+            turn.to_rotation_matrix().into_inner()
+        };
+        let half_turns = flip(Vector3::x()) + flip(Vector3::y()) + flip(Vector3::z());
+        let reflection = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
+        let sums = [
+            Matrix3::zeros(),
+            half_turns,
+            half_turns + Matrix3::identity(),
+            reflection,
+            Matrix3::repeat(f64::NAN),
+        ];
+        for sum in sums {
+            let norm = nearest_rotation(&sum).norm();
+            assert!((norm - 1.0).abs() < 1e-9, "{sum}: {norm}");
+        }
+    }
 }
