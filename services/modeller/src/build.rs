@@ -43,14 +43,12 @@ pub(crate) fn run(
          it, Ctrl-C ends",
         object.track
     ));
-    let begun = Instant::now();
     let construction = Construction::new(&common.domain, arguments, (&stop, output))?;
     let constructed = construction.run(&mut receiver, object.track)?;
     require_views(&constructed.growth, object.track)?;
     let model = object_model(&constructed.growth);
     let n_bytes = store(common, arguments.author.as_deref(), (&name, &model))?;
-    let mut document = BuiltDocument::new(&constructed, &model, (name, object.track), n_bytes);
-    document.seconds = begun.elapsed().as_secs_f64();
+    let document = BuiltDocument::new(&constructed, &model, (name, object.track), n_bytes);
     output.answer(&document, || document.text());
     Ok(ExitCode::SUCCESS)
 }

@@ -182,19 +182,21 @@ impl Growth {
         })
     }
 
-    /// Move of the camera to what is missing; `None` without views, and where nothing is left to see.
-    pub(crate) fn next_move(&self) -> Option<NextMove> {
+    /// Move of the camera to the unseen directions; `None` without views, and where nothing is left
+    /// to see.
+    pub(crate) fn next_move(&self, unseen: &UnseenDirections) -> Option<NextMove> {
         let view = self.builder.views().last()?;
-        NextMove::towards(&self.unseen(), &view.direction().cast())
+        NextMove::towards(unseen, &view.direction().cast())
     }
 
     /// State for a person.
     pub(crate) fn state(&self) -> GrowthState {
+        let unseen = self.unseen();
         GrowthState {
             n_views: self.builder.views().len(),
             n_refused: self.n_refused,
-            unseen: self.unseen(),
-            next_move: self.next_move(),
+            next_move: self.next_move(&unseen),
+            unseen,
         }
     }
 }

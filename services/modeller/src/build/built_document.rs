@@ -6,13 +6,13 @@ use crate::next_move::NextMove;
 use object_model::ObjectModel;
 use serde::Serialize;
 
-/// Built model as a JSON self.
+/// Built model as a JSON document.
 #[derive(Debug, Serialize)]
 pub(super) struct BuiltDocument {
     name: String,
     track: u64,
     /// Time from the start to the stored model, seconds.
-    pub(super) seconds: f64,
+    seconds: f64,
     views: usize,
     refused: usize,
     /// Number of views that were taken and not added.
@@ -49,7 +49,7 @@ impl BuiltDocument {
         Self {
             name,
             track,
-            seconds: 0.0,
+            seconds: constructed.begun.elapsed().as_secs_f64(),
             views: model.views.len(),
             refused: growth.n_refused(),
             left_out: constructed.n_left_out,
@@ -57,7 +57,7 @@ impl BuiltDocument {
             is_closed_loop: model.is_closed_loop,
             completeness: model.unseen.completeness(),
             missing: model.unseen.in_words(),
-            next_move: growth.next_move(),
+            next_move: growth.next_move(&model.unseen),
             vertices: model.mesh.vertices.len(),
             triangles: model.mesh.triangles.len(),
             extents_mm: model.summary().extents_m.map(|side| 1e3 * side),
@@ -71,8 +71,8 @@ impl BuiltDocument {
     pub(super) fn text(&self) -> String {
         let [width, depth, height] = self.extents_mm;
         let mut lines = vec![format!(
-            "the model {:?} is stored: {} views, {} triangles, {width:.0} x {depth:.0} x {height:.0} \
-         mm, {:.0} % of all directions seen; {}",
+            "the model {:?} is stored: {} views, {} triangles, {width:.0} x {depth:.0} x \
+             {height:.0} mm, {:.0} % of all directions seen; {}",
             self.name,
             self.views,
             self.triangles,

@@ -44,6 +44,7 @@ impl End {
 pub(super) struct Constructed {
     pub(super) growth: Growth,
     pub(super) end: End,
+    pub(super) begun: Instant,
     /// Number of views that were taken and not added.
     pub(super) n_left_out: usize,
 }
@@ -92,22 +93,27 @@ impl<'a> Construction<'a> {
         receiver: &mut ObjectReceiver,
         track: u64,
     ) -> Result<Constructed, Failure> {
-        let mut end = self.take_views(receiver, track)?;
-        let n_left_out = match end {
-            End::Closed => 0,
-            _ => self.add_waiting(),
-        };
-        self.output
-            .print_status("bringing the views into agreement");
-        let growth = self.thread.finish();
-        if self.arguments.until_closed && growth.builder().is_closed() {
-            end = End::Closed;
+        let end = self.take_views(receiver, track)?;
+        self.add_waiting();
+        let n_waiting = self.queue.len();
+        if !self.is_complete() {
+            let text = "bringing the views into agreement";
+            self.output.print_status(text);
         }
+        let growth = self.thread.finish();
+        // The last view may have closed the loop.
+        let is_complete = self.arguments.until_closed && growth.builder().is_closed();
         Ok(Constructed {
             growth,
-            end,
-            n_left_out,
+            end: if is_complete { End::Closed } else { end },
+            begun: self.begun,
+            n_left_out: if is_complete { 0 } else { n_waiting },
         })
+    }
+
+    /// `true` once no further view is wanted.
+    fn is_complete(&self) -> bool {
+        self.arguments.until_closed && self.is_closed
     }
 
     /// Takes views, and has them added, until an end.
@@ -120,7 +126,7 @@ impl<'a> Construction<'a> {
             }
             self.hand_over(Duration::ZERO);
             self.note_progress();
-            if self.is_closed && self.arguments.until_closed {
+            if self.is_complete() {
                 return Ok(End::Closed);
             }
             if self.stop.is_raised() || self.thread.has_ended() {
@@ -146,13 +152,13 @@ impl<'a> Construction<'a> {
         }
     }
 
-    /// Adds the waiting views, until a further stop signal; SIGTERM leaves them out at once. Returns
-    /// the number of those left out.
-    fn add_waiting(&mut self) -> usize {
+    /// Adds the waiting views, until a further stop signal; SIGTERM leaves them out at once.
+    fn add_waiting(&mut self) {
         let n_raised = self.stop.n_raised();
         let goes_on = |waiting: &Self| {
             let is_stopped = waiting.stop.is_terminated() || waiting.stop.n_raised() > n_raised;
-            waiting.queue.len() > 0 && !is_stopped && !waiting.thread.has_ended()
+            let is_done = waiting.queue.len() == 0 || waiting.is_complete();
+            !is_done && !is_stopped && !waiting.thread.has_ended()
         };
         if self.queue.len() > 1 && goes_on(self) {
             self.output.print_status(&format!(
@@ -163,12 +169,8 @@ impl<'a> Construction<'a> {
         while goes_on(self) {
             self.hand_over(POLL_PERIOD);
             self.note_progress();
-            if self.is_closed && self.arguments.until_closed {
-                return 0;
-            }
             self.print_line(Self::state_line);
         }
-        self.queue.len()
     }
 
     /// Gives the oldest view to the thread, if that is ready for it within a time.

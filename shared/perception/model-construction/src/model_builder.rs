@@ -10,7 +10,7 @@ use crate::surface_points::SurfacePoint;
 use crate::tsdf_volume::TsdfVolume;
 use geometry::PinholeCamera;
 use mesh::TriangleMesh;
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use point_cloud::Point;
 use registration::{Prior, Registration, ViewOrigin, ViewSurface, register};
 
@@ -375,8 +375,8 @@ impl ModelBuilder {
 /// Pose of a camera that is held level, in a world whose x axis it looks along, and whose z axis is
 /// up.
 fn level_camera() -> Isometry3<f64> {
-    let forward = UnitQuaternion::face_towards(&Vector3::x(), &-Vector3::z());
-    Isometry3::from_parts(Translation3::identity(), forward)
+    let ahead = Point3::from(Vector3::x());
+    Isometry3::face_towards(&Point3::origin(), &ahead, &-Vector3::z())
 }
 
 fn is_finite(pose: &Isometry3<f64>) -> bool {
