@@ -69,12 +69,11 @@ pub(super) fn recorded_trials(
         };
         let samples = orbit.views.first().map(in_object).unwrap_or_default();
         let trials = trials_of_orbit(orbit, Truth::Samples(&samples), object, arguments);
-        let with_path = |(noise, trial)| (orbit.path, noise, trial);
         let [x, y, z] = orbit.world_from_object.translation.vector.into();
         ObjectTrials {
             name: format!("{:02} at {x:.2} {y:.2} {z:.2}", object + 1),
             truth: None,
-            trials: trials.into_iter().map(with_path).collect(),
+            trials,
             described: None,
         }
     };
@@ -133,15 +132,10 @@ fn object_trials(
         let visible = visible(&truth, orbit)?;
         let of_orbit = trials_of_orbit(orbit, Truth::Surface(&truth, &visible), object, arguments);
         if let Some(folder) = &export {
-            let levels: Vec<_> = of_orbit
-                .iter()
-                .map(|(noise, trial)| (*noise, trial))
-                .collect();
             let folder = folder.join(orbit.path.word().replace(' ', "-"));
-            view_export::write_orbit(&folder, orbit, (&truth, &visible), &levels)?;
+            view_export::write_orbit(&folder, orbit, (&truth, &visible), &of_orbit)?;
         }
-        let with_path = |(noise, trial)| (orbit.path, noise, trial);
-        trials.extend(of_orbit.into_iter().map(with_path));
+        trials.extend(of_orbit);
     }
     let described = match (orbits.as_slice(), trials.first()) {
         ([turntable, free], Some((_, _, trial))) => {
@@ -173,11 +167,11 @@ fn trials_of_orbit(
     truth: Truth<'_>,
     object: usize,
     arguments: &ModelArguments,
-) -> Vec<(PoseNoise, Trial)> {
+) -> Vec<(Path, PoseNoise, Trial)> {
     let levels = noises(arguments).into_iter().enumerate();
     let trial = |(level, noise)| {
         let seed = trial_seed(arguments.seed, object, level);
-        (noise, trial::run(orbit, truth, noise, seed))
+        (orbit.path, noise, trial::run(orbit, truth, noise, seed))
     };
     levels.map(trial).collect()
 }

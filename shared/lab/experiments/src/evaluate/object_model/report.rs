@@ -73,7 +73,7 @@ impl ObjectFigures {
             chamfer_mm: trial.chamfer_mm,
             pose_error_before: trial.before.surface_mm,
             pose_error_after: trial.after.surface_mm,
-            n_views: trial.n_views,
+            n_views: trial.fused.len(),
             refused: trial.refused.clone(),
             is_closed: trial.is_closed,
         }
@@ -106,7 +106,7 @@ impl LevelReport {
             pose(|error| error.rotation_deg),
             pose(|error| error.translation_mm),
         );
-        let n_views: usize = trials.iter().map(|(_, trial)| trial.n_views).sum();
+        let n_views: usize = trials.iter().map(|(_, trial)| trial.fused.len()).sum();
         let n_refused: usize = trials.iter().map(|(_, trial)| trial.refused.len()).sum();
         let n_closed = trials.iter().filter(|(_, trial)| trial.is_closed).count();
         let mut times: Vec<f64> = trials

@@ -2,7 +2,6 @@
 
 use super::orbit::{Orbit, OrbitView};
 use super::scored_model::{PoseError, ScoredModel, Truth};
-
 use mesh::TriangleMesh;
 use model_construction::{Config, ModelBuilder, PoseSigma, View};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -58,7 +57,6 @@ pub(super) struct Trial {
     /// Errors of the poses that were expected before each registration.
     pub(super) filtered: PoseError,
     pub(super) after: PoseError,
-    pub(super) n_views: usize,
     /// Reported poses of all cameras in the world.
     pub(super) reported: Vec<Isometry3<f64>>,
     pub(super) fused: Vec<FusedView>,
@@ -113,7 +111,6 @@ pub(super) fn run(orbit: &Orbit, truth: Truth<'_>, noise: PoseNoise, seed: u64) 
         before: scored.pose_error(|view| view.reported),
         filtered: scored.pose_error(|view| view.expected),
         after: scored.pose_error(|view| view.object_from_camera),
-        n_views: kept.len(),
         reported,
         fused: builder.views().iter().map(fused_view).collect(),
         refused,

@@ -1,7 +1,7 @@
 //! Export of the views of an orbit with their poses and the truth, for other programs to compare
 //! with.
 
-use super::orbit::Orbit;
+use super::orbit::{Orbit, Path};
 use super::trial::{PoseNoise, Trial};
 use super::true_surface::TrueSurface;
 use crate::output_files::{create_folder, write};
@@ -49,13 +49,13 @@ struct ExportedLevel {
     registered: Vec<Option<Rows>>,
 }
 
-/// Writes the views of an orbit with the trials at all levels, and the visible samples of the true
+/// Writes the views of an orbit with its trials at all levels, and the visible samples of the true
 /// surface.
 pub(super) fn write_orbit(
     folder: &FilePath,
     orbit: &Orbit,
     (truth, visible): (&TrueSurface, &[bool]),
-    levels: &[(PoseNoise, &Trial)],
+    trials: &[(Path, PoseNoise, Trial)],
 ) -> Result<(), Failure> {
     create_folder(folder)?;
     let object_from_world = orbit.world_from_object.inverse();
@@ -78,9 +78,9 @@ pub(super) fn write_orbit(
     let document = ExportedOrbit {
         camera: exported_camera(orbit),
         views,
-        levels: levels
+        levels: trials
             .iter()
-            .map(|(noise, trial)| exported_level(orbit, *noise, trial))
+            .map(|(_, noise, trial)| exported_level(orbit, *noise, trial))
             .collect(),
     };
     let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
