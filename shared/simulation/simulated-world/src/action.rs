@@ -33,6 +33,13 @@ pub enum Action {
         /// Time for which the object is held, seconds.
         for_s: f64,
     },
+    /// Lifts an object, turns it about the vertical and puts it back.
+    Turn {
+        /// Number of the object to turn.
+        object: u16,
+        /// Angle of the turn, radians, counter-clockwise as seen from above.
+        by_rad: f64,
+    },
     /// Holds the hand in front of an object, so that it is partly occluded.
     Hide {
         /// Number of the object to hide.
@@ -55,6 +62,7 @@ impl Action {
             Self::Move { object, .. }
             | Self::Slide { object, .. }
             | Self::Lift { object, .. }
+            | Self::Turn { object, .. }
             | Self::Hide { object, .. }
             | Self::Remove { object } => Some(usize::from(*object)),
         }
@@ -67,6 +75,7 @@ impl Action {
             Self::Move { object, .. } => format!("move object {object}"),
             Self::Slide { object, .. } => format!("slide object {object}"),
             Self::Lift { object, .. } => format!("lift object {object}"),
+            Self::Turn { object, .. } => format!("turn object {object}"),
             Self::Hide { object, .. } => format!("hide object {object}"),
             Self::Remove { object } => format!("remove object {object}"),
         }

@@ -160,6 +160,11 @@ impl World {
             None => {}
             Some(HandEvent::Brought(model)) => self.bring_object(&model, hand),
             Some(HandEvent::Grasped(object)) => self.grasp_object(object, hand),
+            Some(HandEvent::Turned(angle_rad)) => {
+                if let Some(held) = &mut self.in_hand {
+                    held.turn(angle_rad);
+                }
+            }
             Some(HandEvent::Released) => self.release_object(),
             Some(HandEvent::Removed) => self.remove_held_object(),
             Some(HandEvent::Impossible(action)) => self.notes.push(format!(

@@ -171,6 +171,24 @@ fn lift_action_raises_the_object_and_puts_it_back() {
 }
 
 #[test]
+fn turn_action_turns_the_object_in_its_place() {
+    let mut world = world(Action::Turn {
+        object: 3,
+        by_rad: -0.5,
+    });
+    let before = world.find(3).unwrap().world_from_object;
+    run(&mut world, |_| {});
+    let after = world.find(3).unwrap().world_from_object;
+    let turn = (after.rotation * before.rotation.inverse()).scaled_axis();
+    assert!(
+        (turn - nalgebra::Vector3::z() * -0.5).norm() < 0.02,
+        "{turn}"
+    );
+    let place = before.translation.vector;
+    assert_settled_at(&world, 3, [place.x, place.y]);
+}
+
+#[test]
 fn remove_action_takes_the_object_and_its_number_is_not_reused() {
     let mut world = world(Action::Remove { object: 2 });
     run(&mut world, |_| {});

@@ -16,6 +16,10 @@ const CARRY_HEIGHT_M: f64 = 0.28;
 pub(crate) const GRIP_M: f64 = 0.035;
 /// Distance between an object and the hand that hides it, towards the camera, metres. Chosen.
 const HIDE_DISTANCE_M: f64 = 0.16;
+/// Angle by which the hand turns an object in one step, radians, and the duration of that step,
+/// seconds: 60° a second. Chosen.
+const TURN_STEP_RAD: f64 = 3.0_f64.to_radians();
+const TURN_STEP_S: f64 = 0.05;
 /// Gap under an object that is released, metres. Chosen.
 const RELEASE_GAP_M: f64 = 0.002;
 
@@ -26,6 +30,8 @@ pub(crate) enum HandEvent {
     Brought(ModelChoice),
     /// Hand has grasped an object.
     Grasped(u16),
+    /// Hand has turned the held object about the vertical by an angle, radians.
+    Turned(f64),
     /// Hand has released the held object.
     Released,
     /// Held object that leaves the scene with the hand.
@@ -63,6 +69,7 @@ impl ActionExecution {
             Action::Move { object, to_m } => move_path(*object, *to_m, query)?,
             Action::Slide { object, to_m } => slide_path(*object, *to_m, query)?,
             Action::Lift { object, for_s } => lift_path(*object, *for_s, query)?,
+            Action::Turn { object, by_rad } => turn_path(*object, *by_rad, query)?,
             Action::Hide { object, for_s } => hide_path(*object, *for_s, query)?,
             Action::Remove { object } => remove_path(*object, query)?,
         };
@@ -191,9 +198,29 @@ fn slide_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<
 
 /// Hand path of [`Action::Lift`].
 fn lift_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
+    lifted_path(object, [Segment::Wait(for_s)], query)
+}
+
+/// Hand path of [`Action::Turn`].
+fn turn_path(object: u16, by_rad: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
+    let n_steps = (by_rad.abs() / TURN_STEP_RAD).ceil().max(1.0);
+    let step = [
+        Segment::Wait(TURN_STEP_S),
+        Segment::Emit(HandEvent::Turned(by_rad / n_steps)),
+    ];
+    let steps = std::iter::repeat_n(step, n_steps as usize).flatten();
+    lifted_path(object, steps, query)
+}
+
+/// Path that lifts an object, does something with it there, and puts it back.
+fn lifted_path(
+    object: u16,
+    lifted: impl IntoIterator<Item = Segment>,
+    query: &dyn PersonQuery,
+) -> Option<Vec<Segment>> {
     let (top, _) = query.object(object)?;
     let mut segments = grasp_path(top, object);
-    segments.push(Segment::Wait(for_s));
+    segments.extend(lifted);
     segments.extend(put_down_path(grasping_hand(
         top + Vector3::z() * RELEASE_GAP_M,
     )));

@@ -126,6 +126,7 @@ struct RawAction {
     instance: u64,
     to_m: Option<[f64; 2]>,
     for_s: Option<f64>,
+    by_deg: Option<f64>,
 }
 
 /// Sensor preset and names of the error terms to switch off.
@@ -419,6 +420,10 @@ fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
         Ok::<_, Error>([x, y])
     };
     let for_s = checked(&place("for_s"), raw.for_s.unwrap_or(2.0), 0.0..=3600.0)?;
+    let by_rad = || {
+        let by_deg = raw.by_deg.ok_or_else(|| needs("by_deg"))?;
+        Ok::<_, Error>(checked(&place("by_deg"), by_deg, -360.0..=360.0)?.to_radians())
+    };
     let action = match raw.what.as_str() {
         "put" => Action::Put {
             model: generated(
@@ -439,6 +444,10 @@ fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
             object: object()?,
             for_s,
         },
+        "turn" => Action::Turn {
+            object: object()?,
+            by_rad: by_rad()?,
+        },
         "hide" => Action::Hide {
             object: object()?,
             for_s,
@@ -448,7 +457,8 @@ fn timed_action(raw: &RawAction, index: usize) -> Result<TimedAction, Error> {
             return Err(wrong(
                 place("do"),
                 format!(
-                    "`{other}` is nothing a person does; there are put, move, slide, lift, hide, remove"
+                    "`{other}` is nothing a person does; there are put, move, slide, lift, \
+                     turn, hide, remove"
                 ),
             ));
         }

@@ -52,6 +52,7 @@ impl SceneVariation {
                 // The target position is exact: against something, or away from it.
                 Action::Slide { .. }
                 | Action::Lift { .. }
+                | Action::Turn { .. }
                 | Action::Hide { .. }
                 | Action::Remove { .. } => {}
             }

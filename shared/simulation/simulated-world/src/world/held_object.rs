@@ -2,9 +2,9 @@
 
 use crate::ObjectModel;
 use geometry::RigidTransform;
-use nalgebra::{Point3, Translation3, UnitQuaternion};
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 
-/// Object that follows the hand without rotating.
+/// Object that follows the hand, and turns only with [`turn`](Self::turn).
 #[derive(Debug, Clone)]
 pub(crate) struct HeldObject {
     pub(crate) object: u16,
@@ -19,6 +19,12 @@ impl HeldObject {
             object,
             hand_from_object: Translation3::from(hand.coords).inverse() * world_from_object,
         }
+    }
+
+    /// Turns the object about the vertical through the hand, counter-clockwise from above.
+    pub(crate) fn turn(&mut self, angle_rad: f64) {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle_rad);
+        self.hand_from_object = turn * self.hand_from_object;
     }
 
     pub(crate) fn world_from_object(&self, hand: &Point3<f64>) -> RigidTransform {
