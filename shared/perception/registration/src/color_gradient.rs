@@ -99,6 +99,13 @@ impl SurfelColor {
         source.value - self.value - self.gradient * offset
     }
 
+    /// Difference to the colour of a source surfel at an offset as a share of the one from which
+    /// colours count as different, 0 to 1.
+    pub(crate) fn disagreement(&self, source: &Self, offset: &Vector3<f64>) -> f64 {
+        let difference = self.difference(source, offset).norm();
+        (difference / (OUTLIER_SIGMAS * COLOR_SIGMA)).min(1.0)
+    }
+
     /// Weighted Jacobian of the difference by the motion of the place, and the weighted
     /// difference, both in units of a distance with a standard deviation.
     pub(crate) fn equations(

@@ -24,8 +24,8 @@ pub(crate) fn contradiction(
         + one_way(source, target, &target_from_source.inverse(), tolerance_m)
 }
 
-/// Contradiction between the surfels of a surface and the view of another.
-fn one_way(
+/// Contradiction between the surfels of a surface and the view of another, 0 to 1.
+pub(crate) fn one_way(
     seen: &ViewSurface,
     surface: &ViewSurface,
     seen_from_surface: &Isometry3<f64>,

@@ -1,7 +1,7 @@
 //! Registration of two surfaces.
 
 use crate::Error;
-use crate::correspondence_score::{TOLERANCE_M, contradiction};
+use crate::correspondence_score::{TOLERANCE_M, contradiction, one_way};
 use crate::generalized_icp::{Aligner, Alignment, Schedule};
 use crate::prior::Prior;
 use crate::surfels::Surfel;
@@ -47,6 +47,12 @@ pub struct Registration {
     /// Contradiction of the two views, 0 to 2: how much of what one of them should have seen of
     /// the other is not where it was seen.
     pub contradiction: f64,
+    /// Half of the contradiction, 0 to 1: how much of the target the source should have seen and did
+    /// not. Surface that only the source has does not raise it.
+    pub target_contradiction: f64,
+    /// Mean difference of the colours of the common surface, 0 where they are equal to 1 where all
+    /// are different; `None` without colours.
+    pub color_difference: Option<f64>,
     /// `true` if a rotation was hardly constrained by the surfaces, and taken from the prior or
     /// from the points.
     pub is_rotation_weak: bool,
@@ -209,12 +215,17 @@ fn described(
     is_rotation_weak: bool,
 ) -> Registration {
     let (mut sum, mut n_common) = (0.0, 0.0);
+    let (mut color_sum, mut n_colored) = (0.0, 0.0);
     let common_m = COMMON_M.max(COMMON_SIGMAS * noise_m(target, source));
     for surfel in source.surfels() {
         let place = target_from_source * surfel.place;
         if let Some((nearest, _)) = target.nearest_surfel(&place, common_m) {
             sum += (nearest.place - place).dot(&nearest.normal).powi(2);
             n_common += 1.0;
+            if let Some((color, other)) = surfel.color.zip(nearest.color) {
+                color_sum += other.disagreement(&color, &(place - nearest.place));
+                n_colored += 1.0;
+            }
         }
     }
     Registration {
@@ -222,18 +233,30 @@ fn described(
         common_share: n_common / source.surfels().len() as f64,
         residual_m: (sum / f64::max(n_common, 1.0)).sqrt(),
         contradiction: described_contradiction(target, source, &target_from_source),
+        target_contradiction: one_way(
+            source,
+            target,
+            &target_from_source.inverse(),
+            contradiction_tolerance_m(target, source),
+        ),
+        color_difference: (n_colored > 0.0).then(|| color_sum / n_colored),
         is_rotation_weak,
     }
 }
 
-/// Contradiction with a tolerance that is no less than the noise of the views.
+/// Contradiction with the tolerance of a result.
 fn described_contradiction(
     target: &ViewSurface,
     source: &ViewSurface,
     target_from_source: &Isometry3<f64>,
 ) -> f64 {
-    let tolerance_m = TOLERANCE_M.max(CONTRADICTION_SIGMAS * noise_m(target, source));
+    let tolerance_m = contradiction_tolerance_m(target, source);
     contradiction(target, source, target_from_source, tolerance_m)
+}
+
+/// Tolerance of contradictions: no less than the noise of the views, metres.
+fn contradiction_tolerance_m(target: &ViewSurface, source: &ViewSurface) -> f64 {
+    TOLERANCE_M.max(CONTRADICTION_SIGMAS * noise_m(target, source))
 }
 
 /// Noise of the noisier of two views, metres.
