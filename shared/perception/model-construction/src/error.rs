@@ -1,5 +1,8 @@
 //! Errors of model construction.
 
+use nalgebra::Point3;
+use registration::{Prior, Registration};
+
 /// Error of adding a view to a model. The model is as it was before.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -42,6 +45,12 @@ pub enum Misfit {
         /// Share of the contradicting surface, of both.
         percent: u32,
     },
+    /// A turned object fits in no turn about the vertical.
+    #[error(
+        "after it was handled, it fits to the known surface in no turn; turn it in smaller steps, and \
+         put it down as it stood"
+    )]
+    NoTurn,
     /// The registration is too far off the expected pose.
     #[error(
         "it lies {off_mm} mm and {off_deg}° off the expected pose, more than the pose is uncertain; \
@@ -53,4 +62,43 @@ pub enum Misfit {
         /// Rotation from the expected one, degrees.
         off_deg: u32,
     },
+}
+
+impl Misfit {
+    /// Misfit of a registration with too little common surface, or too great a contradiction.
+    pub(crate) fn in_surface(
+        found: &Registration,
+        common_share_min: f64,
+        contradiction_max: f64,
+    ) -> Option<Self> {
+        let percent = |share: f64| (100.0 * share).round() as u32;
+        if found.common_share < common_share_min {
+            return Some(Self::LittleOverlap {
+                common_percent: percent(found.common_share),
+            });
+        }
+        (found.contradiction > contradiction_max).then(|| Self::Contradiction {
+            percent: percent(found.contradiction / 2.0),
+        })
+    }
+
+    /// Misfit of a registration whose surface, with its centre in the frame of the camera, lies
+    /// more standard deviations off its prior than it may.
+    pub(crate) fn far_from(
+        prior: &Prior,
+        found: &Registration,
+        centre: &Point3<f64>,
+        sigmas_max: f64,
+    ) -> Option<Self> {
+        let (pose, expected) = (found.target_from_source, prior.target_from_source);
+        let off_m = (pose * centre - expected * centre).norm();
+        let off_rad = pose.rotation.angle_to(&expected.rotation);
+        // Three axes have a norm of up to the root of three times their standard deviation.
+        let is_far = off_m > sigmas_max * (prior.translation_sigma_m + 0.003)
+            || off_rad > sigmas_max * (prior.rotation_sigma_rad + 0.01);
+        is_far.then(|| Self::FarFromPrior {
+            off_mm: (1e3 * off_m).round() as u32,
+            off_deg: off_rad.to_degrees().round() as u32,
+        })
+    }
 }

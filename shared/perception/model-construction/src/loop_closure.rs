@@ -1,7 +1,7 @@
 //! Loop closure: all pairs of views that see the same side agree with each other.
 
-use crate::model_builder::BuiltView;
 use crate::pose_graph::{Edge, Node, optimise};
+use crate::view::BuiltView;
 use registration::{Prior, refine};
 
 /// Greatest angle between the viewing directions of a pair, 50°. Chosen: beyond it too little of

@@ -1,139 +1,47 @@
 //! Construction of an object model from views, one after the other.
 
 use crate::Error;
+use crate::config::Config;
 use crate::depth_view::DepthView;
 use crate::error::Misfit;
-use crate::frame_error::FrameError;
+use crate::facing_surface::facing_surface;
 use crate::loop_closure::{close_loop, is_orbit_closed};
-use crate::pose_filter::{PoseFilter, PoseSigma};
+use crate::placement::{Placement, ReportedPose, UNKNOWN_SIGMA};
 use crate::surface_points::SurfacePoint;
 use crate::tsdf_volume::TsdfVolume;
-use geometry::PinholeCamera;
+use crate::turn_search::TurnSearch;
+use crate::view::{BuiltView, View};
 use mesh::TriangleMesh;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
-use point_cloud::Point;
-use registration::{Prior, Registration, ViewOrigin, ViewSurface, register};
+use registration::{Prior, Registration, ViewSurface, register};
 
 /// Weight of the surface to which a view is registered. Chosen: one pixel at 45° and 1.8 m.
 const TARGET_WEIGHT_MIN: f32 = 0.1;
-
-/// Weight of a colour of the model that takes part in a registration. Chosen: a view from 1.2 m
-/// that is not at a border.
-const COLOR_WEIGHT_MIN: f32 = 0.1;
 
 /// Weight of the surface of the mesh, as a share of the number of views, and its limits. Chosen:
 /// what only one of many views saw is noise.
 const MESH_WEIGHT_SHARE: f32 = 0.02;
 const MESH_WEIGHT: std::ops::RangeInclusive<f32> = 0.1..=3.0;
 
-/// Cosine of the greatest angle at which the model's surface takes part in a registration, 80°.
-const FACING_COSINE_MIN: f32 = 0.17;
-
-/// Standard deviation of the difference between the middle of a view and that of the part of the
-/// model that its camera should see, metres. Chosen: a view shows what the model does not have
-/// yet, and the reverse.
-const MIDDLE_SIGMA_M: f64 = 0.012;
-
-/// Number of views that may be bad, and of the views in a row that then do not fit. Chosen.
-const N_BEGINNING_VIEWS: usize = 3;
-const N_REFUSED_MAX: u32 = 4;
-
-/// Uncertainty of a pose that is not reported: so large that it tells nothing.
-const UNKNOWN_SIGMA: PoseSigma = PoseSigma {
-    rotation_rad: 10.0,
-    translation_m: 10.0,
-};
-
-/// Configuration of model construction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Config {
-    /// Side length of the voxels, metres. Chosen: 2 mm, of the order of a Kinect's noise.
-    pub voxel_m: f32,
-    /// Share of the view's surface that must lie within 4 mm of the model, 0 to 1.
-    pub common_share_min: f64,
-    /// Contradiction of model and view from which a view is refused, 0 to 2.
-    pub contradiction_max: f64,
-    /// Distance from the expected pose from which a view is refused, in standard deviations.
-    pub off_sigmas_max: f64,
-    /// Angle between viewing directions below which a view is registered only, and not fused,
-    /// radians.
-    pub step_min_rad: f64,
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            voxel_m: 0.002,
-            common_share_min: 0.35,
-            contradiction_max: 1.0,
-            off_sigmas_max: 4.0,
-            step_min_rad: 0.0,
-        }
-    }
-}
-
-/// View of an object.
-#[derive(Debug, Clone, Copy)]
-pub struct View<'a> {
-    /// Segmented points of the object in the frame of the camera.
-    pub points: &'a [Point],
-    /// Intrinsics of the camera.
-    pub camera: PinholeCamera,
-    /// Capture time, nanoseconds.
-    pub captured_ns: u64,
-    /// Pose of the camera that the robot reports; `None` when it is not known, as for a camera that
-    /// is held in the hand.
-    pub world_from_camera: Option<Isometry3<f64>>,
-    /// Uncertainty of the reported pose.
-    pub sigma: PoseSigma,
-}
-
-/// Accepted view of a model.
+/// Registered view, before it is fused.
 #[derive(Debug)]
-pub struct BuiltView {
-    pub(crate) depth: DepthView,
-    /// Capture time, nanoseconds.
-    pub captured_ns: u64,
-    /// Pose of the camera in the frame of the object.
-    pub object_from_camera: Isometry3<f64>,
-    /// Pose that the robot reported, in the frame of the object; the expected one when it is not
-    /// known.
-    pub reported: Isometry3<f64>,
-    /// Pose that was expected before the registration: the reported one, filtered.
-    pub expected: Isometry3<f64>,
-    pub(crate) sigma: PoseSigma,
-}
-
-impl BuiltView {
-    /// Unit vector from the centre of the object's frame to the camera.
-    pub fn direction(&self) -> Vector3<f64> {
-        let camera = self.object_from_camera.translation.vector;
-        camera.try_normalize(0.0).unwrap_or_else(Vector3::z)
-    }
-}
-
-/// Expected pose of a view, and the surface that it should show.
-#[derive(Debug)]
-struct Expectation {
-    target: ViewSurface,
-    prior: Prior,
-    reported: Isometry3<f64>,
-    sigma: PoseSigma,
+struct PlacedView {
+    registration: Registration,
+    expected: Isometry3<f64>,
+    reported: ReportedPose,
 }
 
 /// Object model under construction.
 ///
 /// The frame of the object has the axes of the world, and its origin in the centre of the first
-/// view. Without a camera pose the first view counts as that of a level camera.
+/// view. Without a camera pose the first view counts as that of a level camera, or of one with the
+/// up direction that is known.
 #[derive(Debug)]
 pub struct ModelBuilder {
     config: Config,
     volume: TsdfVolume,
     views: Vec<BuiltView>,
-    filter: Option<(PoseFilter, Translation3<f64>)>,
-    frame_error: FrameError,
-    /// Number of refused views since the last accepted one.
-    n_refused: u32,
+    placement: Option<Placement>,
     is_closed: bool,
 }
 
@@ -144,9 +52,7 @@ impl ModelBuilder {
             volume: TsdfVolume::new(config.voxel_m),
             config,
             views: Vec::new(),
-            filter: None,
-            frame_error: FrameError::default(),
-            n_refused: 0,
+            placement: None,
             is_closed: false,
         }
     }
@@ -163,7 +69,8 @@ impl ModelBuilder {
 
     /// Registers a view with the model and fuses it; the first one makes the frame of the object.
     /// Returns the registration, `None` for the first view. Where several views in a row do not
-    /// fit to the few before them, those were bad, and the model begins anew with this view.
+    /// fit to the few before them in a placement, those were bad and are removed; a model without
+    /// other views begins anew with this one.
     ///
     /// *Cost*: milliseconds to tens of milliseconds for a view of 10 000 points; some seconds when
     /// the loop closes.
@@ -171,57 +78,67 @@ impl ModelBuilder {
     /// # Errors
     /// When the view cannot be used, or does not fit.
     pub fn add(&mut self, view: &View<'_>) -> Result<Option<Registration>, Error> {
-        if view.world_from_camera.is_some_and(|pose| !is_finite(&pose)) {
+        if !view.is_pose_finite() {
             return Err(Error::PoseNotFinite);
         }
         let depth = DepthView::new(view.points, view.camera)?;
-        let Some((filter, object_from_world)) = self.filter.clone() else {
-            self.begin(view, depth);
-            return Ok(None);
-        };
-        let found = self.expect(filter, &object_from_world, view, &depth);
-        let found = found.and_then(|(filter, expectation)| {
-            let registration = self.register(&expectation, &depth)?;
-            Ok((filter, expectation, registration))
-        });
-        let (filter, expectation, registration) = match found {
-            Ok(found) => found,
-            Err(_) if self.is_bad_beginning() => {
-                *self = Self::new(self.config);
+        let found = match self.placement.clone() {
+            None => {
                 self.begin(view, depth);
                 return Ok(None);
             }
+            Some(placement) if placement.is_of(view) => self.follow(placement, view, &depth),
+            Some(last) => self.place_anew(last, view, &depth),
+        };
+        let (placement, placed) = match found {
+            Ok(found) => found,
             Err(error) => {
-                self.n_refused += 1;
+                if self.note_refused(view) {
+                    self.take_back_placement();
+                    return self.add(view);
+                }
                 return Err(error);
             }
         };
-        self.n_refused = 0;
+        let registration = placed.registration;
         let built = BuiltView {
             captured_ns: view.captured_ns,
             object_from_camera: registration.target_from_source,
-            reported: expectation.reported,
-            expected: expectation.prior.target_from_source,
-            sigma: expectation.sigma,
+            reported: placed.reported.object_from_camera,
+            expected: placed.expected,
+            sigma: placed.reported.sigma,
             depth,
         };
-        self.accept(built, filter, object_from_world);
+        self.accept(built, placement);
         Ok(Some(registration))
     }
 
-    /// `true` if so many views in a row did not fit that the few accepted ones must be bad.
-    fn is_bad_beginning(&self) -> bool {
-        self.views.len() <= N_BEGINNING_VIEWS && self.n_refused >= N_REFUSED_MAX
+    /// Notes a refused view; `true` if its placement must be bad.
+    fn note_refused(&mut self, view: &View<'_>) -> bool {
+        let placement = self.placement.as_mut().filter(|last| last.is_of(view));
+        placement.is_some_and(Placement::note_refused)
+    }
+
+    /// Removes the views of the present placement; the one before it is the last one again.
+    fn take_back_placement(&mut self) {
+        let Some(placement) = self.placement.take() else {
+            return;
+        };
+        self.views.truncate(placement.first_view);
+        self.placement = placement.previous();
+        if self.views.is_empty() {
+            *self = Self::new(self.config);
+        } else {
+            self.fuse_again();
+        }
     }
 
     /// Begins the model with its first view.
     fn begin(&mut self, view: &View<'_>, depth: DepthView) {
-        let world_from_camera = view.world_from_camera.unwrap_or_else(level_camera);
+        let world_from_camera = view.world_from_camera();
         let centre = world_from_camera * depth.surface.centroid();
-        let object_from_world = Translation3::from(-centre.coords);
-        let object_from_camera = object_from_world * world_from_camera;
-        let filter = PoseFilter::new(object_from_camera, &view.sigma, view.captured_ns);
-        self.filter = Some((filter, object_from_world));
+        let object_from_camera = Translation3::from(-centre.coords) * world_from_camera;
+        self.placement = Some(Placement::new(view, object_from_camera, self.views.len()));
         self.fuse(BuiltView {
             depth,
             captured_ns: view.captured_ns,
@@ -234,49 +151,74 @@ impl ModelBuilder {
 
     /// Fuses a view with its pose into the model.
     fn fuse(&mut self, view: BuiltView) {
-        self.frame_error
-            .add(&view.object_from_camera, &view.reported);
         self.volume.fuse(&view.depth, &view.object_from_camera);
         self.views.push(view);
     }
 
-    /// Expected pose of a view: the motion so far, the reported pose, and the place at which the
-    /// camera sees the object. With the filter after them.
-    fn expect(
+    /// Registers a view of an object that stands still: with the motion so far, the reported pose,
+    /// and the place at which the camera sees the object.
+    fn follow(
         &self,
-        mut filter: PoseFilter,
-        object_from_world: &Translation3<f64>,
+        mut placement: Placement,
         view: &View<'_>,
         depth: &DepthView,
-    ) -> Result<(PoseFilter, Expectation), Error> {
-        filter.predict(view.captured_ns);
-        let reported = view.world_from_camera.map(|pose| object_from_world * pose);
-        if let Some(reported) = &reported {
-            let (corrected, sigma) = self.frame_error.corrected(reported, &view.sigma);
-            filter.observe(&corrected, &sigma);
-        }
-        let centre = depth.surface.centroid();
-        let target = self.target(&filter.camera_place())?;
-        filter.see(&centre, &target.centroid(), MIDDLE_SIGMA_M);
-        let prior = filter.prior(&centre);
-        let expectation = Expectation {
-            target,
-            prior,
-            reported: reported.unwrap_or(prior.target_from_source),
-            sigma: reported.map_or(UNKNOWN_SIGMA, |_| view.sigma),
+    ) -> Result<(Placement, PlacedView), Error> {
+        let camera = placement.expect(view);
+        let middle = depth.surface.centroid();
+        let target = facing_surface(&self.target_points(), &camera)?;
+        let prior = placement.prior(&middle, &target.centroid());
+        let registration = self.register(&target, &depth.surface, &prior)?;
+        let registered = registration.target_from_source;
+        let reported = placement.note_fitting(view, &registered, &middle);
+        let placed = PlacedView {
+            registration,
+            expected: prior.target_from_source,
+            reported: reported.unwrap_or(ReportedPose {
+                object_from_camera: prior.target_from_source,
+                sigma: UNKNOWN_SIGMA,
+            }),
         };
-        Ok((filter, expectation))
+        Ok((placement, placed))
+    }
+
+    /// Finds the placement of an object that was turned or moved, by the first view of it there.
+    fn place_anew(
+        &self,
+        last: Placement,
+        view: &View<'_>,
+        depth: &DepthView,
+    ) -> Result<(Placement, PlacedView), Error> {
+        let points = self.target_points();
+        let sum = points.iter().map(|point| point.place.coords.cast::<f64>());
+        let middle = Point3::from(sum.sum::<Vector3<f64>>() / points.len().max(1) as f64);
+        let last_pose = last.object_from_world * view.world_from_camera();
+        let n_turns = view.placement.wrapping_sub(last.number);
+        let search = TurnSearch {
+            object_from_camera: last_pose,
+            middle,
+            expected_rad: self.config.turn_rad.map(|turn| turn * f64::from(n_turns)),
+        };
+        let target = |camera: &Point3<f64>| facing_surface(&points, camera);
+        let turned = search
+            .run(&depth.surface, target)
+            .ok_or(Error::Misfit(Misfit::NoTurn))?;
+        let registration = turned.registration;
+        let found = registration.target_from_source;
+        let placed = PlacedView {
+            registration,
+            expected: turned.expected,
+            reported: ReportedPose {
+                object_from_camera: last_pose,
+                sigma: UNKNOWN_SIGMA,
+            },
+        };
+        let placement = Placement::new(view, found, self.views.len()).after(last);
+        Ok((placement, placed))
     }
 
     /// Fuses a registered view, unless it shows nothing new.
-    fn accept(
-        &mut self,
-        view: BuiltView,
-        mut filter: PoseFilter,
-        object_from_world: Translation3<f64>,
-    ) {
-        filter.register(&view.object_from_camera, &view.depth.surface.centroid());
-        self.filter = Some((filter, object_from_world));
+    fn accept(&mut self, view: BuiltView, placement: Placement) {
+        self.placement = Some(placement);
         let direction = view.direction();
         let is_known =
             |other: &BuiltView| other.direction().angle(&direction) < self.config.step_min_rad;
@@ -290,65 +232,38 @@ impl ModelBuilder {
         }
     }
 
-    /// Surface of the model that a camera should see.
-    fn target(&self, camera: &Point3<f64>) -> Result<ViewSurface, Error> {
-        let towards = camera.cast::<f32>();
-        let is_facing = |point: &SurfacePoint| {
-            let ray = (towards - point.place).normalize();
-            point.normal.dot(&ray) > FACING_COSINE_MIN
-        };
-        let points = self.volume.surface_points(TARGET_WEIGHT_MIN);
-        let facing: Vec<&SurfacePoint> = points.iter().filter(|p| is_facing(p)).collect();
-        let places: Vec<[f32; 3]> = facing.iter().map(|p| p.place.coords.into()).collect();
-        let color = |p: &&SurfacePoint| (p.color_weight >= COLOR_WEIGHT_MIN).then_some(p.color);
-        let colors: Vec<Option<[u8; 3]>> = facing.iter().map(color).collect();
-        let origin = Some(ViewOrigin::Camera(*camera));
-        ViewSurface::with_colors(&places, &colors, origin).map_err(Error::Surface)
+    /// Surface of the model to which views are registered.
+    fn target_points(&self) -> Vec<SurfacePoint> {
+        self.volume.surface_points(TARGET_WEIGHT_MIN)
     }
 
-    /// Registers a view with the surface of the model.
+    /// Registers a view with the surface that it should show.
     fn register(
         &self,
-        expectation: &Expectation,
-        depth: &DepthView,
+        target: &ViewSurface,
+        view: &ViewSurface,
+        prior: &Prior,
     ) -> Result<Registration, Error> {
-        let Expectation { target, prior, .. } = expectation;
-        let found = register(target, &depth.surface, prior).map_err(Error::Surface)?;
-        match self.misfit(&found, prior, &depth.surface.centroid()) {
-            Some(misfit) => Err(Error::Misfit(misfit)),
-            None => Ok(found),
-        }
+        let found = register(target, view, prior).map_err(Error::Surface)?;
+        let sigmas = self.config.off_sigmas_max;
+        let misfit = self.misfit(&found);
+        let misfit = misfit.or_else(|| Misfit::far_from(prior, &found, &view.centroid(), sigmas));
+        misfit.map_or(Ok(found), |misfit| Err(Error::Misfit(misfit)))
     }
 
-    /// Reason to refuse a registered view.
-    fn misfit(&self, found: &Registration, prior: &Prior, centre: &Point3<f64>) -> Option<Misfit> {
-        let percent = |share: f64| (100.0 * share).round() as u32;
-        if found.common_share < self.config.common_share_min {
-            return Some(Misfit::LittleOverlap {
-                common_percent: percent(found.common_share),
-            });
-        }
-        if found.contradiction > self.config.contradiction_max {
-            return Some(Misfit::Contradiction {
-                percent: percent(found.contradiction / 2.0),
-            });
-        }
-        let (pose, expected) = (found.target_from_source, prior.target_from_source);
-        let off_m = (pose * centre - expected * centre).norm();
-        let off_rad = pose.rotation.angle_to(&expected.rotation);
-        let sigmas = self.config.off_sigmas_max;
-        // Three axes have a norm of up to the root of three times their standard deviation.
-        let is_far = off_m > sigmas * (prior.translation_sigma_m + 0.003)
-            || off_rad > sigmas * (prior.rotation_sigma_rad + 0.01);
-        is_far.then(|| Misfit::FarFromPrior {
-            off_mm: (1e3 * off_m).round() as u32,
-            off_deg: off_rad.to_degrees().round() as u32,
-        })
+    /// Reason to refuse a registered view, by what model and view have in common.
+    fn misfit(&self, found: &Registration) -> Option<Misfit> {
+        let least = self.config.common_share_min;
+        Misfit::in_surface(found, least, self.config.contradiction_max)
     }
 
     /// Brings all views into agreement, and fuses them again.
     pub fn finish(&mut self) {
         close_loop(&mut self.views);
+        self.fuse_again();
+    }
+
+    fn fuse_again(&mut self) {
         self.volume.clear();
         for view in &self.views {
             self.volume.fuse(&view.depth, &view.object_from_camera);
@@ -370,18 +285,4 @@ impl ModelBuilder {
     pub fn mesh(&self) -> TriangleMesh {
         self.volume.mesh(self.mesh_weight_min())
     }
-}
-
-/// Pose of a camera that is held level, in a world whose x axis it looks along, and whose z axis is
-/// up.
-fn level_camera() -> Isometry3<f64> {
-    let ahead = Point3::from(Vector3::x());
-    Isometry3::face_towards(&Point3::origin(), &ahead, &-Vector3::z())
-}
-
-fn is_finite(pose: &Isometry3<f64>) -> bool {
-    let rotation = pose.rotation.coords.iter();
-    rotation
-        .chain(&pose.translation.vector)
-        .all(|value| value.is_finite())
 }

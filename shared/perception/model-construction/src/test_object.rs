@@ -130,5 +130,7 @@ pub(crate) fn view(
         captured_ns: index * 500_000_000,
         world_from_camera: world_from_camera.into(),
         sigma,
+        up_in_camera: None,
+        placement: 0,
     }
 }

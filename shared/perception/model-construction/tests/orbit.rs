@@ -162,6 +162,53 @@ fn a_hand_held_camera_without_poses_makes_a_model() {
     );
 }
 
+/// Model of an object that is turned by 30° between the views of a camera that stands still.
+fn turned(object: TestObject, is_pose_known: bool) -> ModelBuilder {
+    let mut builder = ModelBuilder::new(Config::default());
+    let camera = world_from_camera(0.0, 40.0);
+    for index in 0..12_u32 {
+        // The object turns, and is put down a little beside the place where it was.
+        let pose = world_from_camera(30.0 * f64::from(index), 40.0);
+        let points = object.points(&pose, 50 + u64::from(index));
+        let shift = Isometry3::translation(0.01 * f64::from(index % 3), 0.0, 0.0);
+        let mut view = view(
+            &points,
+            is_pose_known.then_some(shift * camera),
+            SIGMA,
+            index.into(),
+        );
+        view.up_in_camera = Some(camera.inverse() * Vector3::z_axis());
+        view.placement = index;
+        let added = builder.add(&view);
+        assert!(added.is_ok(), "view {index}: {added:?}");
+    }
+    assert!(builder.is_closed());
+    builder.finish();
+    builder
+}
+
+#[test]
+fn object_that_is_turned_before_a_fixed_camera_makes_a_model() {
+    for is_pose_known in [true, false] {
+        let object = TestObject::BoxWithBall;
+        let builder = turned(object, is_pose_known);
+        let pose = world_from_camera(0.0, 40.0) * builder.views()[0].object_from_camera.inverse();
+        let distances = sorted_distances_m(object, &builder.mesh(), &pose);
+        let [median, most] = [2, 1].map(|part| distances[(distances.len() - 1) / part]);
+        assert!(median < 0.001 && most < 0.01, "{median} {most}");
+    }
+    // The shape of a ball does not tell its turn; its colours do.
+    let builder = turned(TestObject::Ball, true);
+    let pose = world_from_camera(0.0, 40.0) * builder.views()[0].object_from_camera.inverse();
+    for (index, view) in (0_u32..).zip(builder.views()) {
+        let truth = world_from_camera(30.0 * f64::from(index), 40.0);
+        let off = (pose * view.object_from_camera)
+            .rotation
+            .angle_to(&truth.rotation);
+        assert!(off < 0.05, "view {index}: {} degrees", off.to_degrees());
+    }
+}
+
 #[test]
 fn one_view_makes_a_model_of_its_side() {
     let pose = world_from_camera(0.0, 40.0);
