@@ -93,7 +93,13 @@ fn levels(objects: &mut [ObjectTrials], arguments: &ModelArguments) -> Vec<Level
 fn picture(objects: &[ObjectTrials]) -> Result<Vec<u8>, Failure> {
     let row = |object: &'_ ObjectTrials| -> Vec<TriangleMesh> {
         let mut row: Vec<TriangleMesh> = object.truth.iter().cloned().collect();
-        for path in [Path::Turntable, Path::Free, Path::Recorded] {
+        for path in [
+            Path::Turntable,
+            Path::Free,
+            Path::Turned,
+            Path::TurnedBy,
+            Path::Recorded,
+        ] {
             let of_path: Vec<&Trial> = object
                 .trials
                 .iter()

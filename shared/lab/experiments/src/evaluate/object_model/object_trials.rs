@@ -137,6 +137,12 @@ fn object_trials(
         }
         trials.extend(of_orbit);
     }
+    for path in Path::TURNED {
+        let turned = orbits[0].turned_by_hand(path);
+        let visible = visible(&truth, &turned)?;
+        let truth = Truth::Surface(&truth, &visible);
+        trials.extend(trials_of_orbit(&turned, truth, object, arguments));
+    }
     let described = match (orbits.as_slice(), trials.first()) {
         ([turntable, free], Some((_, _, trial))) => {
             Some(DescribedObject::new(turntable, &trial.fused, free)?)

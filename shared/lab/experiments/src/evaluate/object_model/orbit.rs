@@ -23,6 +23,9 @@ const DISTANCES_M: [f64; 2] = [0.65, 1.05];
 /// Greatest distance of the point that a free camera looks at from the object, metres.
 const LOOK_OFF_M: f64 = 0.05;
 
+/// Number of views of an object that is turned by hand: every 30°.
+const N_TURNED_VIEWS: usize = 12;
+
 /// Time between two views, nanoseconds.
 const VIEW_STEP_NS: u64 = 500_000_000;
 
@@ -35,19 +38,27 @@ pub(super) enum Path {
     /// Hand-guided: the height, the distance and the point that the camera looks at change, and
     /// it leads once and a sixth around.
     Free,
+    /// Camera that stands still before an object that a person turns by unknown angles.
+    Turned,
+    /// The same, by a known angle.
+    TurnedBy,
     /// That of a recorded sequence.
     Recorded,
 }
 
 impl Path {
-    /// Paths of simulated views.
-    pub(super) const SIMULATED: [Self; 2] = [Self::Turntable, Self::Free];
+    /// Paths of a simulated camera.
+    pub(super) const ORBITS: [Self; 2] = [Self::Turntable, Self::Free];
+    /// Paths of a turned object, whose views are those of the turntable.
+    pub(super) const TURNED: [Self; 2] = [Self::Turned, Self::TurnedBy];
 
     /// Name of the path in tables.
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Turntable => "turntable",
             Self::Free => "free orbit",
+            Self::Turned => "turned",
+            Self::TurnedBy => "turned, known",
             Self::Recorded => "recorded",
         }
     }
@@ -71,6 +82,50 @@ pub(super) struct Orbit {
     /// Poses of all cameras, also where detection did not find the object.
     pub(super) cameras: Vec<Isometry3<f64>>,
     pub(super) world_from_object: Isometry3<f64>,
+    /// Number of views of the path from one of these views to the next.
+    pub(super) view_step: usize,
+    /// Turn of the object from one view to the next that is known, radians; `None` when none is.
+    pub(super) turn_rad: Option<f64>,
+}
+
+impl Orbit {
+    /// Views of a turntable as those of a camera that stands still, before which the object is
+    /// turned by hand.
+    pub(super) fn turned_by_hand(&self, path: Path) -> Self {
+        let n_cameras = self.cameras.len().max(1);
+        let step = n_cameras.div_ceil(N_TURNED_VIEWS);
+        let is_kept = |view: &&OrbitView| view.index().is_multiple_of(step);
+        let kept = self.views.iter().filter(is_kept).cloned();
+        Self {
+            path,
+            camera: self.camera,
+            views: kept.collect(),
+            cameras: self.cameras.iter().step_by(step).copied().collect(),
+            world_from_object: self.world_from_object,
+            view_step: step,
+            // The camera's counter-clockwise step is the object's clockwise turn.
+            turn_rad: (path == Path::TurnedBy).then(|| -TAU * step as f64 / n_cameras as f64),
+        }
+    }
+
+    /// Pose of the camera of a view that the robot knows, but for its noise, and the number of the
+    /// placement of the object.
+    pub(super) fn known_pose(&self, view: &OrbitView) -> (Isometry3<f64>, u32) {
+        match self.path {
+            Path::Turned | Path::TurnedBy => {
+                let placement = view.index() / self.view_step;
+                (self.views[0].world_from_camera, placement as u32)
+            }
+            Path::Turntable | Path::Free | Path::Recorded => (view.world_from_camera, 0),
+        }
+    }
+}
+
+impl OrbitView {
+    /// Number of the view on its path.
+    fn index(&self) -> usize {
+        (self.captured_ns / VIEW_STEP_NS) as usize
+    }
 }
 
 /// Orbits of an object along all paths, and the turntable with its model; notes on the model are
@@ -89,7 +144,7 @@ pub(super) fn simulate(
     let mut turntable =
         Turntable::new(model, library.clone(), CAMERA, room, seed).map_err(Failure::general)?;
     let mut orbits = Vec::new();
-    for path in Path::SIMULATED {
+    for path in Path::ORBITS {
         let mut random = Random::substream(arguments.seed, object as u64);
         let phases: [f64; 4] = std::array::from_fn(|_| random.between(0.0, TAU));
         orbits.push(orbit(&mut turntable, path, arguments.views, &phases)?);
@@ -113,6 +168,8 @@ fn orbit(
         views: Vec::new(),
         cameras: Vec::new(),
         world_from_object,
+        view_step: 1,
+        turn_rad: None,
     };
     for index in 0..n_views {
         let mount = mount(path, f64::from(index) / f64::from(n_views), &centre, phases);
@@ -131,7 +188,7 @@ fn orbit(
 /// Mount of the camera at a part of the path, 0 to 1.
 fn mount(path: Path, part: f64, centre: &Point3<f64>, phases: &[f64; 4]) -> CameraMount {
     match path {
-        Path::Turntable => CameraMount {
+        Path::Turntable | Path::Turned | Path::TurnedBy => CameraMount {
             look_at_m: centre.coords.into(),
             distance_m: DISTANCE_M,
             elevation_deg: ELEVATION_DEG,

@@ -93,6 +93,8 @@ pub(super) fn read(
     let upright = UnitQuaternion::rotation_between(&Vector3::z(), &up).unwrap_or_default();
     let orbit = |object: RecordedObject| Orbit {
         path: Path::Recorded,
+        view_step: 1,
+        turn_rad: None,
         camera,
         cameras: object
             .views

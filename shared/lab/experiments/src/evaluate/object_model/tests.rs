@@ -27,8 +27,15 @@ fn models_of_noisy_views_are_near_the_truth_and_the_report_says_so() {
     let json = std::fs::read(out.path().join("models.json")).unwrap();
     let report: serde_json::Value = serde_json::from_slice(&json).unwrap();
     let levels = report["levels"].as_array().unwrap();
-    assert_eq!(levels.len(), Path::SIMULATED.len());
-    for level in levels {
+    assert_eq!(levels.len(), Path::ORBITS.len() + Path::TURNED.len());
+    // The angles of turned objects that look the same from all sides are not found.
+    let (orbits, turned) = levels.split_at(Path::ORBITS.len());
+    assert!(
+        turned
+            .iter()
+            .all(|level| level["refused_share"].is_number())
+    );
+    for level in orbits {
         let figure = |key: &str| level[key].as_f64().unwrap();
         assert!(figure("accuracy_mm") < 2.0, "{level}");
         assert!(figure("pose_error_before") > 20.0, "{level}");

@@ -72,10 +72,14 @@ pub(super) struct Trial {
 /// Builds a model of noisy views and compares it with the truth.
 pub(super) fn run(orbit: &Orbit, truth: Truth<'_>, noise: PoseNoise, seed: u64) -> Trial {
     let mut random = Random::from_seed(seed);
-    let mut builder = ModelBuilder::new(Config::default());
+    let mut builder = ModelBuilder::new(Config {
+        turn_rad: orbit.turn_rad,
+        ..Config::default()
+    });
     let (mut reported, mut refused, mut view_ms) = (Vec::new(), Vec::new(), Vec::new());
     for view in &orbit.views {
-        let world_from_camera = noise.disturbed(&view.world_from_camera, &mut random);
+        let (known, placement) = orbit.known_pose(view);
+        let world_from_camera = noise.disturbed(&known, &mut random);
         reported.push(world_from_camera);
         let begun = Instant::now();
         let added = builder.add(&View {
@@ -84,6 +88,8 @@ pub(super) fn run(orbit: &Orbit, truth: Truth<'_>, noise: PoseNoise, seed: u64) 
             captured_ns: view.captured_ns,
             world_from_camera: Some(world_from_camera),
             sigma: noise.sigma(),
+            up_in_camera: None,
+            placement,
         });
         view_ms.push(1e3 * begun.elapsed().as_secs_f64());
         refused.extend(added.err().map(|error| error.to_string()));
