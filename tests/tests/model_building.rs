@@ -22,6 +22,9 @@ category = 'mug'
 position_m = [0.3, 0.1]
 ";
 
+/// Frame rate of the simulation.
+const FRAMES_PER_SECOND: u64 = 30;
+
 /// Exit codes of a failure in general and of a daemon that does not run.
 const GENERAL: i32 = 1;
 const NO_DAEMON: i32 = 3;
@@ -45,17 +48,45 @@ fn answer(child: Child) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-fn started(sandbox: &Sandbox) -> Daemon<'_> {
-    let scene = sandbox.home().join("orbit.toml");
-    std::fs::write(&scene, ORBIT).unwrap();
+/// Scene of a box before a camera that stands still; a person turns the box by 30°, twice.
+const TURNED: &str = "
+seed = 5
+[camera]
+distance_m = 0.9
+elevation_deg = 40.0
+[[object]]
+category = 'cereal-box'
+position_m = [0.0, 0.0]
+yaw_deg = 20.0
+[[object]]
+category = 'apple'
+position_m = [0.3, 0.1]
+[person]
+pace = 2.0
+[[person.action]]
+at_s = 6.0
+do = 'turn'
+object = 1
+by_deg = 30.0
+[[person.action]]
+at_s = 15.0
+do = 'turn'
+object = 1
+by_deg = 30.0
+";
+
+fn started<'a>(sandbox: &'a Sandbox, scene: &str) -> Daemon<'a> {
+    let file = sandbox.home().join("scene.toml");
+    std::fs::write(&file, scene).unwrap();
+    let scene = file;
     let source = format!("simulation:{}", scene.display());
     let daemon = sandbox.start(&["--source", &source]);
     daemon.wait_for("both objects are tracked", |objects| objects.len() >= 2);
     daemon
 }
 
-/// Track-id of the tallest object: the carton.
-fn carton(daemon: &Daemon<'_>) -> u64 {
+/// Track-id of the tallest object: the carton, or the box.
+fn tallest(daemon: &Daemon<'_>) -> u64 {
     let objects = daemon.objects();
     let height = |object: &Value| object["size_m"][2].as_f64().unwrap();
     let tallest = objects
@@ -67,8 +98,8 @@ fn carton(daemon: &Daemon<'_>) -> u64 {
 #[test]
 fn model_grows_while_the_camera_moves_and_is_stored_and_exported() {
     let sandbox = Sandbox::new();
-    let daemon = started(&sandbox);
-    let track = carton(&daemon).to_string();
+    let daemon = started(&sandbox, ORBIT);
+    let track = tallest(&daemon).to_string();
     let options = [
         &track,
         "--name",
@@ -105,14 +136,21 @@ fn model_grows_while_the_camera_moves_and_is_stored_and_exported() {
 }
 
 #[test]
-fn stopped_builder_stores_what_it_has_and_a_killed_one_harms_nobody() {
+fn stopped_builder_stores_what_it_has_and_a_killed_one_leaves_what_has_grown() {
     let sandbox = Sandbox::new();
-    let daemon = started(&sandbox);
-    let track = carton(&daemon).to_string();
+    let daemon = started(&sandbox, ORBIT);
+    let track = tallest(&daemon).to_string();
     let mut killed = build(&sandbox, &[&track, "--name", "killed"]);
-    std::thread::sleep(Duration::from_secs(2));
+    let has_grown = || {
+        let listed = daemon.ask(&["model", "list"]);
+        let mut models = listed["models"].as_array().unwrap().iter();
+        models.any(|model| model["name"] == "killed (unfinished)")
+    };
+    eventually("the model is kept while it grows", has_grown);
     send_signal(killed.id(), Signal::KILL).unwrap();
     assert!(wait_for_end(&mut killed, Duration::from_secs(5)).is_some());
+    let kept = daemon.ask(&["model", "show", "killed (unfinished)"]);
+    assert!(kept["views"].as_array().unwrap().len() >= 4, "{kept}");
     let part = |name: &str, signal: Signal| {
         let options = [&track, "--name", name, "--step-deg", "12"];
         let stopped = build(&sandbox, &options);
@@ -133,9 +171,44 @@ fn stopped_builder_stores_what_it_has_and_a_killed_one_harms_nobody() {
     assert!(part["views"].as_u64().unwrap() >= 1, "{part}");
     assert!(!part["missing"].as_array().unwrap().is_empty(), "{part}");
     let listed = daemon.ask(&["model", "list"]);
-    assert_eq!(listed["models"].as_array().unwrap().len(), 2, "{listed}");
+    let names = listed["models"].as_array().unwrap().iter();
+    let names: Vec<&Value> = names.map(|model| &model["name"]).collect();
+    assert_eq!(names, ["killed (unfinished)", "part", "terminated"]);
     eventually("perception goes on", || daemon.objects().len() >= 2);
     daemon.stop();
+}
+
+#[test]
+fn object_that_a_person_turns_is_seen_from_its_other_sides() {
+    let sandbox = Sandbox::new();
+    let daemon = started(&sandbox, TURNED);
+    let track = tallest(&daemon).to_string();
+    let building = build(&sandbox, &[&track, "--name", "box", "--step-deg", "12"]);
+    eventually("both turns have ended", || {
+        let frame = daemon.ask(&["objects"])["frame_sequence"].as_u64();
+        frame.unwrap() > 28 * FRAMES_PER_SECOND
+    });
+    send_signal(building.id(), Signal::INT).unwrap();
+    let built = answer(building);
+    let shown = daemon.ask(&["model", "show", "box"]);
+    let turns_deg = turns_deg(&shown);
+    for turn_deg in [30.0, 60.0] {
+        let is_seen = |found: &f64| (found.abs() - turn_deg).abs() < 8.0;
+        assert!(turns_deg.iter().any(is_seen), "{turns_deg:?} {built}");
+    }
+    daemon.stop();
+}
+
+/// Turns of the cameras of a model's views about the vertical, from that of the first one, degrees.
+fn turns_deg(shown: &Value) -> Vec<f64> {
+    let azimuth_deg = |view: &Value| {
+        let [x, y] = [0, 1].map(|axis| view["position_m"][axis].as_f64().unwrap());
+        y.atan2(x).to_degrees()
+    };
+    let views = shown["views"].as_array().unwrap();
+    let first_deg = azimuth_deg(&views[0]);
+    let turn = |view: &Value| (azimuth_deg(view) - first_deg + 540.0).rem_euclid(360.0) - 180.0;
+    views.iter().map(turn).collect()
 }
 
 #[test]
@@ -150,7 +223,7 @@ fn builder_without_a_daemon_or_an_object_says_so() {
     };
     let (code, sentence) = refused(&[]);
     assert_eq!(code, Some(NO_DAEMON), "{sentence}");
-    let daemon = started(&sandbox);
+    let daemon = started(&sandbox, ORBIT);
     let (code, sentence) = refused(&["4711"]);
     assert_eq!(code, Some(GENERAL), "{sentence}");
     assert!(

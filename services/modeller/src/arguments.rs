@@ -64,6 +64,10 @@ pub(crate) struct BuildArguments {
     /// with a smaller one the model is ready sooner
     #[arg(long, value_name = "N", default_value_t = 19, value_parser = clap::value_parser!(u8).range(0..=19))]
     pub(crate) niceness: u8,
+    /// Angle by which the object is turned each time, counter-clockwise from above, degrees; for
+    /// objects whose shape and colours do not tell it
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = turn)]
+    pub(crate) turn_deg: Option<f64>,
     /// Author of the model in the history [default: the user]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,
@@ -75,6 +79,7 @@ impl BuildArguments {
         Config {
             voxel_m: 1e-3 * self.voxel_mm,
             step_min_rad: self.step_deg.to_radians(),
+            turn_rad: self.turn_deg.map(f64::to_radians),
             ..Config::default()
         }
     }
@@ -90,6 +95,10 @@ impl BuildArguments {
 
 fn view_step(text: &str) -> Result<f64, String> {
     number_between(text, 1.0, 45.0)
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    number_between(text, -90.0, 90.0)
 }
 
 fn voxel_side(text: &str) -> Result<f32, String> {

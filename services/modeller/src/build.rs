@@ -3,6 +3,7 @@
 mod build_thread;
 mod built_document;
 mod construction;
+mod model_store;
 
 use crate::arguments::BuildArguments;
 use crate::growth::Growth;
@@ -13,9 +14,7 @@ use built_document::BuiltDocument;
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
 use construction::Construction;
-use control_client::{MemoryClient, NewDocument};
-use message::control::{DocumentKind, DocumentName};
-use object_model::{MEDIA_TYPE, ObjectModel};
+use model_store::ModelStore;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -40,15 +39,16 @@ pub(crate) fn run(
     let name = name.unwrap_or_else(|| format!("track-{}", object.track));
     output.print_status(&format!(
         "looking at object {}, which becomes the model {name:?}; move the camera slowly around \
-         it, Ctrl-C ends",
+         it, or turn it by some 30° at a time; Ctrl-C ends",
         object.track
     ));
-    let construction = Construction::new(&common.domain, arguments, (&stop, output))?;
+    let mut store = ModelStore::new(common, arguments.author.as_deref(), &name);
+    let construction = Construction::new(&common.domain, arguments, (&stop, output), &mut store)?;
     let constructed = construction.run(&mut receiver, object.track)?;
     require_views(&constructed.growth, object.track)?;
     let model = object_model(&constructed.growth);
-    let n_bytes = store(common, arguments.author.as_deref(), (&name, &model))?;
-    let document = BuiltDocument::new(&constructed, &model, (name, object.track), n_bytes);
+    let n_bytes = store.finish(&model)?;
+    let document = BuiltDocument::new(&constructed, &model, (&name, object.track), n_bytes);
     output.answer(&document, || document.text());
     Ok(ExitCode::SUCCESS)
 }
@@ -99,24 +99,4 @@ fn chosen_object(
         None => "no object is seen whole; point the camera at one".to_owned(),
     };
     Err(Failure::general(sentence))
-}
-
-/// Stores the model; returns the size of the document, bytes.
-fn store(
-    common: &CommonArguments,
-    author: Option<&str>,
-    (name, model): (&str, &ObjectModel),
-) -> Result<usize, Failure> {
-    let content = model.to_bytes().map_err(Failure::general)?;
-    let document = DocumentName {
-        kind: DocumentKind::ObjectModel,
-        name: name.to_owned(),
-    };
-    let new = NewDocument {
-        document: &document,
-        media_type: MEDIA_TYPE,
-        content: &content,
-    };
-    MemoryClient::open(common)?.put_document(new, author)?;
-    Ok(content.len())
 }

@@ -3,7 +3,7 @@
 use crate::next_move::NextMove;
 use crate::object_receiver::ReceivedView;
 use model_construction::{Config, ModelBuilder, PoseSigma, View};
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 use object_model::{DirectionSphere, RefusedView, UnseenDirections};
 use std::time::{Duration, Instant};
 
@@ -17,13 +17,27 @@ const N_VIEWS_MAX: usize = 200;
 /// Maximum number of refused views that are told.
 const N_REFUSED_MAX: usize = 200;
 
+/// Number of refused views in a row after which the object counts as turned, if the camera has not
+/// moved. Chosen: half a second or more.
+const N_REFUSED_TURNED: u32 = 10;
+
+/// Move of a camera that counts as none, metres and radians. Chosen.
+const STILL_CAMERA_M: f64 = 0.01;
+const STILL_CAMERA_RAD: f64 = 1.0_f64.to_radians();
+
 /// Model under construction, with its figures.
 #[derive(Debug)]
 pub(crate) struct Growth {
     builder: ModelBuilder,
+    is_turn_known: bool,
     sigma: PoseSigma,
     refused: Vec<RefusedView>,
     n_refused: usize,
+    /// Number of refused views since the last one that fitted, and the camera's pose of that one.
+    n_refused_in_row: u32,
+    fitting_pose: Option<Isometry3<f64>>,
+    /// Number of placements that were found by views that did not fit any more.
+    n_found_placements: u32,
     /// Share of new surface and number of points of each fused view.
     shares: Vec<(f32, u32)>,
     wall_clock_offset_ns: i64,
@@ -82,10 +96,14 @@ pub(crate) enum Step {
 impl Growth {
     pub(crate) fn new(config: Config, sigma: PoseSigma) -> Self {
         Self {
+            is_turn_known: config.turn_rad.is_some(),
             builder: ModelBuilder::new(config),
             sigma,
             refused: Vec::new(),
             n_refused: 0,
+            n_refused_in_row: 0,
+            fitting_pose: None,
+            n_found_placements: 0,
             shares: Vec::new(),
             wall_clock_offset_ns: 0,
             view_ms: Vec::new(),
@@ -98,7 +116,7 @@ impl Growth {
             return Step::Nothing;
         }
         self.wall_clock_offset_ns = view.wall_clock_offset_ns;
-        let (n_views, was_closed) = (self.builder.views().len(), self.builder.is_closed());
+        let was_closed = self.builder.is_closed();
         let begun = Instant::now();
         let added = self.builder.add(&View {
             points: &view.points,
@@ -106,15 +124,21 @@ impl Growth {
             captured_ns: view.captured_ns,
             world_from_camera: view.world_from_camera,
             sigma: self.sigma,
+            up_in_camera: view.up_in_camera,
+            placement: view.placement + self.n_found_placements,
         });
         match added {
             Err(error) => {
                 self.refuse(view, error.to_string());
+                self.note_misfit(view);
                 return Step::Refused;
             }
-            Ok(Some(_)) if self.builder.views().len() == n_views => return Step::Nothing,
             Ok(registration) => {
-                // A model with a bad beginning has begun anew.
+                self.note_fit(view);
+                if !self.is_last(view) {
+                    return Step::Nothing;
+                }
+                // A placement with a bad beginning has been taken back.
                 self.shares.truncate(self.builder.views().len() - 1);
                 let known = registration.map_or(0.0, |found| found.common_share);
                 self.shares
@@ -126,6 +150,34 @@ impl Growth {
         }
         self.view_ms.push(1e3 * begun.elapsed().as_secs_f64());
         Step::Fused
+    }
+
+    fn note_fit(&mut self, view: &ReceivedView) {
+        self.n_refused_in_row = 0;
+        self.fitting_pose = view.world_from_camera;
+    }
+
+    /// Takes the object for turned after many views that did not fit: it looks different to a
+    /// camera that has not moved, or whose moves are not known. Not where each placement counts as
+    /// one known turn.
+    fn note_misfit(&mut self, view: &ReceivedView) {
+        self.n_refused_in_row += 1;
+        let poses = view.world_from_camera.zip(self.fitting_pose);
+        let has_moved = poses.is_some_and(|(now, then)| {
+            let moved = then.inverse() * now;
+            moved.translation.vector.norm() > STILL_CAMERA_M
+                || moved.rotation.angle() > STILL_CAMERA_RAD
+        });
+        if self.n_refused_in_row >= N_REFUSED_TURNED && !has_moved && !self.is_turn_known {
+            self.n_refused_in_row = 0;
+            self.n_found_placements += 1;
+        }
+    }
+
+    /// `true` if a view is the last one of the model.
+    fn is_last(&self, view: &ReceivedView) -> bool {
+        let last = self.builder.views().last();
+        last.is_some_and(|last| last.captured_ns == view.captured_ns)
     }
 
     fn refuse(&mut self, view: &ReceivedView, reason: String) {

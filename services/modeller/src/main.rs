@@ -5,6 +5,7 @@ mod arguments;
 mod build;
 mod frame_headers;
 mod growth;
+mod handling;
 mod hypotheses;
 mod model_document;
 mod next_move;

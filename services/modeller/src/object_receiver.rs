@@ -1,6 +1,7 @@
 //! Receiver of the views of one object: its points with the camera and the pose of their frame.
 
 use crate::frame_headers::FrameHeaders;
+use crate::handling::{Handling, TrackedPose};
 use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, Subscriber};
 use geometry::PinholeCamera;
@@ -16,6 +17,10 @@ pub(crate) struct ReceivedView {
     pub(crate) points: Vec<Point>,
     pub(crate) camera: PinholeCamera,
     pub(crate) world_from_camera: Option<Isometry3<f64>>,
+    /// Up direction in the frame of the camera, for a camera without a pose.
+    pub(crate) up_in_camera: Option<UnitVector3<f64>>,
+    /// Number of the placement of the object: it was handled between two placements.
+    pub(crate) placement: u32,
     /// Direction from the object to the camera in the world; `None` when the pose is not known.
     pub(crate) direction: Option<UnitVector3<f64>>,
     /// Capture time, nanoseconds of the camera's clock.
@@ -39,6 +44,9 @@ pub(crate) struct ObjectReceiver {
     clouds: Subscriber<ObjectCloud>,
     scenes: Subscriber<Scene>,
     headers: FrameHeaders,
+    handling: Handling,
+    /// Normal of the table in the world, which is the camera's frame while its pose is not known.
+    table_normal: Option<UnitVector3<f64>>,
 }
 
 impl ObjectReceiver {
@@ -48,19 +56,23 @@ impl ObjectReceiver {
             clouds: Subscriber::polled(domain)?,
             scenes: Subscriber::polled(domain)?,
             headers: FrameHeaders::default(),
+            handling: Handling::default(),
+            table_normal: None,
         })
     }
 
-    /// Newest view of a track since the last call; `None` when there is no new one.
+    /// Newest view of a track since the last call; `None` when there is no new one, and while the
+    /// object is handled. All calls are for the same track.
     pub(crate) fn newest_view(&mut self, track: u64) -> Result<Option<ReceivedView>, Error> {
         self.note_frames()?;
+        self.note_handling(track)?;
         let mut newest = None;
         while let Received::Message(cloud) = self.clouds.receive()? {
             if cloud.header().track_id == track {
                 newest = Some(cloud);
             }
         }
-        let Some(cloud) = newest else {
+        let Some((cloud, placement)) = newest.zip(self.handling.placement()) else {
             return Ok(None);
         };
         let (session, sequence) = (cloud.header().session, cloud.header().sequence);
@@ -72,12 +84,35 @@ impl ObjectReceiver {
             Some(ReceivedView {
                 camera: checked.camera,
                 world_from_camera: pose,
+                up_in_camera: checked.up_in_camera.or(self.table_normal),
+                placement,
                 direction: pose.and_then(|pose| direction_to_camera(&points, &pose)),
                 points,
                 captured_ns: header.capture_stamp_ns,
                 wall_clock_offset_ns: header.wall_clock_offset_ns,
             })
         }))
+    }
+
+    /// `true` while somebody has the object in the hand, as far as is known.
+    pub(crate) fn is_handled(&self) -> bool {
+        self.handling.placement().is_none()
+    }
+
+    /// Follows the placements of a track by the new scenes.
+    fn note_handling(&mut self, track: u64) -> Result<(), Error> {
+        while let Received::Message(scene) = self.scenes.receive()? {
+            let [x, y, z, _] = scene.header().table_plane;
+            if scene.header().has_table == 1 {
+                self.table_normal = UnitVector3::try_new(Vector3::new(x, y, z), 1e-6);
+            }
+            let object = scene.items().iter().find(|o| o.track_id == track);
+            if let Some(object) = object {
+                let pose = TrackedPose::of(object, scene.header());
+                self.handling.note(pose);
+            }
+        }
+        Ok(())
     }
 
     /// Keeps the headers of new frames; their points stay where they are.

@@ -48,9 +48,12 @@ impl ViewQueue {
         self.views.push_front(view);
     }
 
-    /// `true` if two views are known to be less than a step apart. Views of a camera without a pose
-    /// are not known to be.
+    /// `true` if two views are known to be less than a step apart. Views of a camera without a pose,
+    /// and of two placements of the object, are not known to be.
     fn is_near(&self, one: &ReceivedView, other: &ReceivedView) -> bool {
+        if one.placement != other.placement {
+            return false;
+        }
         let directions = one.direction.zip(other.direction);
         directions.is_some_and(|(one, other)| one.dot(&other) > self.step_cosine)
     }
@@ -81,6 +84,8 @@ mod tests {
             points: Vec::new(),
             camera: PinholeCamera::KINECT_V1,
             world_from_camera: None,
+            up_in_camera: None,
+            placement: 0,
             direction: turn_deg.map(|turn| direction(turn.to_radians())),
             captured_ns,
             wall_clock_offset_ns: 0,

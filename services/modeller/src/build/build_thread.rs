@@ -1,17 +1,24 @@
 //! Thread that adds views to a model, at a low priority.
 
 use crate::growth::{Growth, GrowthState, Step};
+use crate::model_document::object_model;
 use crate::object_receiver::ReceivedView;
 use crossbeam::channel::{Receiver, SendTimeoutError, Sender, bounded, unbounded};
+use object_model::ObjectModel;
 use service::Failure;
 use std::thread::JoinHandle;
 use std::time::Duration;
+
+/// Number of views after which the model so far is given out for the first time. Chosen.
+const N_FIRST_VIEWS: usize = 4;
 
 /// Result of a view, and the state of the model after it.
 #[derive(Debug)]
 pub(super) struct BuildProgress {
     pub(super) step: Step,
     pub(super) state: GrowthState,
+    /// Model so far, each time that its views have doubled.
+    pub(super) unfinished: Option<ObjectModel>,
 }
 
 /// Thread that owns the model while it grows.
@@ -77,6 +84,7 @@ fn grow(
     done: &Sender<BuildProgress>,
 ) -> Growth {
     let mut are_agreed = true;
+    let mut n_wanted = N_FIRST_VIEWS;
     for view in views {
         let step = growth.add(&view);
         match step {
@@ -85,8 +93,17 @@ fn grow(
             Step::Nothing | Step::Refused => {}
         }
         let state = growth.state();
+        let n_views = growth.builder().views().len();
+        let unfinished = (n_views >= n_wanted).then(|| object_model(&growth));
+        if unfinished.is_some() {
+            n_wanted = 2 * n_views;
+        }
         // Nobody listens any more when the construction was left by an error.
-        let _ = done.send(BuildProgress { step, state });
+        let _ = done.send(BuildProgress {
+            step,
+            state,
+            unfinished,
+        });
     }
     if !are_agreed {
         growth.finish();

@@ -40,14 +40,14 @@ impl BuiltDocument {
     pub(super) fn new(
         constructed: &Constructed,
         model: &ObjectModel,
-        (name, track): (String, u64),
+        (name, track): (&str, u64),
         bytes: usize,
     ) -> Self {
         let growth = &constructed.growth;
         let mut times = growth.view_ms().to_vec();
         times.sort_unstable_by(f64::total_cmp);
         Self {
-            name,
+            name: name.to_owned(),
             track,
             seconds: constructed.begun.elapsed().as_secs_f64(),
             views: model.views.len(),

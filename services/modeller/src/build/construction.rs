@@ -1,6 +1,7 @@
 //! Construction of a model, on a thread of its own, from the views that a moving camera takes.
 
 use super::build_thread::{BuildProgress, BuildThread};
+use super::model_store::ModelStore;
 use crate::arguments::BuildArguments;
 use crate::growth::{Growth, GrowthState, Step};
 use crate::object_receiver::ObjectReceiver;
@@ -50,11 +51,12 @@ pub(super) struct Constructed {
 }
 
 /// Construction that goes on.
-pub(super) struct Construction<'a> {
+pub(super) struct Construction<'a, 's> {
     domain: &'a DomainName,
     arguments: &'a BuildArguments,
     stop: &'a StopSignal,
     output: &'a Output,
+    store: &'a mut ModelStore<'s>,
     queue: ViewQueue,
     thread: BuildThread,
     begun: Instant,
@@ -64,11 +66,12 @@ pub(super) struct Construction<'a> {
     is_closed: bool,
 }
 
-impl<'a> Construction<'a> {
+impl<'a, 's> Construction<'a, 's> {
     pub(super) fn new(
         domain: &'a DomainName,
         arguments: &'a BuildArguments,
         (stop, output): (&'a StopSignal, &'a Output),
+        store: &'a mut ModelStore<'s>,
     ) -> Result<Self, Failure> {
         let begun = Instant::now();
         let growth = Growth::new(arguments.config(), arguments.pose_sigma());
@@ -77,6 +80,7 @@ impl<'a> Construction<'a> {
             arguments,
             stop,
             output,
+            store,
             queue: ViewQueue::new(arguments.step_deg.to_radians()),
             thread: BuildThread::start(growth, arguments.niceness)?,
             begun,
@@ -143,7 +147,9 @@ impl<'a> Construction<'a> {
                     return Ok(End::DaemonEnded);
                 }
             }
-            if now.duration_since(self.last_view) > UNSEEN_PERIOD {
+            if receiver.is_handled() {
+                self.print_line(|_| Some(format!("object {track} is in a hand; put it down")));
+            } else if now.duration_since(self.last_view) > UNSEEN_PERIOD {
                 self.print_line(|_| Some(format!("object {track} is not seen")));
             } else {
                 self.print_line(Self::state_line);
@@ -183,8 +189,16 @@ impl<'a> Construction<'a> {
     }
 
     fn note_progress(&mut self) {
-        while let Some(BuildProgress { step, state }) = self.thread.progress() {
+        while let Some(progress) = self.thread.progress() {
+            let BuildProgress {
+                step,
+                state,
+                unfinished,
+            } = progress;
             self.state = Some(state);
+            if let Some(model) = unfinished {
+                self.store.put_unfinished(&model, self.output);
+            }
             if step == Step::Closed {
                 self.is_closed = true;
                 let text = "the views lead around the object; the loop is closed";
