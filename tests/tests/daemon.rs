@@ -19,12 +19,17 @@ use tempfile::TempDir;
 pub(crate) const WATCHDOG: Duration = Duration::from_secs(180);
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 
+/// Selection by which cargo gives the dependencies of the programs the features that they have for
+/// the tests, so that no crate is compiled twice.
+const FEATURES_OF_TESTS: [&str; 2] = ["--test", "daemon"];
+
 /// Folder of the programs, built once for all tests.
 static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     let test = std::env::current_exe().unwrap();
     let folder = test.parent().unwrap().parent().unwrap().to_owned();
     let mut build = Command::new(env!("CARGO"));
     build.args(["build", "--workspace", "--bins", "--quiet"]);
+    build.args(FEATURES_OF_TESTS);
     if folder.ends_with("release") {
         build.arg("--release");
     }
@@ -44,6 +49,7 @@ pub(crate) static FAULTY_PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     let feature = "perception/fault-injection";
     build.args(["build", "--workspace", "--quiet", "--features", feature]);
     build.args(["--bin", FAULTY]);
+    build.args(FEATURES_OF_TESTS);
     if PROGRAMS.ends_with("release") {
         build.arg("--release");
     }
