@@ -16,6 +16,10 @@ const N_SPACING_SAMPLES: usize = 400;
 /// Greatest coordinate of a point, metres. Chosen: voxels are counted in 32 bits.
 const COORDINATE_MAX_M: f32 = 1000.0;
 
+/// Standard deviation of the depth of a Kinect, metres at 1 m; it grows with the squared depth
+/// (Khoshelham and Elberink 2012, figure 10: 1.425e-3).
+const DEPTH_NOISE_PER_M: f64 = 1.4e-3;
+
 /// Place from which a view was taken, in the frame of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ViewOrigin {
@@ -79,7 +83,7 @@ impl ViewSurface {
             spacing_m: OnceLock::new(),
             surfel_tree: KdTree::new(&places),
             range_image: RangeImage::new(points, &centroid, viewpoint),
-            noise_m: median_spread_m(&surfels),
+            noise_m: median_spread_m(&surfels).max(depth_noise_m(&viewpoint, &centroid)),
             surfels,
             centroid,
         })
@@ -188,6 +192,16 @@ fn median_spread_m(surfels: &[Surfel]) -> f64 {
     let mut spreads: Vec<f64> = surfels.iter().map(|surfel| surfel.spread_m).collect();
     spreads.sort_unstable_by(f64::total_cmp);
     spreads.get(spreads.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Noise of the depth of a structured-light camera at the centroid of a view, metres; 0 for a camera
+/// that is not known. Beyond 1.5 m it spreads the points of one surface over several voxels, so that
+/// the surfels do not tell it.
+fn depth_noise_m(viewpoint: &ViewOrigin, centroid: &Point3<f64>) -> f64 {
+    match viewpoint {
+        ViewOrigin::Camera(camera) => DEPTH_NOISE_PER_M * (centroid - camera).norm_squared(),
+        ViewOrigin::Direction(_) => 0.0,
+    }
 }
 
 /// Direction from which most of the outward normals are seen.

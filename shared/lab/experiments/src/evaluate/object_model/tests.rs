@@ -121,3 +121,25 @@ fn the_true_surface_has_no_distance_from_itself_and_its_underside_is_hidden() {
     assert!(share(|place| place[1] < -0.0299) > 0.95);
     assert!(share(|place| place[1] > 0.0299) < 0.05);
 }
+
+#[test]
+#[ignore = "needs TABULA_DATA"]
+fn most_views_of_objects_that_a_kinect_sees_from_2_m_fit_to_their_models() {
+    for sequence in ["kitchen-sequence", "kitchen-sequence-2"] {
+        let out = tempfile::tempdir().unwrap();
+        let arguments = ModelArguments {
+            sequence: Some(test_data::path(sequence)),
+            out: Some(out.path().to_owned()),
+            ..arguments(6, 24)
+        };
+        run(&arguments, &Output::new(true)).unwrap();
+        let json = std::fs::read(out.path().join("models.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&json).unwrap();
+        let figure = |key: &str| report["levels"][0][key].as_f64().unwrap();
+        assert!(figure("refused_share") < 0.25, "{sequence}: {report}");
+        assert!(
+            figure("pose_error_after") < 0.5 * figure("pose_error_before"),
+            "{sequence}: {report}"
+        );
+    }
+}
