@@ -15,9 +15,11 @@ const ROTATION_SIGMA_RAD: f64 = 0.15;
 /// stands upright, and the camera's pose is known to some degrees.
 const TILT_MAX_RAD: f64 = 0.25;
 
-/// Share of the view that must lie on the model. Chosen: it does after a turn of 30°, and a hand
+/// Share of the view that must lie on the model, after any turn and after about the expected one.
+/// Chosen: it does after a turn of 30°, unless the narrow side of a box was seen before, and a hand
 /// beside the object does not.
 const COMMON_SHARE_MIN: f64 = 0.5;
+const KNOWN_COMMON_SHARE_MIN: f64 = 0.35;
 
 /// Contradiction of the model, of what the view should have seen of it, from which a result is none.
 /// Chosen: right turns of scanned objects have 0.3, those of thin ones up to 0.6.
@@ -59,8 +61,8 @@ pub(crate) struct TurnSearch {
 
 impl TurnSearch {
     /// Registers the view with what its camera should see of the model in each turn. Returns the
-    /// registration that contradicts model and view least in shape and colour, of those in which at
-    /// least half of the view lies on the model.
+    /// registration that contradicts model and view least in shape and colour, of those in which
+    /// enough of the view lies on the model.
     pub(crate) fn run(
         &self,
         view: &ViewSurface,
@@ -87,7 +89,7 @@ impl TurnSearch {
                 rotation_sigma_rad,
             };
             let registration = register(&target, view, &prior).ok()?;
-            fits(&registration, &expected).then(|| Turned {
+            self.fits(&registration, &expected).then(|| Turned {
                 registration,
                 expected,
                 score: disagreement(&registration)
@@ -97,6 +99,17 @@ impl TurnSearch {
         found.min_by(|a, b| a.score.total_cmp(&b.score))
     }
 
+    /// `true` if a registration has enough in common, and leaves the object upright.
+    fn fits(&self, found: &Registration, expected: &Isometry3<f64>) -> bool {
+        let common_share_min = match self.expected_rad {
+            Some(_) => KNOWN_COMMON_SHARE_MIN,
+            None => COMMON_SHARE_MIN,
+        };
+        tilt_rad(&found.target_from_source, expected) < TILT_MAX_RAD
+            && found.common_share >= common_share_min
+            && found.target_contradiction <= TARGET_CONTRADICTION_MAX
+    }
+
     /// Pose of the camera after a turn of the object, with the middle of the view at that of the
     /// model.
     fn start(&self, turn_rad: f64, view: &ViewSurface) -> Isometry3<f64> {
@@ -104,13 +117,6 @@ impl TurnSearch {
         let turned = turn * self.object_from_camera;
         brought_to(&turned, &view.centroid(), &self.middle)
     }
-}
-
-/// `true` if a registration has enough in common, and leaves the object upright.
-fn fits(found: &Registration, expected: &Isometry3<f64>) -> bool {
-    tilt_rad(&found.target_from_source, expected) < TILT_MAX_RAD
-        && found.common_share >= COMMON_SHARE_MIN
-        && found.target_contradiction <= TARGET_CONTRADICTION_MAX
 }
 
 /// Disagreement of model and view in shape and colour. Surface that only the view has is new, and
