@@ -50,11 +50,11 @@ impl TrackedPose {
 #[derive(Debug, Default)]
 pub(crate) struct Handling {
     n_placements: u32,
-    state: State,
+    state: HandlingState,
 }
 
 #[derive(Debug, Default)]
-enum State {
+enum HandlingState {
     #[default]
     Unknown,
     /// At rest, with the least uncertainty since it was put down, and its height
@@ -76,8 +76,8 @@ impl Handling {
     pub(crate) fn note(&mut self, pose: TrackedPose) {
         let sigma_rad = pose.rotation_sigma_rad;
         match &mut self.state {
-            State::Unknown => self.rest(&pose),
-            State::Resting {
+            HandlingState::Unknown => self.rest(&pose),
+            HandlingState::Resting {
                 least_sigma_rad,
                 height_m,
             } => {
@@ -86,13 +86,13 @@ impl Handling {
                 }
                 *least_sigma_rad = least_sigma_rad.min(sigma_rad);
                 if sigma_rad > *least_sigma_rad + HANDLED_GROWTH_RAD {
-                    self.state = State::Handled {
+                    self.state = HandlingState::Handled {
                         still_since: pose,
                         resting_height_m: *height_m,
                     };
                 }
             }
-            State::Handled {
+            HandlingState::Handled {
                 still_since,
                 resting_height_m,
             } => {
@@ -111,7 +111,7 @@ impl Handling {
     }
 
     fn rest(&mut self, pose: &TrackedPose) {
-        self.state = State::Resting {
+        self.state = HandlingState::Resting {
             least_sigma_rad: pose.rotation_sigma_rad,
             height_m: pose.height_m,
         };
@@ -119,7 +119,7 @@ impl Handling {
 
     /// Number of the placement in which the object stands; `None` while it is handled.
     pub(crate) fn placement(&self) -> Option<u32> {
-        let is_handled = matches!(self.state, State::Handled { .. });
+        let is_handled = matches!(self.state, HandlingState::Handled { .. });
         (!is_handled).then_some(self.n_placements)
     }
 }

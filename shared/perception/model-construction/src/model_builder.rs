@@ -6,7 +6,7 @@ use crate::depth_view::DepthView;
 use crate::error::Misfit;
 use crate::facing_surface::facing_surface;
 use crate::loop_closure::{close_loop, is_orbit_closed};
-use crate::placement::{Placement, ReportedPose, UNKNOWN_SIGMA};
+use crate::placement::{ReportedPose, RestingPlacement, UNKNOWN_SIGMA};
 use crate::surface_points::SurfacePoint;
 use crate::tsdf_volume::TsdfVolume;
 use crate::turn_search::TurnSearch;
@@ -41,7 +41,7 @@ pub struct ModelBuilder {
     config: Config,
     volume: TsdfVolume,
     views: Vec<BuiltView>,
-    placement: Option<Placement>,
+    placement: Option<RestingPlacement>,
     is_closed: bool,
 }
 
@@ -116,7 +116,7 @@ impl ModelBuilder {
     /// Notes a refused view; `true` if its placement must be bad.
     fn note_refused(&mut self, view: &View<'_>) -> bool {
         let placement = self.placement.as_mut().filter(|last| last.is_of(view));
-        placement.is_some_and(Placement::note_refused)
+        placement.is_some_and(RestingPlacement::note_refused)
     }
 
     /// Removes the views of the present placement; the one before it is the last one again.
@@ -138,7 +138,11 @@ impl ModelBuilder {
         let world_from_camera = view.world_from_camera();
         let centre = world_from_camera * depth.surface.centroid();
         let object_from_camera = Translation3::from(-centre.coords) * world_from_camera;
-        self.placement = Some(Placement::new(view, object_from_camera, self.views.len()));
+        self.placement = Some(RestingPlacement::new(
+            view,
+            object_from_camera,
+            self.views.len(),
+        ));
         self.fuse(BuiltView {
             depth,
             captured_ns: view.captured_ns,
@@ -159,10 +163,10 @@ impl ModelBuilder {
     /// and the place at which the camera sees the object.
     fn follow(
         &self,
-        mut placement: Placement,
+        mut placement: RestingPlacement,
         view: &View<'_>,
         depth: &DepthView,
-    ) -> Result<(Placement, PlacedView), Error> {
+    ) -> Result<(RestingPlacement, PlacedView), Error> {
         let camera = placement.expect(view);
         let middle = depth.surface.centroid();
         let target = facing_surface(&self.target_points(), &camera)?;
@@ -184,10 +188,10 @@ impl ModelBuilder {
     /// Finds the placement of an object that was turned or moved, by the first view of it there.
     fn place_anew(
         &self,
-        last: Placement,
+        last: RestingPlacement,
         view: &View<'_>,
         depth: &DepthView,
-    ) -> Result<(Placement, PlacedView), Error> {
+    ) -> Result<(RestingPlacement, PlacedView), Error> {
         let points = self.target_points();
         let sum = points.iter().map(|point| point.place.coords.cast::<f64>());
         let middle = Point3::from(sum.sum::<Vector3<f64>>() / points.len().max(1) as f64);
@@ -212,12 +216,12 @@ impl ModelBuilder {
                 sigma: UNKNOWN_SIGMA,
             },
         };
-        let placement = Placement::new(view, found, self.views.len()).after(last);
+        let placement = RestingPlacement::new(view, found, self.views.len()).after(last);
         Ok((placement, placed))
     }
 
     /// Fuses a registered view, unless it shows nothing new.
-    fn accept(&mut self, view: BuiltView, placement: Placement) {
+    fn accept(&mut self, view: BuiltView, placement: RestingPlacement) {
         self.placement = Some(placement);
         let direction = view.direction();
         let is_known =

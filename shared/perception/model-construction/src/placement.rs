@@ -24,7 +24,7 @@ pub(crate) const UNKNOWN_SIGMA: PoseSigma = PoseSigma {
 
 /// Object in its place: its views are related by the poses of the camera.
 #[derive(Debug, Clone)]
-pub(crate) struct Placement {
+pub(crate) struct RestingPlacement {
     /// Number as the views give it.
     pub(crate) number: u32,
     /// Index of its first view in the model.
@@ -37,8 +37,8 @@ pub(crate) struct Placement {
     n_fitting: usize,
     /// Number of refused views since the last one that fitted.
     n_refused: u32,
-    /// Placement before it.
-    previous: Option<Arc<Placement>>,
+    /// RestingPlacement before it.
+    previous: Option<Arc<RestingPlacement>>,
 }
 
 /// Pose of a view that a robot reports, in the frame of the object, with its uncertainty; one that
@@ -49,8 +49,8 @@ pub(crate) struct ReportedPose {
     pub(crate) sigma: PoseSigma,
 }
 
-impl Placement {
-    /// Placement by its first view, whose pose in the frame of the object is known, and whose index
+impl RestingPlacement {
+    /// RestingPlacement by its first view, whose pose in the frame of the object is known, and whose index
     /// in the model is given.
     pub(crate) fn new(
         view: &View<'_>,
@@ -75,7 +75,7 @@ impl Placement {
         self
     }
 
-    /// Placement before this one; `None` for the first one.
+    /// RestingPlacement before this one; `None` for the first one.
     pub(crate) fn previous(self) -> Option<Self> {
         self.previous.map(Arc::unwrap_or_clone)
     }
