@@ -50,7 +50,7 @@ pub(crate) struct ReportedPose {
 }
 
 impl RestingPlacement {
-    /// RestingPlacement by its first view, whose pose in the frame of the object is known, and whose index
+    /// Placement by its first view, whose pose in the frame of the object is known, and whose index
     /// in the model is given.
     pub(crate) fn new(
         view: &View<'_>,
