@@ -37,7 +37,7 @@ pub(crate) struct RestingPlacement {
     n_fitting: usize,
     /// Number of refused views since the last one that fitted.
     n_refused: u32,
-    /// RestingPlacement before it.
+    /// Placement before it.
     previous: Option<Arc<RestingPlacement>>,
 }
 
@@ -75,7 +75,7 @@ impl RestingPlacement {
         self
     }
 
-    /// RestingPlacement before this one; `None` for the first one.
+    /// Placement before this one; `None` for the first one.
     pub(crate) fn previous(self) -> Option<Self> {
         self.previous.map(Arc::unwrap_or_clone)
     }
