@@ -20,12 +20,25 @@ pub(crate) fn contradiction(
     target_from_source: &Isometry3<f64>,
     tolerance_m: f64,
 ) -> f64 {
-    one_way(target, source, target_from_source, tolerance_m)
-        + one_way(source, target, &target_from_source.inverse(), tolerance_m)
+    let halves = contradictions(target, source, target_from_source, tolerance_m);
+    halves.iter().sum()
+}
+
+/// Both halves of the contradiction, 0 to 1 each: of the source's surfels, and of the target's.
+pub(crate) fn contradictions(
+    target: &ViewSurface,
+    source: &ViewSurface,
+    target_from_source: &Isometry3<f64>,
+    tolerance_m: f64,
+) -> [f64; 2] {
+    [
+        one_way(target, source, target_from_source, tolerance_m),
+        one_way(source, target, &target_from_source.inverse(), tolerance_m),
+    ]
 }
 
 /// Contradiction between the surfels of a surface and the view of another, 0 to 1.
-pub(crate) fn one_way(
+fn one_way(
     seen: &ViewSurface,
     surface: &ViewSurface,
     seen_from_surface: &Isometry3<f64>,

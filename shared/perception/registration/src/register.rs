@@ -1,7 +1,7 @@
 //! Registration of two surfaces.
 
 use crate::Error;
-use crate::correspondence_score::{TOLERANCE_M, contradiction, one_way};
+use crate::correspondence_score::{TOLERANCE_M, contradiction, contradictions};
 use crate::generalized_icp::{Aligner, Alignment, Schedule};
 use crate::prior::Prior;
 use crate::surfels::Surfel;
@@ -102,7 +102,9 @@ pub fn refine(
         target_from_source: found.target_from_source,
         centre: source.centroid(),
         curvature: found.curvature,
-        contradiction: described_contradiction(target, source, &found.target_from_source),
+        contradiction: described_contradictions(target, source, &found.target_from_source)
+            .iter()
+            .sum(),
     })
 }
 
@@ -228,35 +230,28 @@ fn described(
             }
         }
     }
+    let [source_contradiction, target_contradiction] =
+        described_contradictions(target, source, &target_from_source);
     Registration {
         target_from_source,
         common_share: n_common / source.surfels().len() as f64,
         residual_m: (sum / f64::max(n_common, 1.0)).sqrt(),
-        contradiction: described_contradiction(target, source, &target_from_source),
-        target_contradiction: one_way(
-            source,
-            target,
-            &target_from_source.inverse(),
-            contradiction_tolerance_m(target, source),
-        ),
+        contradiction: source_contradiction + target_contradiction,
+        target_contradiction,
         color_difference: (n_colored > 0.0).then(|| color_sum / n_colored),
         is_rotation_weak,
     }
 }
 
-/// Contradiction with the tolerance of a result.
-fn described_contradiction(
+/// Contradictions of the source and of the target, whose sum is that of the views, with a tolerance
+/// that is no less than their noise.
+fn described_contradictions(
     target: &ViewSurface,
     source: &ViewSurface,
     target_from_source: &Isometry3<f64>,
-) -> f64 {
-    let tolerance_m = contradiction_tolerance_m(target, source);
-    contradiction(target, source, target_from_source, tolerance_m)
-}
-
-/// Tolerance of contradictions: no less than the noise of the views, metres.
-fn contradiction_tolerance_m(target: &ViewSurface, source: &ViewSurface) -> f64 {
-    TOLERANCE_M.max(CONTRADICTION_SIGMAS * noise_m(target, source))
+) -> [f64; 2] {
+    let tolerance_m = TOLERANCE_M.max(CONTRADICTION_SIGMAS * noise_m(target, source));
+    contradictions(target, source, target_from_source, tolerance_m)
 }
 
 /// Noise of the noisier of two views, metres.
