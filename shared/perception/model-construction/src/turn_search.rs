@@ -7,33 +7,47 @@ use registration::{Prior, Registration, ViewSurface, register};
 /// Number of turns that are tried: every 15°, which a registration bridges.
 const N_TURNS: i32 = 24;
 
-/// Uncertainty of the place and of the rotation of each start.
+/// Uncertainty of the place of each start, metres.
 const TRANSLATION_SIGMA_M: f64 = 0.02;
-const ROTATION_SIGMA_RAD: f64 = 0.15;
 
 /// Rotation about a horizontal axis from which a result is none, radians. Chosen: the object
 /// stands upright, and the camera's pose is known to some degrees.
 const TILT_MAX_RAD: f64 = 0.25;
 
-/// Share of the view that must lie on the model, after any turn and after about the expected one.
-/// Chosen: it does after a turn of 30°, unless the narrow side of a box was seen before, and a hand
-/// beside the object does not.
-const COMMON_SHARE_MIN: f64 = 0.5;
-const KNOWN_COMMON_SHARE_MIN: f64 = 0.35;
-
 /// Contradiction of the model, of what the view should have seen of it, from which a result is none.
 /// Chosen: right turns of scanned objects have 0.3, those of thin ones up to 0.6.
 const TARGET_CONTRADICTION_MAX: f64 = 0.65;
 
-/// Weight of the turn in the score of a result, for each radian. Chosen: of two that fit alike, the
-/// smaller turn is the more probable one, but colours decide.
-const TURN_WEIGHT: f64 = 0.1;
+/// Settings of a search.
+struct SearchSettings {
+    /// Number of turns to either side of the expected one that are tried.
+    n_around: i32,
+    /// Weight of the turn off the expected one in the score of a result, for each radian.
+    turn_weight: f64,
+    /// Uncertainty of the rotation of each start, radians.
+    rotation_sigma_rad: f64,
+    /// Share of the view that must lie on the model.
+    common_share_min: f64,
+}
 
-/// Weight of the turn off the expected one, number of turns to either side of it that are tried,
-/// and their uncertainty. Chosen: a person turns to some degrees.
-const KNOWN_TURN_WEIGHT: f64 = 1.3;
-const N_KNOWN_TURNS: i32 = 2;
-const KNOWN_TURN_SIGMA_RAD: f64 = 0.08;
+/// Settings of a turn that may be any. Chosen: of two that fit alike, the smaller turn is the more
+/// probable one, but colours decide; half of the view lies on the model after a turn of 30°, and a
+/// hand beside the object does not.
+const ANY_TURN: SearchSettings = SearchSettings {
+    n_around: N_TURNS / 2,
+    turn_weight: 0.1,
+    rotation_sigma_rad: 0.15,
+    common_share_min: 0.5,
+};
+
+/// Settings of a turn that is known. Chosen: a person turns to some degrees, and after the narrow
+/// side of a box most of the next view is new.
+const KNOWN_TURN: SearchSettings = SearchSettings {
+    n_around: 2,
+    turn_weight: 1.3,
+    rotation_sigma_rad: 0.08,
+    common_share_min: 0.35,
+};
 
 /// Weight of the share of new surface in the score of a result. Chosen.
 const NEW_SURFACE_WEIGHT: f64 = 0.2;
@@ -68,17 +82,12 @@ impl TurnSearch {
         view: &ViewSurface,
         target: impl Fn(&Point3<f64>) -> Result<ViewSurface, Error>,
     ) -> Option<Turned> {
-        let (middle_rad, n_around, weight, rotation_sigma_rad) = match self.expected_rad {
-            Some(turn_rad) => (
-                turn_rad,
-                N_KNOWN_TURNS,
-                KNOWN_TURN_WEIGHT,
-                KNOWN_TURN_SIGMA_RAD,
-            ),
-            None => (0.0, N_TURNS / 2, TURN_WEIGHT, ROTATION_SIGMA_RAD),
+        let (middle_rad, settings) = match self.expected_rad {
+            Some(turn_rad) => (turn_rad, &KNOWN_TURN),
+            None => (0.0, &ANY_TURN),
         };
         let middle = self.start(middle_rad, view);
-        let found = (-n_around..=n_around).filter_map(|index| {
+        let found = (-settings.n_around..=settings.n_around).filter_map(|index| {
             let off_rad = std::f64::consts::TAU * f64::from(index) / f64::from(N_TURNS);
             let start = self.start(middle_rad + off_rad, view);
             let target = target(&Point3::from(start.translation.vector)).ok()?;
@@ -86,28 +95,19 @@ impl TurnSearch {
             let prior = Prior {
                 target_from_source: expected,
                 translation_sigma_m: TRANSLATION_SIGMA_M,
-                rotation_sigma_rad,
+                rotation_sigma_rad: settings.rotation_sigma_rad,
             };
             let registration = register(&target, view, &prior).ok()?;
-            self.fits(&registration, &expected).then(|| Turned {
+            let is_fitting = fits(&registration, &expected, settings.common_share_min);
+            is_fitting.then(|| Turned {
                 registration,
                 expected,
                 score: disagreement(&registration)
-                    + weight * turn_between_rad(&middle, &registration.target_from_source),
+                    + settings.turn_weight
+                        * turn_between_rad(&middle, &registration.target_from_source),
             })
         });
         found.min_by(|a, b| a.score.total_cmp(&b.score))
-    }
-
-    /// `true` if a registration has enough in common, and leaves the object upright.
-    fn fits(&self, found: &Registration, expected: &Isometry3<f64>) -> bool {
-        let common_share_min = match self.expected_rad {
-            Some(_) => KNOWN_COMMON_SHARE_MIN,
-            None => COMMON_SHARE_MIN,
-        };
-        tilt_rad(&found.target_from_source, expected) < TILT_MAX_RAD
-            && found.common_share >= common_share_min
-            && found.target_contradiction <= TARGET_CONTRADICTION_MAX
     }
 
     /// Pose of the camera after a turn of the object, with the middle of the view at that of the
@@ -117,6 +117,13 @@ impl TurnSearch {
         let turned = turn * self.object_from_camera;
         brought_to(&turned, &view.centroid(), &self.middle)
     }
+}
+
+/// `true` if a registration has enough in common, and leaves the object upright.
+fn fits(found: &Registration, expected: &Isometry3<f64>, common_share_min: f64) -> bool {
+    tilt_rad(&found.target_from_source, expected) < TILT_MAX_RAD
+        && found.common_share >= common_share_min
+        && found.target_contradiction <= TARGET_CONTRADICTION_MAX
 }
 
 /// Disagreement of model and view in shape and colour. Surface that only the view has is new, and
