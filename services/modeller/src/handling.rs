@@ -1,7 +1,8 @@
 //! Handling of an object by a person or a robot: it separates the placements of the object.
 
+use crate::scene_table::table_in_world;
 use message::{SceneObject, SceneSummary, TrackState};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// Growth of the uncertainty of the tracked rotation that tells of a hand, radians. Chosen: a
 /// tracked object at rest has up to 6°, and one in a hand gains 15° in the first second.
@@ -33,13 +34,11 @@ impl TrackedPose {
     pub(crate) fn of(object: &SceneObject, scene: &SceneSummary) -> Self {
         let [xx, _, _, yy, _, zz] = object.rotation_covariance_rad2.map(f64::from);
         let position_m = Vector3::from(object.pose.position_m);
-        let [x, y, z, offset_m] = scene.table_plane;
-        let height_m = Vector3::new(x, y, z).dot(&position_m) + offset_m;
         Self {
             time_ns: scene.stamps.capture_ns,
             is_seen: TrackState::from_code(object.state) == Some(TrackState::Tracked),
             position_m,
-            height_m: (scene.has_table == 1).then_some(height_m),
+            height_m: table_in_world(scene).map(|table| table.height_m(&Point3::from(position_m))),
             rotation_sigma_rad: (xx + yy + zz).max(0.0).sqrt(),
         }
     }
@@ -57,8 +56,7 @@ pub(crate) struct Handling {
 enum HandlingState {
     #[default]
     Unknown,
-    /// At rest, with the least uncertainty since it was put down, and its height
-    /// then.
+    /// At rest, with the least uncertainty since it was put down, and its height then.
     Resting {
         least_sigma_rad: f64,
         height_m: Option<f64>,

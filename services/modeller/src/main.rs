@@ -12,6 +12,7 @@ mod next_move;
 mod object_receiver;
 mod plan;
 mod presence;
+mod scene_table;
 mod view_queue;
 
 use arguments::{ModellerArguments, ModellerVerb};

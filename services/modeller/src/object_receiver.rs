@@ -2,6 +2,7 @@
 
 use crate::frame_headers::FrameHeaders;
 use crate::handling::{Handling, TrackedPose};
+use crate::scene_table::table_in_world;
 use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, Subscriber};
 use geometry::PinholeCamera;
@@ -102,9 +103,8 @@ impl ObjectReceiver {
     /// Follows the placements of a track by the new scenes.
     fn note_handling(&mut self, track: u64) -> Result<(), Error> {
         while let Received::Message(scene) = self.scenes.receive()? {
-            let [x, y, z, _] = scene.header().table_plane;
-            if scene.header().has_table == 1 {
-                self.table_normal = UnitVector3::try_new(Vector3::new(x, y, z), 1e-6);
+            if let Some(table) = table_in_world(scene.header()) {
+                self.table_normal = Some(table.normal);
             }
             let object = scene.items().iter().find(|o| o.track_id == track);
             if let Some(object) = object {

@@ -2,11 +2,11 @@
 
 use super::snapshot::{Snapshot, SnapshotObject};
 use crate::frame_headers::FrameHeaders;
+use crate::scene_table::table_in_world;
 use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, SharedMessage, Subscriber};
 use geometry::{Plane, RigidTransform};
 use message::{FrameHeader, SceneObject, TrackState};
-use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
 use service::monotonic_ns;
 use std::collections::{BTreeMap, VecDeque};
@@ -94,8 +94,6 @@ impl SnapshotReceiver {
             return Ok(false);
         };
         let header = scene.header();
-        let [a, b, c, offset_m] = header.table_plane;
-        let normal = Unit::try_new(Vector3::new(a, b, c), 1e-6);
         let objects = scene.items().iter().copied();
         let objects: Vec<SceneObject> = objects.filter(is_confirmed).collect();
         release(&mut self.held, header.session, header.sequence);
@@ -104,9 +102,7 @@ impl SnapshotReceiver {
         self.scene = Some(SceneOfFrame {
             session: header.session,
             sequence: header.sequence,
-            table_in_world: normal
-                .filter(|_| header.has_table == 1 && offset_m.is_finite())
-                .map(|normal| Plane { normal, offset_m }),
+            table_in_world: table_in_world(header),
             objects,
         });
         Ok(true)
