@@ -78,8 +78,7 @@ by_deg = 30.0
 fn started<'a>(sandbox: &'a Sandbox, scene: &str) -> Daemon<'a> {
     let file = sandbox.home().join("scene.toml");
     std::fs::write(&file, scene).unwrap();
-    let scene = file;
-    let source = format!("simulation:{}", scene.display());
+    let source = format!("simulation:{}", file.display());
     let daemon = sandbox.start(&["--source", &source]);
     daemon.wait_for("both objects are tracked", |objects| objects.len() >= 2);
     daemon

@@ -69,11 +69,7 @@ pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCod
 /// Reports of all levels, path by path.
 fn levels(objects: &mut [ObjectTrials], arguments: &ModelArguments) -> Vec<LevelReport> {
     let mut levels = Vec::new();
-    let paths = objects
-        .iter()
-        .flat_map(|object| object.trials.iter().map(|trial| trial.0));
-    let paths: BTreeSet<Path> = paths.collect();
-    for path in paths {
+    for path in paths(objects) {
         for noise in noises(arguments) {
             let mut trials = Vec::new();
             for object in objects.iter_mut() {
@@ -88,18 +84,18 @@ fn levels(objects: &mut [ObjectTrials], arguments: &ModelArguments) -> Vec<Level
     levels
 }
 
+/// Paths of all trials, in their order.
+fn paths(objects: &[ObjectTrials]) -> BTreeSet<Path> {
+    let trials = objects.iter().flat_map(|object| &object.trials);
+    trials.map(|trial| trial.0).collect()
+}
+
 /// Picture with a row for each object: the truth, and the models of the first and the last noise
 /// on each path.
 fn picture(objects: &[ObjectTrials]) -> Result<Vec<u8>, Failure> {
     let row = |object: &'_ ObjectTrials| -> Vec<TriangleMesh> {
         let mut row: Vec<TriangleMesh> = object.truth.iter().cloned().collect();
-        for path in [
-            Path::Turntable,
-            Path::Free,
-            Path::Turned,
-            Path::TurnedBy,
-            Path::Recorded,
-        ] {
+        for path in paths(std::slice::from_ref(object)) {
             let of_path: Vec<&Trial> = object
                 .trials
                 .iter()

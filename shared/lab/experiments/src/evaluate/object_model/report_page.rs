@@ -40,7 +40,7 @@ pub(super) fn page(document: &ModelReport) -> String {
         ),
         (
             MODELS,
-            "Models: the true object, then the model of the least and of the greatest noise",
+            "Models: the true object, then on each path the model of the least and of the greatest noise",
         ),
     ];
     let figures = figures.map(|(picture, caption)| PageFigure {
