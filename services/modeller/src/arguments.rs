@@ -6,6 +6,7 @@ pub(crate) use plan::PlanArguments;
 
 use clap::{Args, Parser, Subcommand};
 use model_construction::{Config, PoseSigma};
+use sensor_noise::DepthNoise;
 use service::CommonArguments;
 
 /// Builds the full model of an object from the views of a moving camera, and plans the next best
@@ -74,9 +75,10 @@ pub(crate) struct BuildArguments {
 }
 
 impl BuildArguments {
-    /// Configuration of the construction.
-    pub(crate) fn config(&self) -> Config {
+    /// Configuration of the construction, with the depth noise of the camera.
+    pub(crate) fn config(&self, depth_noise: DepthNoise) -> Config {
         Config {
+            depth_noise,
             voxel_m: 1e-3 * self.voxel_mm,
             step_min_rad: self.step_deg.to_radians(),
             turn_rad: self.turn_deg.map(f64::to_radians),

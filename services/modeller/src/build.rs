@@ -6,6 +6,7 @@ mod construction;
 mod model_store;
 
 use crate::arguments::BuildArguments;
+use crate::depth_noise::camera_depth_noise;
 use crate::growth::Growth;
 use crate::model_document::object_model;
 use crate::object_receiver::{ObjectReceiver, TrackedObject};
@@ -14,7 +15,9 @@ use built_document::BuiltDocument;
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
 use construction::Construction;
+use model_construction::Config;
 use model_store::ModelStore;
+use sensor_noise::DepthNoise;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -43,7 +46,9 @@ pub(crate) fn run(
         object.track
     ));
     let mut store = ModelStore::new(common, arguments.author.as_deref(), &name);
-    let construction = Construction::new(&common.domain, arguments, (&stop, output), &mut store)?;
+    let growth = Growth::new(config(common, arguments, output), arguments.pose_sigma());
+    let seen_by = (&stop, output);
+    let construction = Construction::new(&common.domain, arguments, growth, seen_by, &mut store)?;
     let constructed = construction.run(&mut receiver, object.track)?;
     require_views(&constructed.growth, object.track)?;
     let model = object_model(&constructed.growth);
@@ -51,6 +56,17 @@ pub(crate) fn run(
     let document = BuiltDocument::new(&constructed, &model, (&name, object.track), n_bytes);
     output.answer(&document, || document.text());
     Ok(ExitCode::SUCCESS)
+}
+
+/// Configuration of the construction, for the depth noise of the daemon's camera.
+fn config(common: &CommonArguments, arguments: &BuildArguments, output: &Output) -> Config {
+    let noise = camera_depth_noise(common).unwrap_or_else(|failure| {
+        output.print_status(&format!(
+            "the depth noise of the camera is not known ({failure}); that of a Kinect is assumed"
+        ));
+        DepthNoise::default()
+    });
+    arguments.config(noise)
 }
 
 /// Fails where no view could be used.

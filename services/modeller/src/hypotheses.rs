@@ -1,6 +1,7 @@
 //! Object hypotheses of a snapshot: the stored model of an object in its estimated pose, or the
 //! measured points of the object.
 
+use crate::depth_noise::camera_depth_noise;
 use crate::plan::planning_frame::PlanningFrame;
 use crate::plan::snapshot::{Snapshot, SnapshotObject};
 use control_client::{MemoryClient, connect_if_running};
@@ -11,6 +12,7 @@ use nalgebra::{Point3, Vector3};
 use next_best_view::SurfaceModel;
 use object_model::ObjectModel;
 use registration::{PoseModel, SegmentView, estimate_pose};
+use sensor_noise::DepthNoise;
 use service::{CommonArguments, Failure};
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -51,6 +53,7 @@ struct PlacedModel {
 /// reason.
 #[derive(Default)]
 pub(crate) struct ModelShelf {
+    depth_noise: DepthNoise,
     models: BTreeMap<String, (u64, Result<PlacedModel, String>)>,
 }
 
@@ -71,6 +74,8 @@ impl ModelShelf {
         }
         let client = connect_if_running(common)?;
         let client = client.ok_or_else(|| Failure::general("the memory does not run"))?;
+        // While perception does not answer, the camera has the noise that it had.
+        self.depth_noise = camera_depth_noise(common).unwrap_or(self.depth_noise);
         let mut memory = MemoryClient::of_daemon(common, client);
         let stored = memory.documents(DocumentKind::ObjectModel)?;
         self.models
@@ -115,7 +120,10 @@ impl ModelShelf {
                     note: reason.clone(),
                     ..measured
                 },
-                Some((_, Ok(model))) => placed(model, object, &scene, measured, frame),
+                Some((_, Ok(model))) => {
+                    let view = SegmentView::new(&object.points, &scene, self.depth_noise);
+                    placed(model, view, measured, frame)
+                }
             })
         };
         seen.map(hypothesis).collect()
@@ -204,13 +212,11 @@ fn measured_hypothesis(
 /// does not fit.
 fn placed(
     model: &PlacedModel,
-    object: &SnapshotObject,
-    scene: &[[f32; 3]],
+    view: Result<SegmentView, registration::Error>,
     measured: ObjectHypothesis,
     frame: &PlanningFrame,
 ) -> ObjectHypothesis {
-    let estimated = SegmentView::new(&object.points, scene)
-        .and_then(|view| estimate_pose(&model.pose_model, &view));
+    let estimated = view.and_then(|view| estimate_pose(&model.pose_model, &view));
     match estimated {
         Ok(pose) if pose.is_good() => ObjectHypothesis {
             source: HypothesisSource::Model {

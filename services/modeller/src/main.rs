@@ -3,6 +3,7 @@
 
 mod arguments;
 mod build;
+mod depth_noise;
 mod frame_headers;
 mod growth;
 mod handling;

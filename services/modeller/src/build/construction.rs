@@ -70,11 +70,11 @@ impl<'a, 's> Construction<'a, 's> {
     pub(super) fn new(
         domain: &'a DomainName,
         arguments: &'a BuildArguments,
+        growth: Growth,
         (stop, output): (&'a StopSignal, &'a Output),
         store: &'a mut ModelStore<'s>,
     ) -> Result<Self, Failure> {
         let begun = Instant::now();
-        let growth = Growth::new(arguments.config(), arguments.pose_sigma());
         Ok(Self {
             domain,
             arguments,

@@ -1,5 +1,7 @@
 //! Configuration of model construction.
 
+use sensor_noise::DepthNoise;
+
 /// Configuration of model construction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {
@@ -17,6 +19,8 @@ pub struct Config {
     /// Angle by which the object is turned between two placements, counter-clockwise as seen from
     /// above, radians; `None` when it is not known.
     pub turn_rad: Option<f64>,
+    /// Noise of the depth of the camera.
+    pub depth_noise: DepthNoise,
 }
 
 impl Default for Config {
@@ -28,6 +32,7 @@ impl Default for Config {
             off_sigmas_max: 4.0,
             step_min_rad: 0.0,
             turn_rad: None,
+            depth_noise: DepthNoise::KINECT_V1,
         }
     }
 }

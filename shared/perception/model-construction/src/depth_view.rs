@@ -6,6 +6,7 @@ use geometry::PinholeCamera;
 use nalgebra::{Point3, Vector3};
 use point_cloud::Point;
 use registration::{ViewOrigin, ViewSurface};
+use sensor_noise::DepthNoise;
 
 /// Weight of a pixel at the border of the object or of a depth step. Chosen: its depth is mixed
 /// with that of what is behind.
@@ -46,7 +47,11 @@ pub(crate) struct DepthPixel {
 impl DepthView {
     /// Image of points in the frame of their camera. Points outside of the image or without depth
     /// are left out; of two in one pixel the nearer one counts.
-    pub(crate) fn new(points: &[Point], camera: PinholeCamera) -> Result<Self, Error> {
+    pub(crate) fn new(
+        points: &[Point],
+        camera: PinholeCamera,
+        depth_noise: DepthNoise,
+    ) -> Result<Self, Error> {
         let placed: Vec<PlacedPoint<'_>> = points
             .iter()
             .filter_map(|point| Some((pixel_of(point, &camera)?, point)))
@@ -62,6 +67,7 @@ impl DepthView {
         let colors: Vec<Option<[u8; 3]>> = placed.iter().zip(&distances).map(color).collect();
         let origin = Some(ViewOrigin::Camera(Point3::origin()));
         let surface = ViewSurface::with_colors(&places, &colors, origin).map_err(Error::Surface)?;
+        let surface = surface.with_depth_noise(depth_noise);
         let pixels = placed.iter().zip(&distances).enumerate();
         let pixels = pixels.map(|(index, ((_, point), &distance))| {
             let normal = surface.normal_at(index)?;

@@ -1,7 +1,7 @@
 //! Errors of model construction.
 
-use nalgebra::Point3;
-use registration::{Prior, Registration};
+use crate::pose_filter::PoseSigma;
+use registration::{Prior, Registration, ViewSurface};
 
 /// Error of adding a view to a model. The model is as it was before.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -82,20 +82,22 @@ impl Misfit {
         })
     }
 
-    /// Misfit of a registration whose surface, with its centre in the frame of the camera, lies
-    /// more standard deviations off its prior than it may.
+    /// Misfit of a registration whose surface lies more standard deviations off its prior than it
+    /// may.
     pub(crate) fn far_from(
         prior: &Prior,
         found: &Registration,
-        centre: &Point3<f64>,
+        view: &ViewSurface,
         sigmas_max: f64,
     ) -> Option<Self> {
+        let centre = view.centroid();
+        let own = PoseSigma::of_registration(view.noise_m());
         let (pose, expected) = (found.target_from_source, prior.target_from_source);
         let off_m = (pose * centre - expected * centre).norm();
         let off_rad = pose.rotation.angle_to(&expected.rotation);
         // Three axes have a norm of up to the root of three times their standard deviation.
-        let is_far = off_m > sigmas_max * (prior.translation_sigma_m + 0.003)
-            || off_rad > sigmas_max * (prior.rotation_sigma_rad + 0.01);
+        let is_far = off_m > sigmas_max * (prior.translation_sigma_m + own.translation_m)
+            || off_rad > sigmas_max * (prior.rotation_sigma_rad + own.rotation_rad);
         is_far.then(|| Self::FarFromPrior {
             off_mm: (1e3 * off_m).round() as u32,
             off_deg: off_rad.to_degrees().round() as u32,

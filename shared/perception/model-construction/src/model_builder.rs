@@ -81,7 +81,7 @@ impl ModelBuilder {
         if !view.is_pose_finite() {
             return Err(Error::PoseNotFinite);
         }
-        let depth = DepthView::new(view.points, view.camera)?;
+        let depth = DepthView::new(view.points, view.camera, self.config.depth_noise)?;
         let found = match self.placement.clone() {
             None => {
                 self.begin(view, depth);
@@ -173,7 +173,7 @@ impl ModelBuilder {
         let prior = placement.prior(&middle, &target.centroid());
         let registration = self.register(&target, &depth.surface, &prior)?;
         let registered = registration.target_from_source;
-        let reported = placement.note_fitting(view, &registered, &middle);
+        let reported = placement.note_fitting(view, &registered, &depth.surface);
         let placed = PlacedView {
             registration,
             expected: prior.target_from_source,
@@ -251,7 +251,7 @@ impl ModelBuilder {
         let found = register(target, view, prior).map_err(Error::Surface)?;
         let sigmas = self.config.off_sigmas_max;
         let misfit = self.misfit(&found);
-        let misfit = misfit.or_else(|| Misfit::far_from(prior, &found, &view.centroid(), sigmas));
+        let misfit = misfit.or_else(|| Misfit::far_from(prior, &found, view, sigmas));
         misfit.map_or(Ok(found), |misfit| Err(Error::Misfit(misfit)))
     }
 

@@ -4,7 +4,7 @@ use crate::frame_error::FrameError;
 use crate::pose_filter::{PoseFilter, PoseSigma};
 use crate::view::View;
 use nalgebra::{Isometry3, Point3};
-use registration::Prior;
+use registration::{Prior, ViewSurface};
 use std::sync::Arc;
 
 /// Standard deviation of the difference between the middle of a view and that of the part of the
@@ -103,15 +103,17 @@ impl RestingPlacement {
         self.filter.prior(seen)
     }
 
-    /// Notes a view that fitted, by its registered pose and its middle in the frame of the camera;
+    /// Notes a view that fitted, by its registered pose and its surface in the frame of the camera;
     /// returns the reported pose.
     pub(crate) fn note_fitting(
         &mut self,
         view: &View<'_>,
         registered: &Isometry3<f64>,
-        middle: &Point3<f64>,
+        surface: &ViewSurface,
     ) -> Option<ReportedPose> {
-        self.filter.register(registered, middle);
+        let sigma = PoseSigma::of_registration(surface.noise_m());
+        self.filter
+            .register(registered, &surface.centroid(), &sigma);
         self.n_fitting += 1;
         self.n_refused = 0;
         let reported = self.reported(view)?;

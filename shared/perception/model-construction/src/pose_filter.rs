@@ -11,16 +11,23 @@ const ACCELERATION_SIGMA: [f64; 2] = [0.5, 0.4];
 /// Standard deviation of the velocity of a camera at first. Chosen: rad/s and m/s.
 const VELOCITY_SIGMA: [f64; 2] = [0.5, 0.4];
 
-/// Standard deviation of a registration, about the centre of the object: rotation, radians, and
-/// translation, metres. Chosen: it is often better, and sometimes off.
-const REGISTRATION_SIGMA: [f64; 2] = [0.015, 0.003];
+/// Standard deviation of a registration of a view with little noise, about the centre of the
+/// object. Chosen: it is often better, and sometimes off.
+const REGISTRATION_SIGMA: PoseSigma = PoseSigma {
+    rotation_rad: 0.015,
+    translation_m: 0.003,
+};
+
+/// Noise of a view from which on a registration is less sure, metres: that of a Kinect at 0.8 m.
+const REGISTRATION_NOISE_M: f64 = 0.0015;
 
 /// Longest time over which a motion is continued, seconds. Chosen.
 const TIME_STEP_MAX_S: f64 = 2.0;
 
 type Matrix12 = SMatrix<f64, 12, 12>;
 
-/// Standard deviation of a reported camera pose, about the camera and along its axes.
+/// Standard deviation of a pose about and along each axis: of a reported camera pose in the axes of
+/// the camera, and of a registration about the centre of the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseSigma {
     /// Of the rotation about each axis, radians.
@@ -30,7 +37,16 @@ pub struct PoseSigma {
 }
 
 impl PoseSigma {
-    /// Covariance of a twist of the camera.
+    /// Standard deviation of the registration of a view with a noise, metres, in proportion to it.
+    pub(crate) fn of_registration(noise_m: f64) -> Self {
+        let share = (noise_m / REGISTRATION_NOISE_M).max(1.0);
+        Self {
+            rotation_rad: share * REGISTRATION_SIGMA.rotation_rad,
+            translation_m: share * REGISTRATION_SIGMA.translation_m,
+        }
+    }
+
+    /// Covariance of a twist.
     pub(crate) fn covariance(&self) -> Matrix6<f64> {
         isotropic(self.rotation_rad.max(1e-6), self.translation_m.max(1e-6))
     }
@@ -95,14 +111,16 @@ impl PoseFilter {
     }
 
     /// Updates by a registration of the object, whose centre is given in the frame of the camera.
-    pub(crate) fn register(&mut self, object_from_camera: &Isometry3<f64>, centre: &Point3<f64>) {
+    pub(crate) fn register(
+        &mut self,
+        object_from_camera: &Isometry3<f64>,
+        centre: &Point3<f64>,
+        sigma: &PoseSigma,
+    ) {
         // From the centre of the object back to that of the camera.
         let back = moved_to(&Point3::from(-centre.coords));
-        let about_object = isotropic(REGISTRATION_SIGMA[0], REGISTRATION_SIGMA[1]);
-        self.update(
-            object_from_camera,
-            &(back * about_object * back.transpose()),
-        );
+        let about_camera = back * sigma.covariance() * back.transpose();
+        self.update(object_from_camera, &about_camera);
     }
 
     /// Updates by the place at which the camera sees the object: a point in the frame of the
@@ -161,5 +179,19 @@ impl PoseFilter {
             translation_sigma_m: sigma(3),
             rotation_sigma_rad: sigma(0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn registration_is_less_sure_with_more_noise() {
+        let sigma = PoseSigma::of_registration;
+        assert_eq!(sigma(0.0005), sigma(REGISTRATION_NOISE_M));
+        let far = sigma(3.0 * REGISTRATION_NOISE_M);
+        assert!((far.rotation_rad / sigma(0.0).rotation_rad - 3.0).abs() < 1e-9);
+        assert!((far.translation_m / sigma(0.0).translation_m - 3.0).abs() < 1e-9);
     }
 }

@@ -4,6 +4,7 @@ use divan::{Bencher, black_box};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use random::Random;
 use registration::{PoseModel, Prior, SegmentView, ViewSurface, estimate_pose, register};
+use sensor_noise::DepthNoise;
 
 fn main() {
     divan::main();
@@ -72,7 +73,7 @@ fn model_pose(bencher: Bencher<'_, '_>) {
     let moved = Translation3::new(0.0, 0.0, 0.9) * far_off();
     let segment = view(5000, 1, &moved);
     let model = PoseModel::new(&whole_box(), 0.003);
-    let view = SegmentView::new(&segment, &segment);
+    let view = SegmentView::new(&segment, &segment, DepthNoise::KINECT_V1);
     bencher.bench_local(|| {
         let (model, view) = (model.as_ref().ok()?, view.as_ref().ok()?);
         estimate_pose(black_box(model), black_box(view)).ok()

@@ -21,6 +21,7 @@ use crate::range_image::RangeImage;
 use crate::view_surface::{ViewOrigin, ViewSurface, check_points};
 use nalgebra::{Isometry3, Point3, Vector3};
 use pose_search::START_TOLERANCE_M;
+use sensor_noise::DepthNoise;
 use view_template::ViewTemplate;
 
 /// Contradiction up to which a pose is good. Fitted to the regret of views that are chosen by the
@@ -73,13 +74,17 @@ pub struct SegmentView {
 
 impl SegmentView {
     /// Segment of an object, and the scene with it: finite points in the frame of the camera,
-    /// metres.
+    /// metres, with the noise of its depth.
     ///
     /// # Errors
     /// As [`ViewSurface::new`]; the scene may have any number of points.
-    pub fn new(segment: &[[f32; 3]], scene: &[[f32; 3]]) -> Result<Self, Error> {
+    pub fn new(
+        segment: &[[f32; 3]],
+        scene: &[[f32; 3]],
+        depth_noise: DepthNoise,
+    ) -> Result<Self, Error> {
         let camera = ViewOrigin::Camera(Point3::origin());
-        let surface = ViewSurface::new(segment, Some(camera))?;
+        let surface = ViewSurface::new(segment, Some(camera))?.with_depth_noise(depth_noise);
         check_points(scene)?;
         let scene = RangeImage::new(scene, &surface.centroid(), camera);
         Ok(Self { surface, scene })

@@ -65,6 +65,11 @@ impl RangeImage {
         image
     }
 
+    /// Distance of the centroid of the view from its camera, metres; `None` for a direction.
+    pub(crate) fn camera_distance_m(&self) -> Option<f64> {
+        matches!(self.viewpoint, ViewOrigin::Camera(_)).then_some(self.distance_m)
+    }
+
     fn draw(&mut self, points: &[[f32; 3]]) {
         let place = |point: &[f32; 3]| self.project(&Point3::from(*point).cast());
         let places: Vec<ImagePlace> = points.iter().filter_map(place).collect();

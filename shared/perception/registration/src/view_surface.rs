@@ -5,6 +5,7 @@ use crate::kd_tree::KdTree;
 use crate::range_image::RangeImage;
 use crate::surfels::{Surfel, VOXEL_M, surfels_of};
 use nalgebra::{Point3, UnitVector3, Vector3};
+use sensor_noise::DepthNoise;
 use std::sync::OnceLock;
 
 /// Minimum number of surfels of a surface. Chosen: 3 cm² of it.
@@ -15,10 +16,6 @@ const N_SPACING_SAMPLES: usize = 400;
 
 /// Greatest coordinate of a point, metres. Chosen: voxels are counted in 32 bits.
 const COORDINATE_MAX_M: f32 = 1000.0;
-
-/// Standard deviation of the depth of a Kinect, metres at 1 m; it grows with the squared depth
-/// (Khoshelham and Elberink 2012, figure 10: 1.425e-3).
-const DEPTH_NOISE_PER_M: f64 = 1.4e-3;
 
 /// Place from which a view was taken, in the frame of its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,10 +80,21 @@ impl ViewSurface {
             spacing_m: OnceLock::new(),
             surfel_tree: KdTree::new(&places),
             range_image: RangeImage::new(points, &centroid, viewpoint),
-            noise_m: median_spread_m(&surfels).max(depth_noise_m(&viewpoint, &centroid)),
+            noise_m: median_spread_m(&surfels),
             surfels,
             centroid,
         })
+    }
+
+    /// Surface whose noise is at least that of the depth of its camera; without a camera it stays
+    /// as it is. Beyond 1.5 m the noise spreads the points of one surface over several voxels, so
+    /// that the surfels alone do not tell it.
+    #[must_use]
+    pub fn with_depth_noise(mut self, law: DepthNoise) -> Self {
+        if let Some(distance_m) = self.range_image.camera_distance_m() {
+            self.noise_m = self.noise_m.max(law.bounded_sigma_m(distance_m));
+        }
+        self
     }
 
     /// `true` if a surface element has a colour.
@@ -159,8 +167,9 @@ impl ViewSurface {
         &self.range_image
     }
 
-    /// Noise of the points across the surface: median over the surfels, metres.
-    pub(crate) fn noise_m(&self) -> f64 {
+    /// Noise of the points across the surface, metres: the median over the surfels, or that of the
+    /// camera's depth if it is more.
+    pub fn noise_m(&self) -> f64 {
         self.noise_m
     }
 
@@ -192,16 +201,6 @@ fn median_spread_m(surfels: &[Surfel]) -> f64 {
     let mut spreads: Vec<f64> = surfels.iter().map(|surfel| surfel.spread_m).collect();
     spreads.sort_unstable_by(f64::total_cmp);
     spreads.get(spreads.len() / 2).copied().unwrap_or(0.0)
-}
-
-/// Noise of the depth of a structured-light camera at the centroid of a view, metres; 0 for a camera
-/// that is not known. Beyond 1.5 m it spreads the points of one surface over several voxels, so that
-/// the surfels do not tell it.
-fn depth_noise_m(viewpoint: &ViewOrigin, centroid: &Point3<f64>) -> f64 {
-    match viewpoint {
-        ViewOrigin::Camera(camera) => DEPTH_NOISE_PER_M * (centroid - camera).norm_squared(),
-        ViewOrigin::Direction(_) => 0.0,
-    }
 }
 
 /// Direction from which most of the outward normals are seen.

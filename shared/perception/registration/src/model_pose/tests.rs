@@ -1,6 +1,7 @@
 use super::*;
 use nalgebra::{UnitQuaternion, UnitVector3};
 use random::Random;
+use sensor_noise::DepthNoise;
 
 /// Noise of the depth, metres.
 const NOISE_M: f64 = 0.001;
@@ -118,7 +119,7 @@ fn pose_is_found_in_any_orientation() {
     for _ in 0..20 {
         let truth = random_pose(&mut random);
         let segment = seen(&surface, &truth, &mut random);
-        let view = SegmentView::new(&segment, &segment).unwrap();
+        let view = SegmentView::new(&segment, &segment, DepthNoise::KINECT_V1).unwrap();
         let found = estimate_pose(&model, &view).unwrap();
         let error_m = nearest_point_error_m(&surface, &found.camera_from_model, &truth);
         n_right += usize::from(error_m < 0.004 && found.is_good());
@@ -138,7 +139,7 @@ fn what_the_camera_saw_through_tells_a_short_bar_from_a_long_one() {
     let step = |i: u16| 0.003 * f32::from(i) - 0.3;
     let wall = (0..200).flat_map(|i| (0..200).map(move |j| [step(i), step(j), 1.1]));
     let scene: Vec<[f32; 3]> = segment.iter().copied().chain(wall).collect();
-    let view = SegmentView::new(&segment, &scene).unwrap();
+    let view = SegmentView::new(&segment, &scene, DepthNoise::KINECT_V1).unwrap();
     let [short, long] = [&short, &long].map(|bar| estimate_pose(&model(bar), &view).unwrap());
     assert!(short.is_good(), "{short:?}");
     assert!(
@@ -161,10 +162,10 @@ fn unusable_models_and_segments_are_refused() {
         PoseModel::new(&[], SPACING_M),
         Err(Error::TooFewSurfels { .. })
     ));
-    assert!(SegmentView::new(&points[..5], &points).is_err());
-    assert!(SegmentView::new(&points, &[[f32::INFINITY; 3]]).is_err());
+    assert!(SegmentView::new(&points[..5], &points, DepthNoise::KINECT_V1).is_err());
+    assert!(SegmentView::new(&points, &[[f32::INFINITY; 3]], DepthNoise::KINECT_V1).is_err());
     // A scene without points says nothing against any pose.
     let in_front: Vec<[f32; 3]> = points.iter().map(|[x, y, z]| [*x, *y, z + 0.9]).collect();
-    let blind = SegmentView::new(&in_front, &[]).unwrap();
+    let blind = SegmentView::new(&in_front, &[], DepthNoise::KINECT_V1).unwrap();
     assert!(estimate_pose(&model(&bracket()), &blind).is_ok());
 }

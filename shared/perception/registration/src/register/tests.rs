@@ -2,6 +2,7 @@ use super::*;
 use crate::ViewOrigin;
 use nalgebra::{Point3, UnitQuaternion, UnitVector3, Vector3};
 use random::Random;
+use sensor_noise::DepthNoise;
 
 /// Noise of the points, metres.
 const NOISE_M: f64 = 0.0005;
@@ -186,4 +187,37 @@ fn unusable_views_are_refused() {
     assert!(ViewSurface::new(&[], None).is_err());
     let broken = ViewSurface::new(&[[0.0, f32::NAN, 0.0]], None).unwrap_err();
     assert_eq!(broken, Error::NotFinite(0));
+}
+
+#[test]
+fn depth_noise_of_a_far_camera_is_no_contradiction() {
+    let camera = Point3::from(2.0 * direction(1.0, 1.0, 1.0));
+    let noisy = |seed: u64, law: Option<DepthNoise>| {
+        let mut random = Random::from_seed(seed);
+        let noise_m = DepthNoise::KINECT_V1.bounded_sigma_m(2.0);
+        let points: Vec<[f32; 3]> = seen(box_surface, direction(1.0, 1.0, 1.0), seed)
+            .iter()
+            .map(|point| {
+                let ray = (point - camera.coords).normalize();
+                (point + noise_m * random.normal() * ray)
+                    .cast::<f32>()
+                    .into()
+            })
+            .collect();
+        let surface = ViewSurface::new(&points, Some(ViewOrigin::Camera(camera))).unwrap();
+        match law {
+            Some(law) => surface.with_depth_noise(law),
+            None => surface,
+        }
+    };
+    let contradiction = |law: Option<DepthNoise>| {
+        let prior = Prior::at(Isometry3::identity());
+        let found = register(&noisy(11, law), &noisy(12, law), &prior);
+        found.unwrap().contradiction
+    };
+    let (known, unknown) = (
+        contradiction(Some(DepthNoise::KINECT_V1)),
+        contradiction(None),
+    );
+    assert!(known < 0.7 * unknown, "{known} {unknown}");
 }

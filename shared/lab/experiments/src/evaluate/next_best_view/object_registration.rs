@@ -5,6 +5,7 @@ use super::segment_matching::SceneSegment;
 use geometry::RigidTransform;
 use nalgebra::Point3;
 use registration::{KdTree, ModelPose, PoseModel, SegmentView, estimate_pose};
+use sensor_noise::DepthNoise;
 use service::Failure;
 
 /// Share of the diameter that the nearest-point error of a right pose is below (Hinterstoisser et
@@ -95,7 +96,7 @@ impl RegistrationModels {
         frame: &[[f32; 3]],
         world_from_camera: &RigidTransform,
     ) -> Option<RegisteredModel> {
-        let view = SegmentView::new(&segment.in_camera, frame).ok()?;
+        let view = SegmentView::new(&segment.in_camera, frame, DepthNoise::KINECT_V1).ok()?;
         let estimate = |model: usize| -> Option<TriedModel> {
             let pose = estimate_pose(&self.models[model].pose_model, &view).ok()?;
             Some((model, pose))
