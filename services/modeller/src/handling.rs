@@ -5,8 +5,10 @@ use message::{SceneObject, SceneSummary, TrackState};
 use nalgebra::{Point3, Vector3};
 
 /// Growth of the uncertainty of the tracked rotation that tells of a hand, radians. Chosen: a
-/// tracked object at rest has up to 6°, and one in a hand gains 15° in the first second.
+/// tracked object at rest has up to 6°, and one in a hand gains 15° in the first second. One that
+/// has just come back into view has up to 70°, and gains some percent of it.
 const HANDLED_GROWTH_RAD: f64 = 10.0_f64.to_radians();
+const HANDLED_GROWTH_SHARE: f64 = 0.3;
 
 /// Time for which an object stands still before it counts as put down, nanoseconds, with the
 /// growth of the uncertainty, radians, and the change of place, metres, that it may have. Chosen.
@@ -22,7 +24,8 @@ const LIFTED_M: f64 = 0.025;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TrackedPose {
     time_ns: u64,
-    /// `false` while the object is hidden or out of view, where the uncertainty grows, too.
+    /// `false` while the object is hidden or not whole in the image, where the uncertainty grows,
+    /// too.
     is_seen: bool,
     position_m: Vector3<f64>,
     rotation_sigma_rad: f64,
@@ -36,7 +39,8 @@ impl TrackedPose {
         let position_m = Vector3::from(object.pose.position_m);
         Self {
             time_ns: scene.stamps.capture_ns,
-            is_seen: TrackState::from_code(object.state) == Some(TrackState::Tracked),
+            is_seen: TrackState::from_code(object.state) == Some(TrackState::Tracked)
+                && object.cut_by_image == 0,
             position_m,
             height_m: table_in_world(scene).map(|table| table.height_m(&Point3::from(position_m))),
             rotation_sigma_rad: (xx + yy + zz).max(0.0).sqrt(),
@@ -83,7 +87,8 @@ impl Handling {
                     *least_sigma_rad = sigma_rad;
                 }
                 *least_sigma_rad = least_sigma_rad.min(sigma_rad);
-                if sigma_rad > *least_sigma_rad + HANDLED_GROWTH_RAD {
+                let growth_rad = (HANDLED_GROWTH_SHARE * *least_sigma_rad).max(HANDLED_GROWTH_RAD);
+                if sigma_rad > *least_sigma_rad + growth_rad {
                     self.state = HandlingState::Handled {
                         still_since: pose,
                         resting_height_m: *height_m,
@@ -163,6 +168,22 @@ mod tests {
         poses.extend([(0.0, 310.0), (0.0, 300.0), (0.0, 8.0), (0.0, 6.0)]);
         let found = placements(&poses);
         assert!(found.iter().all(|placement| *placement == Some(0)));
+    }
+
+    #[test]
+    fn object_that_comes_back_into_view_is_not_handled() {
+        let (hidden, seen) = (-1.0, 0.0);
+        let mut poses = vec![(seen, 4.0); 5];
+        // Beyond the image, cut by its border, and whole, as recorded with a Kinect.
+        poses.extend((0..20).map(|i| (hidden, 20.0 * f64::from(i))));
+        poses.extend([250.0, 255.0, 262.0].map(|sigma| (hidden, sigma)));
+        poses.extend((0..15).map(|i| (seen, 66.0 + 0.4 * f64::from(i))));
+        poses.extend((0..6).map(|i| (seen, 33.0 + 0.2 * f64::from(i))));
+        let found = placements(&poses);
+        assert!(found.iter().all(|placement| *placement == Some(0)));
+        // A hand tells by a faster growth.
+        poses.extend((0..10).map(|i| (seen, 34.0 + 3.0 * f64::from(i))));
+        assert_eq!(placements(&poses).last(), Some(&None));
     }
 
     #[test]

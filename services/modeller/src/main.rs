@@ -11,6 +11,7 @@ mod hypotheses;
 mod model_document;
 mod next_move;
 mod object_receiver;
+mod obstacle;
 mod plan;
 mod presence;
 mod scene_table;

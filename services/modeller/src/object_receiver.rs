@@ -2,6 +2,7 @@
 
 use crate::frame_headers::FrameHeaders;
 use crate::handling::{Handling, TrackedPose};
+use crate::obstacle::Obstacle;
 use crate::scene_table::table_in_world;
 use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, Subscriber};
@@ -10,6 +11,10 @@ use message::{SceneObject, TrackState};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use point_cloud::Point;
 use service::monotonic_ns;
+use std::time::{Duration, Instant};
+
+/// Time without a scene, or without a view of the object, after which a person is told.
+const ABSENCE: Duration = Duration::from_secs(3);
 
 /// View of an object.
 #[derive(Debug)]
@@ -48,6 +53,11 @@ pub(crate) struct ObjectReceiver {
     handling: Handling,
     /// Normal of the table in the world, which is the camera's frame while its pose is not known.
     table_normal: Option<UnitVector3<f64>>,
+    /// `true` while the object reaches beyond the image: what is missing of it there would count
+    /// as a difference to the model.
+    is_cut: bool,
+    last_scene: Instant,
+    last_view: Instant,
 }
 
 impl ObjectReceiver {
@@ -59,23 +69,28 @@ impl ObjectReceiver {
             headers: FrameHeaders::default(),
             handling: Handling::default(),
             table_normal: None,
+            is_cut: false,
+            last_scene: Instant::now(),
+            last_view: Instant::now(),
         })
     }
 
-    /// Newest view of a track since the last call; `None` when there is no new one, and while the
-    /// object is handled. All calls are for the same track.
+    /// Newest view of a track since the last call; `None` when there is no new one, while the
+    /// object is handled, and while the image cuts it. All calls are for the same track.
     pub(crate) fn newest_view(&mut self, track: u64) -> Result<Option<ReceivedView>, Error> {
         self.note_frames()?;
-        self.note_handling(track)?;
+        self.note_scenes(track)?;
         let mut newest = None;
         while let Received::Message(cloud) = self.clouds.receive()? {
             if cloud.header().track_id == track {
                 newest = Some(cloud);
             }
         }
+        let newest = newest.filter(|_| !self.is_cut);
         let Some((cloud, placement)) = newest.zip(self.handling.placement()) else {
             return Ok(None);
         };
+        self.last_view = Instant::now();
         let (session, sequence) = (cloud.header().session, cloud.header().sequence);
         let frame = self.headers.find(session, sequence);
         Ok(frame.and_then(|(header, n_points)| {
@@ -95,14 +110,23 @@ impl ObjectReceiver {
         }))
     }
 
-    /// `true` while somebody has the object in the hand, as far as is known.
-    pub(crate) fn is_handled(&self) -> bool {
-        self.handling.placement().is_none()
+    /// Reason why no views of the track come now; `None` while they come.
+    pub(crate) fn obstacle(&self) -> Option<Obstacle> {
+        if self.last_scene.elapsed() > ABSENCE {
+            Some(Obstacle::NoScenes)
+        } else if self.handling.placement().is_none() {
+            Some(Obstacle::InHand)
+        } else if self.is_cut {
+            Some(Obstacle::CutByImage)
+        } else {
+            (self.last_view.elapsed() > ABSENCE).then_some(Obstacle::NotSeen)
+        }
     }
 
-    /// Follows the placements of a track by the new scenes.
-    fn note_handling(&mut self, track: u64) -> Result<(), Error> {
+    /// Follows the placements of a track, and its place in the image, by the new scenes.
+    fn note_scenes(&mut self, track: u64) -> Result<(), Error> {
         while let Received::Message(scene) = self.scenes.receive()? {
+            self.last_scene = Instant::now();
             if let Some(table) = table_in_world(scene.header()) {
                 self.table_normal = Some(table.normal);
             }
@@ -110,6 +134,7 @@ impl ObjectReceiver {
             if let Some(object) = object {
                 let pose = TrackedPose::of(object, scene.header());
                 self.handling.note(pose);
+                self.is_cut = is_seen(object) && object.cut_by_image == 1;
             }
         }
         Ok(())
@@ -149,11 +174,14 @@ impl ObjectReceiver {
             label: (object.is_labelled == 1)
                 .then(|| object.label.as_str().map(str::to_owned))
                 .flatten(),
-            is_seen: TrackState::from_code(object.state) == Some(TrackState::Tracked)
-                && object.cut_by_image == 0,
+            is_seen: is_seen(object) && object.cut_by_image == 0,
         };
         Ok(Some(objects.iter().map(tracked).collect()))
     }
+}
+
+fn is_seen(object: &SceneObject) -> bool {
+    TrackState::from_code(object.state) == Some(TrackState::Tracked)
 }
 
 /// Direction from the middle of points to the camera, in the world; `None` without points.

@@ -17,8 +17,6 @@ const POLL_PERIOD: Duration = Duration::from_millis(5);
 /// Period of the checks of the daemon, and of the lines that show the growth.
 const CHECK_PERIOD: Duration = Duration::from_secs(1);
 const LINE_PERIOD: Duration = Duration::from_secs(2);
-/// Time without a view of the object after which a person is told.
-const UNSEEN_PERIOD: Duration = Duration::from_secs(3);
 
 /// Reason for the end of the construction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,7 +58,6 @@ pub(super) struct Construction<'a, 's> {
     queue: ViewQueue,
     thread: BuildThread,
     begun: Instant,
-    last_view: Instant,
     next_line: Instant,
     state: Option<GrowthState>,
     is_closed: bool,
@@ -84,7 +81,6 @@ impl<'a, 's> Construction<'a, 's> {
             queue: ViewQueue::new(arguments.step_deg.to_radians()),
             thread: BuildThread::start(growth, arguments.niceness)?,
             begun,
-            last_view: begun,
             next_line: begun + LINE_PERIOD,
             state: None,
             is_closed: false,
@@ -125,7 +121,6 @@ impl<'a, 's> Construction<'a, 's> {
         let mut next_check = self.begun + CHECK_PERIOD;
         loop {
             if let Some(view) = receiver.newest_view(track)? {
-                self.last_view = Instant::now();
                 self.queue.push(view);
             }
             self.hand_over(Duration::ZERO);
@@ -147,12 +142,9 @@ impl<'a, 's> Construction<'a, 's> {
                     return Ok(End::DaemonEnded);
                 }
             }
-            if receiver.is_handled() {
-                self.print_line(|_| Some(format!("object {track} is in a hand; put it down")));
-            } else if now.duration_since(self.last_view) > UNSEEN_PERIOD {
-                self.print_line(|_| Some(format!("object {track} is not seen")));
-            } else {
-                self.print_line(Self::state_line);
+            match receiver.obstacle() {
+                Some(obstacle) => self.print_line(|_| Some(obstacle.in_words(track))),
+                None => self.print_line(Self::state_line),
             }
             self.stop.sleep(POLL_PERIOD);
         }
