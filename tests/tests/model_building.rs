@@ -160,12 +160,16 @@ fn stopped_builder_stores_what_it_has_and_a_killed_one_leaves_what_has_grown() {
     let terminated = part("terminated", Signal::TERM);
     assert_eq!(terminated["end"], "stopped");
     assert!(terminated["left_out"].is_number(), "{terminated}");
+    if terminated["views"].as_u64().unwrap() > 1 {
+        assert_eq!(terminated["is_agreed"], false, "{terminated}");
+    }
     // The views that wait at Ctrl-C are added.
     let part = part("part", Signal::INT);
     assert_eq!(
         (&part["end"], &part["left_out"]),
         (&"stopped".into(), &0.into())
     );
+    assert_eq!(part["is_agreed"], true);
     assert!(part["next_move"]["right_deg"].is_number(), "{part}");
     assert!(part["views"].as_u64().unwrap() >= 1, "{part}");
     assert!(!part["missing"].as_array().unwrap().is_empty(), "{part}");

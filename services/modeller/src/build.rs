@@ -46,9 +46,14 @@ pub(crate) fn run(
         object.track
     ));
     let mut store = ModelStore::new(common, arguments.author.as_deref(), &name);
-    let growth = Growth::new(config(common, arguments, output), arguments.pose_sigma());
-    let seen_by = (&stop, output);
-    let construction = Construction::new(&common.domain, arguments, growth, seen_by, &mut store)?;
+    let config = config(common, arguments, output);
+    let construction = Construction::new(
+        &common.domain,
+        arguments,
+        config,
+        (&stop, output),
+        &mut store,
+    )?;
     let constructed = construction.run(&mut receiver, object.track)?;
     require_views(&constructed.growth, object.track)?;
     let model = object_model(&constructed.growth);

@@ -5,6 +5,8 @@ use crate::object_receiver::ReceivedView;
 use model_construction::{Config, ModelBuilder, PoseSigma, View};
 use nalgebra::{Isometry3, Vector3};
 use object_model::{DirectionSphere, RefusedView, UnseenDirections};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Angle between a direction and that of a view within which its side counts as seen, 40°, as the
@@ -94,10 +96,11 @@ pub(crate) enum Step {
 }
 
 impl Growth {
-    pub(crate) fn new(config: Config, sigma: PoseSigma) -> Self {
+    /// Growth of a model, which stops bringing its views into agreement when the flag is set.
+    pub(crate) fn new(config: Config, sigma: PoseSigma, stop: Arc<AtomicBool>) -> Self {
         Self {
             is_turn_known: config.turn_rad.is_some(),
-            builder: ModelBuilder::new(config),
+            builder: ModelBuilder::new(config).stopped_by(stop),
             sigma,
             refused: Vec::new(),
             n_refused: 0,
@@ -195,9 +198,9 @@ impl Growth {
         captured_ns.saturating_add_signed(self.wall_clock_offset_ns)
     }
 
-    /// Brings all views into agreement.
-    pub(crate) fn finish(&mut self) {
-        self.builder.finish();
+    /// Brings all views into agreement; `false` if it was stopped.
+    pub(crate) fn finish(&mut self) -> bool {
+        self.builder.finish()
     }
 
     pub(crate) fn builder(&self) -> &ModelBuilder {

@@ -4,8 +4,11 @@ use crate::growth::{Growth, GrowthState, Step};
 use crate::model_document::object_model;
 use crate::object_receiver::ReceivedView;
 use crossbeam::channel::{Receiver, SendTimeoutError, Sender, bounded, unbounded};
+use model_construction::{Config, PoseSigma};
 use object_model::ObjectModel;
 use service::Failure;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -21,17 +24,29 @@ pub(super) struct BuildProgress {
     pub(super) unfinished: Option<ObjectModel>,
 }
 
+/// Grown model.
+#[derive(Debug)]
+pub(super) struct Grown {
+    pub(super) growth: Growth,
+    /// `false` where bringing the views into agreement was stopped.
+    pub(super) is_agreed: bool,
+}
+
 /// Thread that owns the model while it grows.
 #[derive(Debug)]
 pub(super) struct BuildThread {
-    views: Sender<ReceivedView>,
+    /// `None` once no more views come.
+    views: Option<Sender<ReceivedView>>,
     progress: Receiver<BuildProgress>,
-    handle: JoinHandle<Growth>,
+    stop: Arc<AtomicBool>,
+    handle: JoinHandle<Grown>,
 }
 
 impl BuildThread {
-    /// Starts the thread at a nice value.
-    pub(super) fn start(growth: Growth, niceness: u8) -> Result<Self, Failure> {
+    /// Starts the thread at a nice value, with an empty model.
+    pub(super) fn start(config: Config, sigma: PoseSigma, niceness: u8) -> Result<Self, Failure> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let growth = Growth::new(config, sigma, stop.clone());
         // Without a buffer: views wait in the queue, where those that tell nothing are left out.
         let (views, to_add) = bounded(0);
         let (done, progress) = unbounded();
@@ -47,15 +62,19 @@ impl BuildThread {
                 Failure::general(format!("the thread of the model did not start: {error}"))
             })?;
         Ok(Self {
-            views,
+            views: Some(views),
             progress,
+            stop,
             handle,
         })
     }
 
     /// Gives a view to the thread; returns it if the thread is not ready within the time.
     pub(super) fn add(&self, view: ReceivedView, patience: Duration) -> Option<ReceivedView> {
-        let sent = self.views.send_timeout(view, patience);
+        let Some(views) = &self.views else {
+            return Some(view);
+        };
+        let sent = views.send_timeout(view, patience);
         sent.err().map(SendTimeoutError::into_inner)
     }
 
@@ -64,13 +83,23 @@ impl BuildThread {
         self.progress.try_recv().ok()
     }
 
-    /// `true` after a panic, which `finish` passes on.
+    /// Lets the thread end after the view that is being added, with all views in agreement.
+    pub(super) fn end_views(&mut self) {
+        self.views = None;
+    }
+
+    /// Leaves the views as they are.
+    pub(super) fn stop_agreement(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// `true` after the end of the views, and after a panic, which `join` passes on.
     pub(super) fn has_ended(&self) -> bool {
         self.handle.is_finished()
     }
 
-    /// Model after the view that is being added, with all views in agreement.
-    pub(super) fn finish(self) -> Growth {
+    /// Model after the last view.
+    pub(super) fn join(self) -> Grown {
         drop(self.views);
         let joined = self.handle.join();
         joined.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
@@ -78,18 +107,14 @@ impl BuildThread {
 }
 
 /// Adds views until there are no more, and brings them into agreement.
-fn grow(
-    mut growth: Growth,
-    views: &Receiver<ReceivedView>,
-    done: &Sender<BuildProgress>,
-) -> Growth {
-    let mut are_agreed = true;
+fn grow(mut growth: Growth, views: &Receiver<ReceivedView>, done: &Sender<BuildProgress>) -> Grown {
+    let mut is_agreed = true;
     let mut n_wanted = N_FIRST_VIEWS;
     for view in views {
         let step = growth.add(&view);
         match step {
-            Step::Fused => are_agreed = false,
-            Step::Closed => are_agreed = true,
+            Step::Fused => is_agreed = false,
+            Step::Closed => is_agreed = true,
             Step::Nothing | Step::Refused => {}
         }
         let state = growth.state();
@@ -105,8 +130,6 @@ fn grow(
             unfinished,
         });
     }
-    if !are_agreed {
-        growth.finish();
-    }
-    growth
+    let is_agreed = is_agreed || growth.finish();
+    Grown { growth, is_agreed }
 }

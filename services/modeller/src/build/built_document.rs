@@ -20,6 +20,8 @@ pub(super) struct BuiltDocument {
     /// Reasons of the refused views with their numbers.
     reasons: Vec<(String, usize)>,
     is_closed_loop: bool,
+    /// `true` if the views were brought into agreement at the end.
+    is_agreed: bool,
     /// Share of all directions from which the object was seen, 0 to 1.
     completeness: f64,
     /// Parts that are still missing, in words.
@@ -54,6 +56,7 @@ impl BuiltDocument {
             refused: growth.n_refused(),
             left_out: constructed.n_left_out,
             reasons: reasons(growth),
+            is_agreed: constructed.is_agreed,
             is_closed_loop: model.is_closed_loop,
             completeness: model.unseen.completeness(),
             missing: model.unseen.in_words(),
@@ -87,6 +90,9 @@ impl BuiltDocument {
         }
         if self.left_out > 0 {
             lines.push(format!("{} views were left out", self.left_out));
+        }
+        if !self.is_agreed {
+            lines.push("the views were not brought into agreement".to_owned());
         }
         if let Some((reason, _)) = self.reasons.first() {
             lines.push(format!(

@@ -1,6 +1,6 @@
 //! Construction of a model, on a thread of its own, from the views that a moving camera takes.
 
-use super::build_thread::{BuildProgress, BuildThread};
+use super::build_thread::{BuildProgress, BuildThread, Grown};
 use super::model_store::ModelStore;
 use crate::arguments::BuildArguments;
 use crate::growth::{Growth, GrowthState, Step};
@@ -9,6 +9,7 @@ use crate::presence::is_running;
 use crate::view_queue::ViewQueue;
 use channel::DomainName;
 use command_line::{Output, StopSignal};
+use model_construction::Config;
 use service::Failure;
 use std::time::{Duration, Instant};
 
@@ -46,6 +47,8 @@ pub(super) struct Constructed {
     pub(super) begun: Instant,
     /// Number of views that were taken and not added.
     pub(super) n_left_out: usize,
+    /// `true` if the views were brought into agreement at the end.
+    pub(super) is_agreed: bool,
 }
 
 /// Construction that goes on.
@@ -67,7 +70,7 @@ impl<'a, 's> Construction<'a, 's> {
     pub(super) fn new(
         domain: &'a DomainName,
         arguments: &'a BuildArguments,
-        growth: Growth,
+        config: Config,
         (stop, output): (&'a StopSignal, &'a Output),
         store: &'a mut ModelStore<'s>,
     ) -> Result<Self, Failure> {
@@ -79,7 +82,7 @@ impl<'a, 's> Construction<'a, 's> {
             output,
             store,
             queue: ViewQueue::new(arguments.step_deg.to_radians()),
-            thread: BuildThread::start(growth, arguments.niceness)?,
+            thread: BuildThread::start(config, arguments.pose_sigma(), arguments.niceness)?,
             begun,
             next_line: begun + LINE_PERIOD,
             state: None,
@@ -96,19 +99,37 @@ impl<'a, 's> Construction<'a, 's> {
         let end = self.take_views(receiver, track)?;
         self.add_waiting();
         let n_waiting = self.queue.len();
-        if !self.is_complete() {
-            let text = "bringing the views into agreement";
-            self.output.print_status(text);
-        }
-        let growth = self.thread.finish();
+        let (until_closed, begun) = (self.arguments.until_closed, self.begun);
+        let Grown { growth, is_agreed } = self.agree();
         // The last view may have closed the loop.
-        let is_complete = self.arguments.until_closed && growth.builder().is_closed();
+        let is_complete = until_closed && growth.builder().is_closed();
         Ok(Constructed {
             growth,
             end: if is_complete { End::Closed } else { end },
-            begun: self.begun,
+            begun,
             n_left_out: if is_complete { 0 } else { n_waiting },
+            is_agreed,
         })
+    }
+
+    /// Brings the views into agreement, until a further stop signal; SIGTERM leaves them as they
+    /// are.
+    fn agree(mut self) -> Grown {
+        if !self.is_complete() {
+            let text = "bringing the views into agreement; Ctrl-C leaves them as they are";
+            self.output.print_status(text);
+        }
+        let n_raised = self.stop.n_raised();
+        loop {
+            if self.stop.is_terminated() || self.stop.n_raised() > n_raised {
+                self.thread.stop_agreement();
+            }
+            self.thread.end_views();
+            if self.thread.has_ended() {
+                return self.thread.join();
+            }
+            std::thread::sleep(POLL_PERIOD);
+        }
     }
 
     /// `true` once no further view is wanted.

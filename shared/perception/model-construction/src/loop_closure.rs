@@ -2,7 +2,9 @@
 
 use crate::pose_graph::{Edge, Node, optimise};
 use crate::view::BuiltView;
+use nalgebra::Isometry3;
 use registration::{Prior, refine};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Greatest angle between the viewing directions of a pair, 50°. Chosen: beyond it too little of
 /// the surface is common.
@@ -42,26 +44,33 @@ pub(crate) fn is_orbit_closed(views: &[BuiltView]) -> bool {
 }
 
 /// Brings the poses of all views into agreement, by the registrations of pairs of them and by the
-/// reported poses.
-pub(crate) fn close_loop(views: &mut [BuiltView]) {
+/// reported poses; `false` if it was stopped, which leaves them as they are.
+pub(crate) fn close_loop(views: &mut [BuiltView], stop: &AtomicBool) -> bool {
+    let mut poses: Vec<Isometry3<f64>> = views.iter().map(|v| v.object_from_camera).collect();
     for _ in 0..N_ROUNDS {
-        let edges: Vec<Edge> = pairs(views)
-            .into_iter()
-            .filter_map(|(target, source)| edge(views, target, source))
-            .collect();
+        let mut edges = Vec::new();
+        for (target, source) in pairs(views) {
+            if stop.load(Ordering::Relaxed) {
+                return false;
+            }
+            edges.extend(edge((views, &poses), target, source));
+        }
         let mut nodes: Vec<Node> = views
             .iter()
-            .map(|view| Node {
-                object_from_camera: view.object_from_camera,
+            .zip(&poses)
+            .map(|(view, pose)| Node {
+                object_from_camera: *pose,
                 reported: view.reported,
                 sigma: view.sigma,
             })
             .collect();
         optimise(&mut nodes, &edges);
-        for (view, node) in views.iter_mut().zip(nodes) {
-            view.object_from_camera = node.object_from_camera;
-        }
+        poses = nodes.iter().map(|node| node.object_from_camera).collect();
     }
+    for (view, pose) in views.iter_mut().zip(poses) {
+        view.object_from_camera = pose;
+    }
+    true
 }
 
 /// Pairs of views, each with those nearest in viewing direction.
@@ -87,10 +96,14 @@ fn pairs(views: &[BuiltView]) -> Vec<(usize, usize)> {
     pairs
 }
 
-fn edge(views: &[BuiltView], target: usize, source: usize) -> Option<Edge> {
-    let pose = |index: usize| views[index].object_from_camera;
+/// Registration of two views in their present poses; `None` where they do not fit.
+fn edge(
+    (views, poses): (&[BuiltView], &[Isometry3<f64>]),
+    target: usize,
+    source: usize,
+) -> Option<Edge> {
     let prior = Prior {
-        target_from_source: pose(target).inverse() * pose(source),
+        target_from_source: poses[target].inverse() * poses[source],
         translation_sigma_m: 0.01,
         rotation_sigma_rad: 0.05,
     };

@@ -1,35 +1,25 @@
 //! Construction of an object model from views, one after the other.
 
+mod view_registration;
+
 use crate::Error;
 use crate::config::Config;
 use crate::depth_view::DepthView;
-use crate::error::Misfit;
-use crate::facing_surface::facing_surface;
 use crate::loop_closure::{close_loop, is_orbit_closed};
-use crate::placement::{ReportedPose, RestingPlacement, UNKNOWN_SIGMA};
+use crate::placement::RestingPlacement;
 use crate::surface_points::SurfacePoint;
 use crate::tsdf_volume::TsdfVolume;
-use crate::turn_search::TurnSearch;
 use crate::view::{BuiltView, View};
 use mesh::TriangleMesh;
-use nalgebra::{Isometry3, Point3, Translation3, Vector3};
-use registration::{Prior, Registration, ViewSurface, register};
-
-/// Weight of the surface to which a view is registered. Chosen: one pixel at 45° and 1.8 m.
-const TARGET_WEIGHT_MIN: f32 = 0.1;
+use nalgebra::Translation3;
+use registration::Registration;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Weight of the surface of the mesh, as a share of the number of views, and its limits. Chosen:
 /// what only one of many views saw is noise.
 const MESH_WEIGHT_SHARE: f32 = 0.02;
 const MESH_WEIGHT: std::ops::RangeInclusive<f32> = 0.1..=3.0;
-
-/// Registered view, before it is fused.
-#[derive(Debug)]
-struct PlacedView {
-    registration: Registration,
-    expected: Isometry3<f64>,
-    reported: ReportedPose,
-}
 
 /// Object model under construction.
 ///
@@ -43,6 +33,7 @@ pub struct ModelBuilder {
     views: Vec<BuiltView>,
     placement: Option<RestingPlacement>,
     is_closed: bool,
+    stop: Arc<AtomicBool>,
 }
 
 impl ModelBuilder {
@@ -54,7 +45,15 @@ impl ModelBuilder {
             views: Vec::new(),
             placement: None,
             is_closed: false,
+            stop: Arc::default(),
         }
+    }
+
+    /// This model, which stops bringing its views into agreement when the flag is set.
+    #[must_use]
+    pub fn stopped_by(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.stop = stop;
+        self
     }
 
     /// Accepted views.
@@ -127,7 +126,7 @@ impl ModelBuilder {
         self.views.truncate(placement.first_view);
         self.placement = placement.previous();
         if self.views.is_empty() {
-            *self = Self::new(self.config);
+            *self = Self::new(self.config).stopped_by(self.stop.clone());
         } else {
             self.fuse_again();
         }
@@ -159,67 +158,6 @@ impl ModelBuilder {
         self.views.push(view);
     }
 
-    /// Registers a view of an object that stands still: with the motion so far, the reported pose,
-    /// and the place at which the camera sees the object.
-    fn follow(
-        &self,
-        mut placement: RestingPlacement,
-        view: &View<'_>,
-        depth: &DepthView,
-    ) -> Result<(RestingPlacement, PlacedView), Error> {
-        let camera = placement.expect(view);
-        let middle = depth.surface.centroid();
-        let target = facing_surface(&self.target_points(), &camera)?;
-        let prior = placement.prior(&middle, &target.centroid());
-        let registration = self.register(&target, &depth.surface, &prior)?;
-        let registered = registration.target_from_source;
-        let reported = placement.note_fitting(view, &registered, &depth.surface);
-        let placed = PlacedView {
-            registration,
-            expected: prior.target_from_source,
-            reported: reported.unwrap_or(ReportedPose {
-                object_from_camera: prior.target_from_source,
-                sigma: UNKNOWN_SIGMA,
-            }),
-        };
-        Ok((placement, placed))
-    }
-
-    /// Finds the placement of an object that was turned or moved, by the first view of it there.
-    fn place_anew(
-        &self,
-        last: RestingPlacement,
-        view: &View<'_>,
-        depth: &DepthView,
-    ) -> Result<(RestingPlacement, PlacedView), Error> {
-        let points = self.target_points();
-        let sum = points.iter().map(|point| point.place.coords.cast::<f64>());
-        let middle = Point3::from(sum.sum::<Vector3<f64>>() / points.len().max(1) as f64);
-        let last_pose = last.object_from_world * view.world_from_camera();
-        let n_turns = view.placement.wrapping_sub(last.number);
-        let search = TurnSearch {
-            object_from_camera: last_pose,
-            middle,
-            expected_rad: self.config.turn_rad.map(|turn| turn * f64::from(n_turns)),
-        };
-        let target = |camera: &Point3<f64>| facing_surface(&points, camera);
-        let turned = search
-            .run(&depth.surface, target)
-            .ok_or(Error::Misfit(Misfit::NoTurn))?;
-        let registration = turned.registration;
-        let found = registration.target_from_source;
-        let placed = PlacedView {
-            registration,
-            expected: turned.expected,
-            reported: ReportedPose {
-                object_from_camera: last_pose,
-                sigma: UNKNOWN_SIGMA,
-            },
-        };
-        let placement = RestingPlacement::new(view, found, self.views.len()).after(last);
-        Ok((placement, placed))
-    }
-
     /// Fuses a registered view, unless it shows nothing new.
     fn accept(&mut self, view: BuiltView, placement: RestingPlacement) {
         self.placement = Some(placement);
@@ -231,40 +169,20 @@ impl ModelBuilder {
         }
         self.fuse(view);
         if !self.is_closed && is_orbit_closed(&self.views) {
-            self.finish();
-            self.is_closed = true;
+            self.is_closed = self.finish();
         }
     }
 
-    /// Surface of the model to which views are registered.
-    fn target_points(&self) -> Vec<SurfacePoint> {
-        self.volume.surface_points(TARGET_WEIGHT_MIN)
-    }
-
-    /// Registers a view with the surface that it should show.
-    fn register(
-        &self,
-        target: &ViewSurface,
-        view: &ViewSurface,
-        prior: &Prior,
-    ) -> Result<Registration, Error> {
-        let found = register(target, view, prior).map_err(Error::Surface)?;
-        let sigmas = self.config.off_sigmas_max;
-        let misfit = self.misfit(&found);
-        let misfit = misfit.or_else(|| Misfit::far_from(prior, &found, view, sigmas));
-        misfit.map_or(Ok(found), |misfit| Err(Error::Misfit(misfit)))
-    }
-
-    /// Reason to refuse a registered view, by what model and view have in common.
-    fn misfit(&self, found: &Registration) -> Option<Misfit> {
-        let least = self.config.common_share_min;
-        Misfit::in_surface(found, least, self.config.contradiction_max)
-    }
-
-    /// Brings all views into agreement, and fuses them again.
-    pub fn finish(&mut self) {
-        close_loop(&mut self.views);
-        self.fuse_again();
+    /// Brings all views into agreement, and fuses them again; `false` if it was stopped, which
+    /// leaves the model as it is.
+    ///
+    /// *Cost*: some seconds.
+    pub fn finish(&mut self) -> bool {
+        let is_agreed = close_loop(&mut self.views, &self.stop);
+        if is_agreed {
+            self.fuse_again();
+        }
+        is_agreed
     }
 
     fn fuse_again(&mut self) {

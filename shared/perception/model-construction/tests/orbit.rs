@@ -8,6 +8,8 @@ use model_construction::{Config, Error, Misfit, ModelBuilder, PoseSigma};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use point_cloud::Point;
 use random::Random;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use test_object::{TestObject, disturbed, view, world_from_camera};
 
 const SIGMA: PoseSigma = PoseSigma {
@@ -30,6 +32,32 @@ fn built(object: TestObject, seed: u64) -> (ModelBuilder, Vec<Isometry3<f64>>) {
     }
     builder.finish();
     (builder, truth)
+}
+
+#[test]
+fn a_stopped_agreement_leaves_the_views_where_they_are() {
+    let stop = Arc::new(AtomicBool::new(false));
+    let mut builder = ModelBuilder::new(Config::default()).stopped_by(stop.clone());
+    let mut random = Random::from_seed(3);
+    for index in 0..4_u32 {
+        let pose = world_from_camera(15.0 * f64::from(index), 40.0);
+        let points = TestObject::BoxWithBall.points(&pose, index.into());
+        let reported = disturbed(&pose, &SIGMA, &mut random);
+        builder
+            .add(&view(&points, reported, SIGMA, index.into()))
+            .unwrap();
+    }
+    let poses = |builder: &ModelBuilder| -> Vec<Isometry3<f64>> {
+        let views = builder.views().iter();
+        views.map(|view| view.object_from_camera).collect()
+    };
+    let before = poses(&builder);
+    stop.store(true, Ordering::Relaxed);
+    assert!(!builder.finish());
+    assert_eq!(poses(&builder), before);
+    stop.store(false, Ordering::Relaxed);
+    assert!(builder.finish());
+    assert_ne!(poses(&builder), before);
 }
 
 /// Pose of the model's frame in the world that fits the first of the views.
