@@ -9,6 +9,7 @@ mod growth;
 mod handling;
 mod hypotheses;
 mod model_document;
+mod model_shelf;
 mod next_move;
 mod object_receiver;
 mod obstacle;

@@ -146,6 +146,7 @@ mod tests {
         let object = |track, x, points| SnapshotObject {
             track,
             label: None,
+            categories: Vec::new(),
             state: TrackState::Tracked,
             middle_in_world: Point3::new(x, 20.0, 0.8),
             points,

@@ -60,6 +60,7 @@ mod tests {
         SnapshotObject {
             track,
             label: None,
+            categories: Vec::new(),
             state,
             middle_in_world: Point3::origin(),
             points,

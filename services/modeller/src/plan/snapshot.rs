@@ -4,6 +4,7 @@ use geometry::{PinholeCamera, Plane, RigidTransform};
 use message::TrackState;
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::Point;
+use registration::ModelCandidate;
 
 /// Frame with its scene. Places are in the world, or, where the camera's pose is unknown, in the
 /// frame of the camera.
@@ -31,11 +32,32 @@ pub(crate) struct Snapshot {
 pub(crate) struct SnapshotObject {
     pub(crate) track: u64,
     pub(crate) label: Option<String>,
+    /// Most probable categories with their probabilities, 0 to 1.
+    pub(crate) categories: Vec<(String, f64)>,
     pub(crate) state: TrackState,
     /// Middle of its box.
     pub(crate) middle_in_world: Point3<f64>,
     /// Measured points, camera frame, metres; empty for an object that is not seen.
     pub(crate) points: Vec<[f32; 3]>,
+}
+
+impl SnapshotObject {
+    /// Categories whose models the object may show: its label, and the most probable others. One
+    /// without a label is unknown, and shows none.
+    pub(crate) fn candidates(&self) -> impl Iterator<Item = ModelCandidate<&str>> {
+        let label = self.label.as_deref();
+        let near = self.categories.iter().filter(move |_| label.is_some());
+        let near = near.map(|(name, probability)| (name.as_str(), *probability));
+        // A label that is not among the categories counts as sure.
+        let is_near = |label: &&str| self.categories.iter().any(|(name, _)| name == label);
+        let given = label
+            .filter(|label| !is_near(label))
+            .map(|label| (label, 1.0));
+        given
+            .into_iter()
+            .chain(near)
+            .map(|(model, probability)| ModelCandidate { model, probability })
+    }
 }
 
 impl Snapshot {
@@ -64,5 +86,39 @@ impl Snapshot {
             capture_ns: 0,
             source_name: String::new(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Candidates of an object with a label and near categories.
+    fn candidates(label: Option<&str>, categories: &[(&str, f64)]) -> Vec<(String, f64)> {
+        let object = SnapshotObject {
+            track: 1,
+            label: label.map(str::to_owned),
+            categories: categories
+                .iter()
+                .map(|(name, probability)| ((*name).to_owned(), *probability))
+                .collect(),
+            state: TrackState::Tracked,
+            middle_in_world: Point3::origin(),
+            points: Vec::new(),
+        };
+        let candidates = object.candidates();
+        candidates
+            .map(|candidate| (candidate.model.to_owned(), candidate.probability))
+            .collect()
+    }
+
+    #[test]
+    fn a_labelled_object_may_be_of_its_near_categories() {
+        let near = [("mug", 0.7), ("cup", 0.2)];
+        let owned = near.map(|(name, probability)| (name.to_owned(), probability));
+        assert_eq!(candidates(Some("mug"), &near), owned);
+        assert_eq!(candidates(None, &near), []);
+        let given = candidates(Some("pot"), &near);
+        assert_eq!((given.len(), &given[0]), (3, &("pot".to_owned(), 1.0)));
     }
 }

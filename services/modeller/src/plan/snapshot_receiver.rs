@@ -147,6 +147,10 @@ impl SnapshotReceiver {
         let object = |object: &SceneObject| SnapshotObject {
             track: object.track_id,
             label: object.label().map(str::to_owned),
+            categories: object
+                .categories()
+                .map(|(name, _, probability)| (name.to_owned(), probability.into()))
+                .collect(),
             state: TrackState::from_code(object.state).unwrap_or(TrackState::Missing),
             middle_in_world: object.pose.position_m.into(),
             points: self.points_of(object, scene, checked.world_from_camera),

@@ -10,7 +10,8 @@ use super::snapshot::Snapshot;
 use super::view_plan::{PlanInput, ViewPlan};
 use super::{candidate_poses, picture, pose_file, remarks, view_plan};
 use crate::arguments::PlanArguments;
-use crate::hypotheses::ModelShelf;
+use crate::hypotheses::hypotheses;
+use crate::model_shelf::ModelShelf;
 use channel::{Domain, DomainName, Error};
 use geometry::RigidTransform;
 use next_best_view::OccupancyGrid;
@@ -113,7 +114,7 @@ impl<'a> ViewPlanning<'a> {
             notes.push(format!("the stored models are not used: {failure}"));
         }
         let cell_m = cell_m(snapshot, &frame);
-        let hypotheses = self.shelf.hypotheses(snapshot, &frame, cell_m)?;
+        let hypotheses = hypotheses(&self.shelf, snapshot, &frame, cell_m)?;
         notes.extend(remarks::remarks(snapshot, &hypotheses));
         let space = PlanningSpace::around(&hypotheses);
         let cell_m = cell_m.max(space.diagonal_m() / N_CELLS_MAX);

@@ -51,7 +51,7 @@ mod weak_rotation;
 
 pub use error::Error;
 pub use kd_tree::KdTree;
-pub use model_pose::{ModelPose, PoseModel, SegmentView, estimate_pose};
+pub use model_pose::{ModelCandidate, ModelPose, PoseModel, SegmentView, estimate_pose, identify};
 pub use prior::Prior;
 pub use register::{PairAlignment, Registration, refine, register};
 pub use view_surface::{ViewOrigin, ViewSurface};

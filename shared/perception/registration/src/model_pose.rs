@@ -9,10 +9,12 @@
 //!    et al., "Model Based Training, Detection and Pose Estimation of Texture-Less 3D Objects in
 //!    Heavily Cluttered Scenes", 2012).
 
+mod identification;
 mod pose_score;
 mod pose_search;
 mod view_template;
 
+pub use identification::{ModelCandidate, identify};
 pub use pose_search::estimate_pose;
 
 use crate::Error;

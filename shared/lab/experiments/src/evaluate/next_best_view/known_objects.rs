@@ -2,7 +2,7 @@
 
 use super::bin_scene::BinScene;
 use super::captured_view::LabelledImage;
-use super::object_recognition::ObjectRecogniser;
+use super::object_recognition::{ObjectRecogniser, RecognisedObject};
 use super::object_registration::RegistrationModels;
 use super::segment_matching::{MatchedSegments, SceneSegment};
 use service::Failure;
@@ -14,7 +14,7 @@ const FRAME_STRIDE: usize = 2;
 /// Known objects of a scene.
 #[derive(Debug)]
 pub(super) struct KnownObjects {
-    /// Recogniser; without one all models are tried.
+    /// Recogniser; without one all models are alike.
     recogniser: Option<ObjectRecogniser>,
     models: RegistrationModels,
 }
@@ -49,13 +49,11 @@ impl KnownObjects {
         }
     }
 
-    /// Objects that a segment may be, the most probable first.
-    fn recognised(&self, scene: &BinScene, segment: &SceneSegment) -> Vec<usize> {
-        let Some(recogniser) = &self.recogniser else {
-            return self.models.all();
-        };
+    /// Objects that a segment may be, the most probable first; none without a recogniser.
+    fn recognised(&self, scene: &BinScene, segment: &SceneSegment) -> Vec<RecognisedObject> {
         let descriptors = segment.descriptors.as_ref();
-        descriptors.map_or_else(Vec::new, |descriptors| {
+        let known = self.recogniser.as_ref().zip(descriptors);
+        known.map_or_else(Vec::new, |(recogniser, descriptors)| {
             recogniser.recognise(scene, descriptors)
         })
     }

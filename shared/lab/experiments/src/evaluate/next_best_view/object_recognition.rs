@@ -1,10 +1,10 @@
 //! Recognition of the objects in the bin, taught in other heaps of the same objects.
 
-use super::bin_scene::BinScene;
+use super::bin_scene::{BinObject, BinScene};
 use super::captured_view::{CapturedView, capture_all};
 use super::simulated_bin::{SimulatedBin, ViewLattice};
 use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
-use learning::{CategoryIndex, CategoryName, ViewId};
+use learning::{CategoryIndex, CategoryName, Neighbour, ViewId};
 use nalgebra::UnitVector3;
 use point_cloud::Point;
 use random::mix64;
@@ -42,6 +42,14 @@ impl SegmentDescriber {
         let described = self.0.as_mut()?.describe(segment, up_in_camera);
         described.ok().map(|descriptors| descriptors.to_vec())
     }
+}
+
+/// Object that a segment may be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RecognisedObject {
+    pub(super) object: usize,
+    /// Probability, 0 to 1.
+    pub(super) probability: f64,
 }
 
 /// Recogniser of the objects of a scene.
@@ -97,21 +105,22 @@ impl ObjectRecogniser {
     }
 
     /// Objects of a scene that a segment may be, the most probable first.
-    pub(super) fn recognise(&self, scene: &BinScene, descriptors: &ViewDescriptors) -> Vec<usize> {
+    pub(super) fn recognise(
+        &self,
+        scene: &BinScene,
+        descriptors: &ViewDescriptors,
+    ) -> Vec<RecognisedObject> {
         let Ok(found) = self.index.recognise_any(descriptors, f32::INFINITY) else {
             return Vec::new();
         };
-        let ids = found
-            .nearest
-            .iter()
-            .flatten()
-            .map(|near| near.view.track_id);
-        let object = |id: u64| {
-            scene
-                .objects
-                .iter()
-                .position(|object| u64::from(object.id) == id)
+        let recognised = |near: &Neighbour| {
+            let is_near = |object: &BinObject| u64::from(object.id) == near.view.track_id;
+            Some(RecognisedObject {
+                object: scene.objects.iter().position(is_near)?,
+                probability: near.probability.unwrap_or(0.0).into(),
+            })
         };
-        ids.filter_map(object).collect()
+        let nearest = found.nearest.iter().flatten();
+        nearest.filter_map(recognised).collect()
     }
 }

@@ -1,24 +1,19 @@
 //! Registration of the models of objects with the segments of a view.
 
 use super::bin_scene::BinScene;
+use super::object_recognition::RecognisedObject;
 use super::segment_matching::SceneSegment;
 use geometry::RigidTransform;
 use nalgebra::Point3;
-use registration::{KdTree, ModelPose, PoseModel, SegmentView, estimate_pose};
+use registration::{
+    KdTree, ModelCandidate, ModelPose, PoseModel, SegmentView, estimate_pose, identify,
+};
 use sensor_noise::DepthNoise;
 use service::Failure;
 
 /// Share of the diameter that the nearest-point error of a right pose is below (Hinterstoisser et
 /// al. 2012).
 const RIGHT_SHARE: f64 = 0.1;
-
-/// Number of recognised objects whose models are tried. Chosen.
-const N_TRIED: usize = 4;
-
-/// Contradiction that a model may have less than that of the object before it in recognition, and
-/// not be taken. Fitted: 74 % of the models are the right ones, 72 % without it and 66 % by
-/// recognition alone.
-const RANK_COST: f64 = 0.02;
 
 /// Model registered with a segment.
 #[derive(Debug, Clone, Copy)]
@@ -53,9 +48,6 @@ pub(super) struct RegistrationModels {
     model_of_object: Vec<usize>,
 }
 
-/// Model that was tried, and its pose.
-type TriedModel = (usize, ModelPose);
-
 impl RegistrationModels {
     /// Models of the objects of a scene; equal objects have one.
     pub(super) fn of(scene: &BinScene) -> Result<Self, Failure> {
@@ -82,13 +74,26 @@ impl RegistrationModels {
         })
     }
 
-    /// First objects of all models.
-    pub(super) fn all(&self) -> Vec<usize> {
-        self.models.iter().map(|model| model.object).collect()
+    /// Models that a segment may show: what recognition leaves over is shared by the models that
+    /// it does not name.
+    fn candidates(&self, recognised: &[RecognisedObject]) -> Vec<ModelCandidate<usize>> {
+        let mut named = vec![None; self.models.len()];
+        for recognised in recognised {
+            let model = self.model_of_object[recognised.object];
+            *named[model].get_or_insert(0.0) += recognised.probability;
+        }
+        let left: f64 = 1.0 - named.iter().flatten().sum::<f64>();
+        let n_others = named.iter().filter(|named| named.is_none()).count();
+        let share = left.max(0.0) / n_others.max(1) as f64;
+        let candidate = |(model, probability): (usize, &Option<f64>)| ModelCandidate {
+            model,
+            probability: probability.unwrap_or(share),
+        };
+        named.iter().enumerate().map(candidate).collect()
     }
 
-    /// Registers the models of the objects that a segment is recognised as with it; `None` when
-    /// none of them comes to lie on it.
+    /// Model that a segment shows, by what it is recognised as and by the poses of the models;
+    /// `None` when none of them comes to lie on it.
     pub(super) fn register(
         &self,
         scene: &BinScene,
@@ -97,30 +102,18 @@ impl RegistrationModels {
         world_from_camera: &RigidTransform,
     ) -> Option<RegisteredModel> {
         let view = SegmentView::new(&segment.in_camera, frame, DepthNoise::KINECT_V1).ok()?;
-        let estimate = |model: usize| -> Option<TriedModel> {
-            let pose = estimate_pose(&self.models[model].pose_model, &view).ok()?;
-            Some((model, pose))
-        };
-        let recognised = segment.recognised.iter().take(N_TRIED);
-        let tried: Vec<TriedModel> = recognised
-            .filter_map(|&object| estimate(self.model_of_object[object]))
-            .collect();
-        let costs = tried.iter().enumerate();
-        let costs =
-            costs.map(|(rank, tried)| (tried.1.contradiction + RANK_COST * rank as f64, tried));
-        let best = costs.min_by(|a, b| a.0.total_cmp(&b.0))?.1;
+        let estimate = |model: usize| estimate_pose(&self.models[model].pose_model, &view).ok();
+        let best = identify(&self.candidates(&segment.recognised), estimate)?;
         let true_model = segment.object.map(|object| self.model_of_object[object]);
-        let is_right = |(model, pose): &TriedModel| {
+        let is_right = |(model, pose): &(usize, ModelPose)| {
             let object = segment.object.filter(|_| Some(*model) == true_model);
             let world_from_model = world_from_camera * pose.camera_from_model;
             object.is_some_and(|object| self.is_right(scene, object, &world_from_model))
         };
         let of_true = true_model.map(|model| {
-            let tried = tried.iter().find(|tried| tried.0 == model).copied();
-            tried
-                .or_else(|| estimate(model))
-                .as_ref()
-                .is_some_and(is_right)
+            let known = (model == best.0).then_some(best.1);
+            let pose = known.or_else(|| estimate(model));
+            pose.is_some_and(|pose| is_right(&(model, pose)))
         });
         Some(RegisteredModel {
             object: self.models[best.0].object,
@@ -128,7 +121,7 @@ impl RegistrationModels {
             is_good: best.1.is_good(),
             contradiction: best.1.contradiction,
             is_true_model_right: of_true,
-            is_right: is_right(best),
+            is_right: is_right(&best),
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::bin_scene::BinScene;
 use super::captured_view::LabelledImage;
-use super::object_recognition::{SegmentDescriber, ViewDescriptors};
+use super::object_recognition::{RecognisedObject, SegmentDescriber, ViewDescriptors};
 use super::object_registration::RegisteredModel;
 use crate::frame_detector::FrameDetector;
 use nalgebra::Point3;
@@ -24,7 +24,7 @@ pub(super) struct SceneSegment {
     /// Descriptors of its axis hypotheses, until it is recognised; `None` if it has too few points.
     pub(super) descriptors: Option<ViewDescriptors>,
     /// Objects that recognition takes it for, the most probable first.
-    pub(super) recognised: Vec<usize>,
+    pub(super) recognised: Vec<RecognisedObject>,
     /// Model that lies on it, if one was registered.
     pub(super) registered: Option<RegisteredModel>,
 }
@@ -33,7 +33,12 @@ impl SceneSegment {
     /// Object that it is identified as: that of the model which lies on it, else the most probable.
     pub(super) fn identified(&self) -> Option<usize> {
         let registered = self.good_model().map(|model| model.object);
-        registered.or_else(|| self.recognised.first().copied())
+        registered.or_else(|| self.first_recognised())
+    }
+
+    /// Object that recognition finds most probable.
+    fn first_recognised(&self) -> Option<usize> {
+        self.recognised.first().map(|recognised| recognised.object)
     }
 
     /// Model that probably lies on it.
@@ -43,7 +48,7 @@ impl SceneSegment {
 
     /// `true` if recognition takes it first for the object that it covers.
     pub(super) fn is_recognised(&self) -> bool {
-        self.object.is_some() && self.recognised.first().copied() == self.object
+        self.object.is_some() && self.first_recognised() == self.object
     }
 
     /// `true` if it is identified as the object that it covers.

@@ -1,0 +1,167 @@
+//! Stored models, read from the memory when objects that they may be are seen.
+
+use crate::depth_noise::camera_depth_noise;
+use crate::plan::snapshot::{Snapshot, SnapshotObject};
+use control_client::{MemoryClient, connect_if_running};
+use mesh::{Triangle, TriangleMesh};
+use message::control::{DocumentKind, DocumentName, DocumentReport};
+use next_best_view::SurfaceModel;
+use object_model::ObjectModel;
+use registration::{ModelCandidate, ModelPose, PoseModel, SegmentView, estimate_pose, identify};
+use sensor_noise::DepthNoise;
+use service::{CommonArguments, Failure};
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Spacing of the points of a model, metres: that of the smallest cells.
+const MODEL_SPACING_M: f64 = 0.003;
+
+/// Stored model, ready to be placed.
+struct StoredModel {
+    surface: Rc<SurfaceModel>,
+    pose_model: PoseModel,
+}
+
+/// Stored models by name, each read once for each of its versions. An unusable one is kept as the
+/// reason.
+#[derive(Default)]
+pub(crate) struct ModelShelf {
+    depth_noise: DepthNoise,
+    models: BTreeMap<String, (u64, Result<StoredModel, String>)>,
+}
+
+/// Stored model in the pose of an object.
+pub(crate) struct PlacedModel<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) surface: &'a Rc<SurfaceModel>,
+    pub(crate) pose: ModelPose,
+}
+
+impl ModelShelf {
+    /// Reads the stored models of the categories that the labelled objects of a snapshot may be.
+    ///
+    /// # Errors
+    /// If the memory does not answer.
+    pub(crate) fn refresh(
+        &mut self,
+        common: &CommonArguments,
+        snapshot: &Snapshot,
+    ) -> Result<(), Failure> {
+        let seen = snapshot.objects.iter().filter(|o| !o.points.is_empty());
+        let names: Vec<&str> = seen
+            .flat_map(SnapshotObject::candidates)
+            .map(|c| c.model)
+            .collect();
+        if names.is_empty() {
+            self.models.clear();
+            return Ok(());
+        }
+        let client = connect_if_running(common)?;
+        let client = client.ok_or_else(|| Failure::general("the memory does not run"))?;
+        // While perception does not answer, the camera has the noise that it had.
+        self.depth_noise = camera_depth_noise(common).unwrap_or(self.depth_noise);
+        let mut memory = MemoryClient::of_daemon(common, client);
+        let stored = memory.documents(DocumentKind::ObjectModel)?;
+        self.models
+            .retain(|name, _| stored.iter().any(|report| report.document.name == *name));
+        for report in stored {
+            let name = &report.document.name;
+            if !names.contains(&name.as_str()) || self.has(&report) {
+                continue;
+            }
+            let model = read_model(&mut memory, name);
+            self.models.insert(name.clone(), (report.sequence, model));
+        }
+        Ok(())
+    }
+
+    fn has(&self, report: &DocumentReport) -> bool {
+        let known = self.models.get(&report.document.name);
+        known.is_some_and(|(sequence, _)| *sequence == report.sequence)
+    }
+
+    /// Places the model that an object shows, by its categories and by the poses of their models,
+    /// in the frame of the camera; `None` where none of them has a model.
+    ///
+    /// # Errors
+    /// The reason, where models are stored and none fits.
+    pub(crate) fn place(
+        &self,
+        object: &SnapshotObject,
+        scene: &[[f32; 3]],
+    ) -> Result<Option<PlacedModel<'_>>, String> {
+        let stored = |candidate: ModelCandidate<&str>| {
+            let (name, (_, model)) = self.models.get_key_value(candidate.model)?;
+            Some(ModelCandidate {
+                model: (name.as_str(), model),
+                probability: candidate.probability,
+            })
+        };
+        let candidates: Vec<_> = object.candidates().filter_map(stored).collect();
+        if candidates.is_empty() {
+            return Ok(None);
+        }
+        let unplaced = |error| format!("its stored model could not be placed ({error})");
+        let view = SegmentView::new(&object.points, scene, self.depth_noise);
+        let view = view.map_err(unplaced)?;
+        let mut reason = String::new();
+        let found = identify(&candidates, |(_, model)| {
+            let pose = model
+                .as_ref()
+                .map_err(String::clone)
+                .and_then(|model| estimate_pose(&model.pose_model, &view).map_err(unplaced));
+            pose.map_err(|failure| reason = failure).ok()
+        });
+        match found {
+            Some(((name, Ok(model)), pose)) if pose.is_good() => Ok(Some(PlacedModel {
+                name,
+                surface: &model.surface,
+                pose,
+            })),
+            Some((_, pose)) => Err(format!(
+                "its stored model does not fit (contradiction {:.2})",
+                pose.contradiction
+            )),
+            None => Err(reason),
+        }
+    }
+}
+
+/// Reads a model; the reason why it cannot be used otherwise.
+fn read_model(memory: &mut MemoryClient, name: &str) -> Result<StoredModel, String> {
+    let document = DocumentName {
+        kind: DocumentKind::ObjectModel,
+        name: name.to_owned(),
+    };
+    let stored = memory
+        .document(&document)
+        .map_err(|error| error.to_string())?;
+    let model = ObjectModel::from_bytes(&stored.content).map_err(|error| error.to_string())?;
+    StoredModel::of(&model)
+}
+
+impl StoredModel {
+    fn of(model: &ObjectModel) -> Result<Self, String> {
+        let triangle = |vertices: &[u32; 3]| Triangle {
+            vertices: *vertices,
+            surface: 0,
+        };
+        let mesh = TriangleMesh {
+            vertices: model.mesh.vertices.clone(),
+            triangles: model.mesh.triangles.iter().map(triangle).collect(),
+            surfaces: Vec::new(),
+        };
+        let surface = if mesh.triangles.is_empty() {
+            let points: Vec<[f32; 3]> = mesh.vertices.iter().map(|v| v.position.into()).collect();
+            SurfaceModel::of_points(&points, MODEL_SPACING_M)
+        } else {
+            SurfaceModel::of_mesh(&mesh, MODEL_SPACING_M)
+        };
+        let surface = surface.map_err(|error| error.to_string())?;
+        let pose_model = PoseModel::new(surface.points(), MODEL_SPACING_M);
+        Ok(Self {
+            surface: Rc::new(surface),
+            pose_model: pose_model.map_err(|error| error.to_string())?,
+        })
+    }
+}
