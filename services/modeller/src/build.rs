@@ -22,7 +22,7 @@ use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Polling period of the topics.
+/// Polling period of the topics, and of the end of the construction.
 const POLL_PERIOD: Duration = Duration::from_millis(5);
 /// Time for which a scene with the object is awaited.
 const SCENE_PATIENCE: Duration = Duration::from_secs(5);

@@ -1,7 +1,8 @@
 //! Handling of an object by a person or a robot: it separates the placements of the object.
 
 use crate::scene_table::table_in_world;
-use message::{SceneObject, SceneSummary, TrackState};
+use crate::visibility::is_seen_whole;
+use message::{SceneObject, SceneSummary};
 use nalgebra::{Point3, Vector3};
 
 /// Growth of the uncertainty of the tracked rotation that tells of a hand, radians. Chosen: a
@@ -26,7 +27,7 @@ pub(crate) struct TrackedPose {
     time_ns: u64,
     /// `false` while the object is hidden or not whole in the image, where the uncertainty grows,
     /// too.
-    is_seen: bool,
+    is_seen_whole: bool,
     position_m: Vector3<f64>,
     rotation_sigma_rad: f64,
     /// Height of its middle over the table; `None` without a table.
@@ -39,8 +40,7 @@ impl TrackedPose {
         let position_m = Vector3::from(object.pose.position_m);
         Self {
             time_ns: scene.stamps.capture_ns,
-            is_seen: TrackState::from_code(object.state) == Some(TrackState::Tracked)
-                && object.cut_by_image == 0,
+            is_seen_whole: is_seen_whole(object),
             position_m,
             height_m: table_in_world(scene).map(|table| table.height_m(&Point3::from(position_m))),
             rotation_sigma_rad: (xx + yy + zz).max(0.0).sqrt(),
@@ -83,7 +83,7 @@ impl Handling {
                 least_sigma_rad,
                 height_m,
             } => {
-                if !pose.is_seen {
+                if !pose.is_seen_whole {
                     *least_sigma_rad = sigma_rad;
                 }
                 *least_sigma_rad = least_sigma_rad.min(sigma_rad);
@@ -138,7 +138,7 @@ mod tests {
         let placement = |(index, &(height_m, sigma_deg)): (u64, &(f64, f64))| {
             handling.note(TrackedPose {
                 time_ns: 100_000_000 * index,
-                is_seen: (0.0..1.0).contains(&height_m),
+                is_seen_whole: (0.0..1.0).contains(&height_m),
                 position_m: Vector3::z() * height_m,
                 height_m: Some(height_m),
                 rotation_sigma_rad: sigma_deg.to_radians(),

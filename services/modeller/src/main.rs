@@ -17,6 +17,7 @@ mod plan;
 mod presence;
 mod scene_table;
 mod view_queue;
+mod visibility;
 
 use arguments::{ModellerArguments, ModellerVerb};
 use command_line::Output;

@@ -4,10 +4,11 @@ use crate::frame_headers::FrameHeaders;
 use crate::handling::{Handling, TrackedPose};
 use crate::obstacle::Obstacle;
 use crate::scene_table::table_in_world;
+use crate::visibility::{is_seen, is_seen_whole};
 use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, Subscriber};
 use geometry::PinholeCamera;
-use message::{SceneObject, TrackState};
+use message::SceneObject;
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use point_cloud::Point;
 use service::monotonic_ns;
@@ -134,7 +135,7 @@ impl ObjectReceiver {
             if let Some(object) = object {
                 let pose = TrackedPose::of(object, scene.header());
                 self.handling.note(pose);
-                self.is_cut = is_seen(object) && object.cut_by_image == 1;
+                self.is_cut = is_seen(object) && !is_seen_whole(object);
             }
         }
         Ok(())
@@ -174,14 +175,10 @@ impl ObjectReceiver {
             label: (object.is_labelled == 1)
                 .then(|| object.label.as_str().map(str::to_owned))
                 .flatten(),
-            is_seen: is_seen(object) && object.cut_by_image == 0,
+            is_seen: is_seen_whole(object),
         };
         Ok(Some(objects.iter().map(tracked).collect()))
     }
-}
-
-fn is_seen(object: &SceneObject) -> bool {
-    TrackState::from_code(object.state) == Some(TrackState::Tracked)
 }
 
 /// Direction from the middle of points to the camera, in the world; `None` without points.

@@ -1,5 +1,6 @@
 //! Thread that adds views to a model, at a low priority.
 
+use super::POLL_PERIOD;
 use crate::growth::{Growth, GrowthState, Step};
 use crate::model_document::object_model;
 use crate::object_receiver::ReceivedView;
@@ -35,8 +36,7 @@ pub(super) struct Grown {
 /// Thread that owns the model while it grows.
 #[derive(Debug)]
 pub(super) struct BuildThread {
-    /// `None` once no more views come.
-    views: Option<Sender<ReceivedView>>,
+    views: Sender<ReceivedView>,
     progress: Receiver<BuildProgress>,
     stop: Arc<AtomicBool>,
     handle: JoinHandle<Grown>,
@@ -62,7 +62,7 @@ impl BuildThread {
                 Failure::general(format!("the thread of the model did not start: {error}"))
             })?;
         Ok(Self {
-            views: Some(views),
+            views,
             progress,
             stop,
             handle,
@@ -71,10 +71,7 @@ impl BuildThread {
 
     /// Gives a view to the thread; returns it if the thread is not ready within the time.
     pub(super) fn add(&self, view: ReceivedView, patience: Duration) -> Option<ReceivedView> {
-        let Some(views) = &self.views else {
-            return Some(view);
-        };
-        let sent = views.send_timeout(view, patience);
+        let sent = self.views.send_timeout(view, patience);
         sent.err().map(SendTimeoutError::into_inner)
     }
 
@@ -83,24 +80,23 @@ impl BuildThread {
         self.progress.try_recv().ok()
     }
 
-    /// Lets the thread end after the view that is being added, with all views in agreement.
-    pub(super) fn end_views(&mut self) {
-        self.views = None;
-    }
-
-    /// Leaves the views as they are.
-    pub(super) fn stop_agreement(&self) {
-        self.stop.store(true, Ordering::Relaxed);
-    }
-
-    /// `true` after the end of the views, and after a panic, which `join` passes on.
+    /// `true` after a panic, which `finish` passes on.
     pub(super) fn has_ended(&self) -> bool {
         self.handle.is_finished()
     }
 
-    /// Model after the last view.
-    pub(super) fn join(self) -> Grown {
+    /// Model after the view that is being added, with all views in agreement, unless that is
+    /// stopped.
+    pub(super) fn finish(self, is_stopped: impl Fn() -> bool) -> Grown {
+        // Before the thread begins with it, where it is stopped already.
+        self.stop.store(is_stopped(), Ordering::Relaxed);
         drop(self.views);
+        while !self.handle.is_finished() {
+            if is_stopped() {
+                self.stop.store(true, Ordering::Relaxed);
+            }
+            std::thread::sleep(POLL_PERIOD);
+        }
         let joined = self.handle.join();
         joined.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }

@@ -1,5 +1,6 @@
 //! Construction of a model, on a thread of its own, from the views that a moving camera takes.
 
+use super::POLL_PERIOD;
 use super::build_thread::{BuildProgress, BuildThread, Grown};
 use super::model_store::ModelStore;
 use crate::arguments::BuildArguments;
@@ -13,8 +14,6 @@ use model_construction::Config;
 use service::Failure;
 use std::time::{Duration, Instant};
 
-/// Polling period of the topics.
-const POLL_PERIOD: Duration = Duration::from_millis(5);
 /// Period of the checks of the daemon, and of the lines that show the growth.
 const CHECK_PERIOD: Duration = Duration::from_secs(1);
 const LINE_PERIOD: Duration = Duration::from_secs(2);
@@ -114,22 +113,14 @@ impl<'a, 's> Construction<'a, 's> {
 
     /// Brings the views into agreement, until a further stop signal; SIGTERM leaves them as they
     /// are.
-    fn agree(mut self) -> Grown {
+    fn agree(self) -> Grown {
         if !self.is_complete() {
             let text = "bringing the views into agreement; Ctrl-C leaves them as they are";
             self.output.print_status(text);
         }
-        let n_raised = self.stop.n_raised();
-        loop {
-            if self.stop.is_terminated() || self.stop.n_raised() > n_raised {
-                self.thread.stop_agreement();
-            }
-            self.thread.end_views();
-            if self.thread.has_ended() {
-                return self.thread.join();
-            }
-            std::thread::sleep(POLL_PERIOD);
-        }
+        let (stop, n_raised) = (self.stop, self.stop.n_raised());
+        self.thread
+            .finish(|| stop.is_terminated() || stop.n_raised() > n_raised)
     }
 
     /// `true` once no further view is wanted.

@@ -3,6 +3,7 @@
 use super::snapshot::{Snapshot, SnapshotObject};
 use crate::frame_headers::FrameHeaders;
 use crate::scene_table::table_in_world;
+use crate::visibility::is_seen;
 use channel::topic::{CameraCloud, ObjectCloud, Scene};
 use channel::{Domain, Error, Received, SharedMessage, Subscriber};
 use geometry::{Plane, RigidTransform};
@@ -216,11 +217,6 @@ fn release(held: &mut VecDeque<SharedMessage<CameraCloud>>, session: u64, sequen
         let is_later = header.sequence > sequence && (!is_far || header.sequence == newest);
         header.session != session || header.sequence == sequence || is_later
     });
-}
-
-/// True for an object that is measured in the frame of its scene.
-fn is_seen(object: &SceneObject) -> bool {
-    TrackState::from_code(object.state) == Some(TrackState::Tracked)
 }
 
 /// True for an object that is more than a tentative track and has a place.
