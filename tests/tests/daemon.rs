@@ -381,6 +381,15 @@ impl Daemon<'_> {
         }
     }
 
+    /// Changes in the history of the memory, without the views that perception stores by itself
+    /// whenever it confirms a track.
+    pub(crate) fn changes(&self) -> Vec<Value> {
+        let history = self.ask(&["memory", "history"]);
+        let entries = history["entries"].as_array().unwrap();
+        let is_asked_for = |entry: &&Value| entry["operation"] != "store_views";
+        entries.iter().filter(is_asked_for).cloned().collect()
+    }
+
     /// Health document of a process.
     pub(crate) fn health(&self, process: &str) -> Option<Value> {
         let output = self.sandbox.tabula(&["status", "--json"]);

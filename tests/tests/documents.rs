@@ -1,7 +1,7 @@
 //! Documents over the real socket: large ones in pages, replaced, cut off and repeated ones, hostile
 //! requests, and models of objects.
 
-use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually};
+use crate::daemon::{Sandbox, WATCHDOG, eventually};
 use channel::control::SocketClient;
 use control_client::{NewDocument, read_document, try_put_document};
 use mesh::Vertex;
@@ -272,11 +272,10 @@ fn repeated_storing_is_answered_and_not_made_twice() {
     let store = change(random_id(), &name, upload, &content);
     let first = client.call(store.clone()).unwrap();
     assert!(matches!(first, Reply::Learned(_)), "{first:?}");
-    let last_sequence =
-        |daemon: &Daemon<'_>| daemon.ask(&["memory", "history"])["last_sequence"].clone();
-    let last = last_sequence(&daemon);
     // The upload has ended with the change.
     assert_eq!(client.call(store.clone()).unwrap(), first);
+    let changes = daemon.changes();
+    assert_eq!(changes.len(), 1, "{changes:?}");
     assert_eq!(write_kind(&mut client, upload), RefusalKind::NotFound);
 
     // Another process, in which another upload has the same id.
@@ -298,7 +297,7 @@ fn repeated_storing_is_answered_and_not_made_twice() {
     let mut client = connect(&sandbox);
     assert_eq!(begin(&mut client), upload);
     assert_eq!(client.call(store).unwrap(), first);
-    assert_eq!(last_sequence(&daemon), last);
+    assert_eq!(daemon.changes(), changes);
     assert_eq!(read(&mut client, &name), content);
     daemon.stop();
 }
