@@ -564,10 +564,10 @@ fn domains_isolate_two_daemons() {
     assert_eq!(neighbour.ask(&["categories"]), json!({"categories": []}));
     assert_eq!(daemon.ask(&["objects"])["source_name"], "synthetic:0");
     assert_eq!(neighbour.ask(&["objects"])["source_name"], "synthetic:1");
-    let before = WITH_CAMERA.map(|process| neighbour.pid(process));
+    let before = neighbour.pids();
     daemon.stop();
     wait_for_all(&neighbour, 1);
-    assert_eq!(WITH_CAMERA.map(|process| neighbour.pid(process)), before);
+    assert_eq!(neighbour.pids(), before);
     let (code, _) = neighbour.refused(&["forget", "thing"]);
     assert_eq!(code, 4);
     neighbour.stop();

@@ -106,19 +106,18 @@ fn killed_process_is_restarted_and_labels_are_recognised() {
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     for process in WITH_CAMERA {
-        let others = || {
-            WITH_CAMERA
-                .into_iter()
-                .filter(move |other| *other != process)
+        let others = || -> Vec<_> {
+            let pids = WITH_CAMERA.into_iter().zip(daemon.pids());
+            pids.filter(|(other, _)| *other != process).collect()
         };
-        let before: Vec<_> = others().map(|other| daemon.pid(other)).collect();
+        let before = others();
         kill(&daemon, process);
         wait_for_frames(&daemon, ProcessKind::Camera);
         wait_for_frames(&daemon, ProcessKind::Perception);
         wait_for_names(&daemon);
-        let after: Vec<_> = others().map(|other| daemon.pid(other)).collect();
         assert_eq!(
-            before, after,
+            before,
+            others(),
             "the others live on when {process:?} is killed"
         );
     }
