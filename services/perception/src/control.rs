@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(refusal.kind, RefusalKind::Unavailable);
         assert!(refusal.sentence.contains("history up to 5"), "{refusal}");
         let relabel = async {
-            scene.outdated().await;
+            tokio::task::yield_now().await;
             scene.update(at(5), |_| ());
         };
         let long = Duration::from_secs(60);

@@ -12,8 +12,8 @@ use crate::frame_trace::FrameTrace;
 use crate::latest_scene::LatestScene;
 use crate::live_executor::{FrameError, LiveExecutor, LiveState};
 use crate::liveness_probe::{LivenessProbe, PROBE_PERIOD};
-use crate::memory_replica::{CategorySnapshot, SharedCategories, SyncBarrier};
-use crate::newest_view::{self, LabelEstimate, NewestView, NewestViews};
+use crate::memory_replica::{CategorySnapshot, HistoryPosition, SharedCategories, SyncBarrier};
+use crate::newest_view::NewestViews;
 use crate::noise_log::NoiseLog;
 use crate::object_actors::ObjectActors;
 use crate::outbox::{Outbox, StoreReceipt};
@@ -25,13 +25,15 @@ use actor::{Progress, WorkerPool};
 use channel::{Domain, Error};
 use constraint::Assumptions;
 use detection::Table;
+use learning::{TrackEvidence, UnknownRule};
 use message::{
     FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
-use pipeline::{FramePipeline, ObjectWorkspace};
+use pipeline::FramePipeline;
 use service::{HealthCounters, LiveConfig, Stopwatch, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use tokio::sync::watch;
 
 /// State of the frame loop that lasts from frame to frame.
 pub(crate) struct FrameLoop {
@@ -49,6 +51,9 @@ pub(crate) struct FrameLoop {
     outbox: Outbox,
     sync_barrier: SyncBarrier,
     categories: SharedCategories,
+    category_changes: watch::Receiver<Arc<CategorySnapshot>>,
+    /// Position in the memory's history that the labels of all tracks include.
+    labelled_at: HistoryPosition,
     config: pipeline::Config,
     latest_scene: Arc<LatestScene>,
     health: Arc<HealthCounters>,
@@ -108,7 +113,9 @@ impl FrameLoop {
             pool: parts.pool,
             outbox: parts.outbox,
             sync_barrier: parts.sync_barrier,
+            category_changes: parts.categories.changes(),
             categories: parts.categories,
+            labelled_at: HistoryPosition::default(),
             config: config.pipeline,
             latest_scene: parts.latest_scene,
             health: parts.health,
@@ -128,12 +135,10 @@ impl FrameLoop {
                 self.take_configuration_change().await;
                 self.frame(&received).await?;
                 probe.reset();
-                // A camera faster than the loop leaves no pause between frames.
-                self.relabel_if_requested().await;
             }
             tokio::select! {
                 () = self.frame_receiver.woken() => {}
-                () = self.latest_scene.outdated() => self.relabel_if_requested().await,
+                _ = self.category_changes.changed() => self.relabel_scene().await,
                 config = self.settings.change() => self.apply(&config).await,
                 _ = probe.tick() => self.probe().await?,
                 _ = looks.tick() => self.camera_watch.look(monotonic_ns()),
@@ -176,7 +181,8 @@ impl FrameLoop {
                 .await;
         }
         self.live.trace.begin(received);
-        let mut executor = LiveExecutor::new(&mut self.live, received);
+        let taught = self.categories.get();
+        let mut executor = LiveExecutor::new(&mut self.live, received, &taught);
         let cloud = points(received.frame.items());
         let processed = self
             .pipeline
@@ -191,6 +197,7 @@ impl FrameLoop {
                 return self.report_finished(received);
             }
         };
+        self.reread_labels(taught).await;
         let mut summary = scene_report::summary(received);
         summary.stale_after_ns = self.camera_watch.stale_after_ns();
         summary.stamps.detected_ns = detected_ns;
@@ -230,49 +237,37 @@ impl FrameLoop {
         Ok(receipts)
     }
 
-    async fn relabel_if_requested(&mut self) {
-        if self.latest_scene.take_outdated() {
-            self.relabel().await;
-        }
-    }
-
-    /// Recomputes outdated labels of the latest scene, for clients that wait for them.
-    /// Tracks out of view would keep a label until they are seen again.
-    async fn relabel(&mut self) {
-        let snapshot = self.categories.get();
-        let mut outdated = Vec::new();
-        for (track_id, view) in &mut self.live.newest_views {
-            if snapshot.is_current(view.recognised.position) {
-                view.recognised.position = snapshot.position;
-            } else {
-                outdated.push((*track_id, view.clone()));
-            }
-        }
-        let position = snapshot.position;
-        match self
-            .pool
-            .run(recognition(outdated, snapshot, self.config))
-            .await
-        {
-            Ok(recognised) => {
-                for (track_id, recognised) in recognised {
-                    if let Some(view) = self.live.newest_views.get_mut(&track_id) {
-                        view.recognised = recognised;
-                    }
-                }
-            }
-            Err(lost) => {
-                self.health.restarts.fetch_add(1, Ordering::Relaxed);
-                tracing::error!("the labels were not recomputed: {lost}");
-            }
-        }
-        let views = &self.live.newest_views;
-        let position = newest_view::oldest_position(views, position);
-        self.latest_scene.update(position, |object| {
-            if let Some(view) = views.get(&object.track_id) {
-                scene_report::set_label(object, &view.recognised);
+    /// Reads the labels of the latest scene anew, for clients that wait for them and for tracks
+    /// that no frame shows.
+    async fn relabel_scene(&mut self) {
+        let newest = self.categories.get();
+        self.reread_labels(newest).await;
+        let (tracks, at) = (self.pipeline.tracks(), self.labelled_at);
+        self.latest_scene.update(at, |object| {
+            let track = tracks.iter().find(|track| track.id == object.track_id);
+            if let Some(track) = track {
+                scene_report::set_label(object, track.recognition(), at.sequence);
             }
         });
+    }
+
+    /// Reads the evidence of each track anew whose label is of other taught views or of another
+    /// rule.
+    async fn reread_labels(&mut self, taught: Arc<CategorySnapshot>) {
+        let position = taught.position;
+        let outdated = self.pipeline.outdated_evidence(&taught.index);
+        if !outdated.is_empty() {
+            let rule = self.config.unknown_rule();
+            match self.pool.run(rereading(outdated, taught, rule)).await {
+                Ok(reread) => self.pipeline.set_evidence(reread),
+                Err(lost) => {
+                    self.health.restarts.fetch_add(1, Ordering::Relaxed);
+                    tracing::error!("labels were not read anew: {lost}");
+                    return;
+                }
+            }
+        }
+        self.labelled_at = position;
     }
 
     fn send_key_views(&mut self, received: &ReceivedFrame) -> Vec<StoreReceipt> {
@@ -302,7 +297,8 @@ impl FrameLoop {
         detected: &DetectedFrame,
     ) -> Result<(), Error> {
         let tracks = self.pipeline.tracks();
-        scene_report::objects(tracks, &self.live.newest_views, &mut self.objects);
+        let (views, at) = (&self.live.newest_views, self.labelled_at);
+        scene_report::objects(tracks, views, at.sequence, &mut self.objects);
         summary.n_objects_total = tracks.len() as u32;
         summary.rule = self.rule;
         summary.n_late = self
@@ -327,9 +323,7 @@ impl FrameLoop {
         self.latest_scene
             .set_depth_noise(noise_ratio, table_depth_m);
         summary.stamps.published_ns = monotonic_ns();
-        let newest = self.categories.get().position;
-        let position = newest_view::oldest_position(&self.live.newest_views, newest);
-        self.latest_scene.set(summary, &self.objects, position);
+        self.latest_scene.set(summary, &self.objects, at);
         self.publishers.scene.send_copy(*summary, &self.objects)
     }
 
@@ -394,24 +388,17 @@ impl FrameLoop {
     }
 }
 
-/// Worker job that recognises views with the newest categories.
-fn recognition(
-    views: Vec<(u64, NewestView)>,
-    snapshot: Arc<CategorySnapshot>,
-    config: pipeline::Config,
-) -> impl FnOnce(&Progress) -> Vec<(u64, LabelEstimate)> + Send + 'static {
+/// Worker job that reads the evidence of tracks against the taught views.
+fn rereading(
+    mut evidence: Vec<(u64, TrackEvidence)>,
+    taught: Arc<CategorySnapshot>,
+    rule: UnknownRule,
+) -> impl FnOnce(&Progress) -> Vec<(u64, TrackEvidence)> + Send + 'static {
     move |progress| {
-        let mut recognised = Vec::with_capacity(views.len());
-        let Ok(mut tools) = ObjectWorkspace::new() else {
-            return recognised;
-        };
-        for (track_id, view) in views {
+        for (_, evidence) in &mut evidence {
             progress.tick();
-            match view.recognise(&snapshot, &config, &mut tools) {
-                Ok(result) => recognised.push((track_id, result)),
-                Err(error) => tracing::warn!("track {track_id} keeps an old label: {error}"),
-            }
+            taught.index.reread_track(rule, evidence);
         }
-        recognised
+        evidence
     }
 }

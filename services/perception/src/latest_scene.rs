@@ -4,8 +4,7 @@ use crate::memory_replica::HistoryPosition;
 use message::control::{DepthNoiseReport, ObjectReport, ObjectsReport};
 use message::{SceneObject, SceneSummary};
 use parking_lot::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
-use tokio::sync::{Notify, watch};
+use tokio::sync::watch;
 
 /// The latest scene, and the position in the memory's history that its labels include.
 #[derive(Debug, Default)]
@@ -14,8 +13,6 @@ pub(crate) struct LatestScene {
     scene: Mutex<Option<(SceneSummary, Vec<SceneObject>)>>,
     position: watch::Sender<HistoryPosition>,
     depth_noise: Mutex<DepthNoiseReport>,
-    is_outdated: AtomicBool,
-    outdated: Notify,
 }
 
 impl LatestScene {
@@ -39,7 +36,7 @@ impl LatestScene {
         self.depth_noise.lock().clone()
     }
 
-    /// Replaces the scene; `position` is the oldest of all its labels.
+    /// Replaces the scene, whose labels include a position of the memory's history.
     pub(crate) fn set(
         &self,
         summary: &SceneSummary,
@@ -76,26 +73,13 @@ impl LatestScene {
         self.position.borrow().includes(position)
     }
 
-    /// Waits until all labels of the scene include a position of the memory's history,
-    /// and requests their recomputation.
+    /// Waits until all labels of the scene include a position of the memory's history.
     pub(crate) async fn labelled_after(&self, position: HistoryPosition) {
         let mut known = self.position.subscribe();
         while !known.borrow_and_update().includes(position) {
-            self.is_outdated.store(true, Ordering::Release);
-            self.outdated.notify_one();
             // The sender is a field of this value.
             let _ = known.changed().await;
         }
-    }
-
-    /// Waits for a request to recompute labels.
-    pub(crate) async fn outdated(&self) {
-        self.outdated.notified().await;
-    }
-
-    /// Takes a request to recompute labels; true if there was one.
-    pub(crate) fn take_outdated(&self) -> bool {
-        self.is_outdated.swap(false, Ordering::AcqRel)
     }
 
     /// Report of all objects of the newest scene at a time of the monotonic clock; `None`

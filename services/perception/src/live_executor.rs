@@ -5,12 +5,13 @@ use crate::body_subscriber::BodySubscribers;
 use crate::detector::{DetectedFrame, DetectionError, Detector};
 use crate::frame_receiver::ReceivedFrame;
 use crate::frame_trace::FrameTrace;
+use crate::memory_replica::CategorySnapshot;
 use crate::newest_view::{NewestView, NewestViews};
-use crate::object_actors::{ObjectActors, SightingOutcome};
+use crate::object_actors::{ObjectActors, ObservedFrame, SightingOutcome};
 use crate::track_ids::TrackIds;
 use detection::{Detection, ExpectedTrack};
 use message::Stage;
-use pipeline::{FrameExecutor, FrameStage, PosteriorSink, Sighting};
+use pipeline::{FrameExecutor, FrameStage, ObservedTracks, Sighting};
 use service::Stopwatch;
 use std::sync::Arc;
 use std::time::Duration;
@@ -33,6 +34,8 @@ pub(crate) struct LiveState {
 pub(crate) struct LiveExecutor<'a> {
     state: &'a mut LiveState,
     received: &'a ReceivedFrame,
+    /// Taught views that all objects of the frame are recognised with.
+    taught: &'a Arc<CategorySnapshot>,
     watch: Stopwatch,
     /// End of detection, monotonic clock, nanoseconds.
     pub(crate) detected_ns: u64,
@@ -48,11 +51,16 @@ pub(crate) enum FrameError {
 }
 
 impl<'a> LiveExecutor<'a> {
-    pub(crate) fn new(state: &'a mut LiveState, received: &'a ReceivedFrame) -> Self {
+    pub(crate) fn new(
+        state: &'a mut LiveState,
+        received: &'a ReceivedFrame,
+        taught: &'a Arc<CategorySnapshot>,
+    ) -> Self {
         Self {
             watch: Stopwatch::since(state.trace.at_ns()),
             state,
             received,
+            taught,
             detected_ns: 0,
         }
     }
@@ -122,7 +130,7 @@ impl FrameExecutor for LiveExecutor<'_> {
         &mut self,
         detected: &Arc<DetectedFrame>,
         sightings: &[Sighting],
-        mut sink: PosteriorSink<'_>,
+        mut tracks: ObservedTracks<'_>,
     ) -> Result<(), FrameError> {
         let LiveState {
             actors,
@@ -134,20 +142,25 @@ impl FrameExecutor for LiveExecutor<'_> {
         } = &mut *self.state;
         // In lockstep a replay waits for every actor.
         let deadline = (!self.received.is_lockstep()).then_some(*actor_deadline);
-        actors
-            .observe(self.received, detected, sightings, deadline, outcomes)
-            .await;
+        let frame = ObservedFrame {
+            received: self.received,
+            detected,
+            taught: self.taught,
+            tracks: &tracks,
+        };
+        actors.observe(&frame, sightings, deadline, outcomes).await;
         trace.add_observations(outcomes);
         for view in newest_views.values_mut() {
             view.is_key_view = false;
         }
         for (sighting, observed) in outcomes {
             let Some(observed) = observed else { continue };
-            sink.apply(sighting.track_id, &observed.posterior);
-            let view = NewestView::new(observed, &sighting.measured);
-            if let Some(older) = newest_views.insert(sighting.track_id, view) {
-                actors.recycle_points(older.points);
-            }
+            tracks.apply(sighting.track_id, &observed.posterior);
+            let view = NewestView {
+                is_key_view: observed.posterior.is_key_view,
+                stamps: observed.stamps,
+            };
+            newest_views.insert(sighting.track_id, view);
         }
         Ok(())
     }

@@ -10,12 +10,11 @@ use learning::{CategoryIndex, IndexBatch};
 use message::control::{
     ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage, ViewId,
 };
-use parking_lot::RwLock;
 use pipeline::category_index;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{mpsc, oneshot, watch};
 
 /// Time limit for an answer of the memory.
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
@@ -33,8 +32,6 @@ pub(crate) struct CategorySnapshot {
     pub(crate) index: CategoryIndex,
     /// Position in the history of the memory that the views belong to.
     pub(crate) position: HistoryPosition,
-    /// History sequence number of the last change to the category index.
-    index_sequence: u64,
 }
 
 /// Position in the history of a memory's store.
@@ -51,43 +48,26 @@ impl HistoryPosition {
     pub(crate) fn includes(self, other: Self) -> bool {
         self.store_id == other.store_id && self.sequence >= other.sequence
     }
-
-    /// The older of two positions; the start of history when they belong to two stores.
-    pub(crate) fn oldest(self, other: Self) -> Self {
-        if self.store_id == other.store_id {
-            Self {
-                sequence: self.sequence.min(other.sequence),
-                ..self
-            }
-        } else {
-            Self::default()
-        }
-    }
 }
 
-impl CategorySnapshot {
-    /// True if a label made at a position is still the one that these views give.
-    pub(crate) fn is_current(&self, made_at: HistoryPosition) -> bool {
-        made_at.includes(HistoryPosition {
-            sequence: self.index_sequence,
-            ..self.position
-        })
-    }
-}
-
-/// Copy-on-write snapshot of the categories: read by every actor, replaced on each
-/// change. A reader keeps its snapshot; neither side waits.
+/// Copy-on-write snapshot of the categories: read for every frame, replaced on each change. A
+/// reader keeps its snapshot; neither side waits.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct SharedCategories(Arc<RwLock<Arc<CategorySnapshot>>>);
+pub(crate) struct SharedCategories(Arc<watch::Sender<Arc<CategorySnapshot>>>);
 
 impl SharedCategories {
     /// Newest snapshot of the learned categories.
     pub(crate) fn get(&self) -> Arc<CategorySnapshot> {
-        self.0.read().clone()
+        self.0.borrow().clone()
+    }
+
+    /// Receiver that is told of each change.
+    pub(crate) fn changes(&self) -> watch::Receiver<Arc<CategorySnapshot>> {
+        self.0.subscribe()
     }
 
     fn set(&self, snapshot: CategorySnapshot) {
-        *self.0.write() = Arc::new(snapshot);
+        self.0.send_replace(Arc::new(snapshot));
     }
 }
 
@@ -97,7 +77,6 @@ impl Default for CategorySnapshot {
         Self {
             index,
             position: HistoryPosition::default(),
-            index_sequence: 0,
         }
     }
 }
@@ -265,7 +244,6 @@ impl MemoryReplica {
             store_id: Some(store_id),
             sequence,
         };
-        snapshot.index_sequence = sequence;
         let n_categories = snapshot.index.categories().len();
         self.categories.set(snapshot);
         tracing::info!("loaded {n_views} taught views of {n_categories} categories");
@@ -276,9 +254,6 @@ impl MemoryReplica {
         // The clone shares all views that do not change.
         let mut snapshot = CategorySnapshot::clone(&self.categories.get());
         snapshot.position.sequence = up_to;
-        if !changes.is_empty() {
-            snapshot.index_sequence = up_to;
-        }
         let (assigned, unassigned) = last_changes(changes);
         let assigned = self.with_current_descriptors(assigned).await?;
         {
@@ -394,19 +369,5 @@ mod tests {
     fn positions_of_two_stores_do_not_include_each_other() {
         assert!(at(1, 5).includes(at(1, 5)) && at(1, 6).includes(at(1, 5)));
         assert!(!at(1, 4).includes(at(1, 5)) && !at(2, 9).includes(at(1, 5)));
-        assert_eq!(at(1, 4).oldest(at(1, 7)), at(1, 4));
-        assert_eq!(at(1, 4).oldest(at(2, 7)), HistoryPosition::default());
-    }
-
-    #[test]
-    fn a_label_is_outdated_only_by_a_change_of_the_index() {
-        let mut snapshot = CategorySnapshot {
-            position: at(1, 9),
-            index_sequence: 6,
-            ..CategorySnapshot::default()
-        };
-        assert!(snapshot.is_current(at(1, 6)) && !snapshot.is_current(at(1, 5)));
-        snapshot.position.store_id = Some(2);
-        assert!(!snapshot.is_current(at(1, 9)));
     }
 }

@@ -2,8 +2,9 @@
 
 use crate::detector::DetectedFrame;
 use crate::frame_receiver::ReceivedFrame;
-use crate::memory_replica::{HistoryPosition, SharedCategories};
+use crate::memory_replica::CategorySnapshot;
 use actor::{Actor, DropOldest, Flow, Progress};
+use learning::TrackEvidence;
 use message::control::pack_cloud;
 use message::{ActorStamps, SegmentLocation, Span, Stage, points};
 use pipeline::{
@@ -18,12 +19,6 @@ use std::sync::Arc;
 pub(crate) struct ObjectActor {
     state: ObjectState,
     tools: ObjectWorkspace,
-    context: Arc<ObjectContext>,
-}
-
-/// Categories shared by all object actors.
-pub(crate) struct ObjectContext {
-    pub(crate) categories: SharedCategories,
 }
 
 /// Message: one frame's view of the object.
@@ -41,10 +36,12 @@ pub(crate) struct ObserveView {
     pub(crate) config: Config,
     /// Measurement of the candidate that was matched with the track.
     pub(crate) measured: CandidateMeasurement,
+    /// Evidence of the track's earlier views.
+    pub(crate) evidence: TrackEvidence,
+    /// Taught views of the frame, the same for all objects in it.
+    pub(crate) taught: Arc<CategorySnapshot>,
     /// Buffer for the descriptor, reused.
     pub(crate) descriptor: Vec<f32>,
-    /// Buffer for the object's points, reused.
-    pub(crate) points: Vec<Point>,
     /// Time at which the message was sent, monotonic clock, nanoseconds.
     pub(crate) asked_ns: u64,
     /// True if the actor must panic at this message.
@@ -60,10 +57,6 @@ pub(crate) struct ObservedView {
     pub(crate) descriptor: Vec<f32>,
     /// Points of a key view in the world frame, white balanced and packed; empty for other views.
     pub(crate) packed_cloud: Vec<u8>,
-    /// Points of the observed object, camera frame.
-    pub(crate) points: Vec<Point>,
-    /// Position in the history of the memory that the label was made with.
-    pub(crate) position: HistoryPosition,
     /// Shared-memory location of the object's points.
     pub(crate) location: SegmentLocation,
     /// Index of the object's first point in the frame.
@@ -86,17 +79,13 @@ impl Actor for ObjectActor {
     type Message = ObserveView;
     type Reply = ObservedView;
     type Checkpoint = ObjectState;
-    type Context = ObjectContext;
+    type Context = ();
     type Error = Error;
     type Overflow = DropOldest;
 
-    fn start(context: &Arc<ObjectContext>, state: ObjectState) -> Result<Self, Error> {
+    fn start(_: &Arc<()>, state: ObjectState) -> Result<Self, Error> {
         let tools = ObjectWorkspace::new()?;
-        Ok(Self {
-            state,
-            tools,
-            context: context.clone(),
-        })
+        Ok(Self { state, tools })
     }
 
     fn handle(&mut self, message: ObserveView, _: &Progress) -> Result<Flow<ObservedView>, Error> {
@@ -109,8 +98,9 @@ impl Actor for ObjectActor {
             candidate,
             config,
             measured,
+            evidence,
+            taught,
             mut descriptor,
-            points: mut own_points,
             asked_ns,
             track_id,
             ..
@@ -124,16 +114,16 @@ impl Actor for ObjectActor {
             cloud,
             indices,
             measured: &measured,
+            evidence: &evidence,
         };
         self.discard_future(&received, track_id);
-        let snapshot = self.context.categories.get();
         let stages = ObservationOutput {
             descriptor: &mut descriptor,
             on_stage: Some(&mut |_| laps.next()),
         };
         let posterior = self.state.observe(
             &observation,
-            &snapshot.index,
+            &taught.index,
             &config,
             &mut self.tools,
             stages,
@@ -145,15 +135,11 @@ impl Actor for ObjectActor {
         } else {
             Vec::new()
         };
-        own_points.clear();
-        own_points.extend(points_at(cloud, indices).copied());
         laps.next();
         Ok(Flow::Continue(ObservedView {
             posterior,
             descriptor,
             packed_cloud,
-            points: own_points,
-            position: snapshot.position,
             location: received.frame.location(),
             first_point_index: indices.first().copied().unwrap_or(0),
             stamps: laps.stamps(asked_ns),

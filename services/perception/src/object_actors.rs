@@ -5,11 +5,11 @@ use crate::detector::DetectedFrame;
 #[cfg(feature = "fault-injection")]
 use crate::fault_injection::{FaultConfig, FaultInjector};
 use crate::frame_receiver::ReceivedFrame;
+use crate::memory_replica::CategorySnapshot;
 use crate::object_actor::{ObjectActor, ObserveView, ObservedView};
 use crate::restart_backoff::RestartBackoff;
 use actor::{Address, PendingReply, RestartPolicy, Supervisor};
-use pipeline::{Config, ObjectState, Sighting};
-use point_cloud::Point;
+use pipeline::{Config, ObjectState, ObservedTracks, Sighting};
 use service::monotonic_ns;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,8 +29,19 @@ pub(crate) struct ObjectActors {
     #[cfg(feature = "fault-injection")]
     fault: FaultInjector,
     spare_descriptors: Vec<Vec<f32>>,
-    spare_points: Vec<Vec<Point>>,
     asked: Vec<(Sighting, Option<PendingReply<ObservedView>>)>,
+}
+
+/// Shared input of all observations of a frame.
+pub(crate) struct ObservedFrame<'a> {
+    /// Received frame, in shared memory.
+    pub(crate) received: &'a ReceivedFrame,
+    /// Detection result of the frame.
+    pub(crate) detected: &'a Arc<DetectedFrame>,
+    /// Taught views that the objects are recognised with.
+    pub(crate) taught: &'a Arc<CategorySnapshot>,
+    /// Tracks with their evidence before the frame.
+    pub(crate) tracks: &'a ObservedTracks<'a>,
 }
 
 /// Sighting with its answer; `None` when the actor did not answer in time.
@@ -51,7 +62,6 @@ impl ObjectActors {
             #[cfg(feature = "fault-injection")]
             fault: FaultInjector::new(fault),
             spare_descriptors: Vec::new(),
-            spare_points: Vec::new(),
             asked: Vec::new(),
         }
     }
@@ -97,8 +107,7 @@ impl ObjectActors {
     /// in restart back-off is skipped, so that it delays no frame.
     pub(crate) async fn observe(
         &mut self,
-        received: &ReceivedFrame,
-        detected: &Arc<DetectedFrame>,
+        frame: &ObservedFrame<'_>,
         sightings: &[Sighting],
         deadline: Option<Duration>,
         outcomes: &mut Vec<SightingOutcome>,
@@ -106,7 +115,7 @@ impl ObjectActors {
         outcomes.clear();
         for sighting in sightings {
             let is_absent = deadline.is_some() && self.backoff.is_waiting(sighting.track_id);
-            let answer = (!is_absent).then(|| self.ask(received, detected, sighting));
+            let answer = (!is_absent).then(|| self.ask(frame, sighting));
             self.asked.push((*sighting, answer.flatten()));
         }
         let until = deadline.map(|deadline| Instant::now() + deadline);
@@ -137,32 +146,29 @@ impl ObjectActors {
             .extend(observed.map(|observed| observed.descriptor));
     }
 
-    /// Returns a buffer of points for reuse.
-    pub(crate) fn recycle_points(&mut self, points: Vec<Point>) {
-        self.spare_points.push(points);
-    }
-
     fn ask(
         &mut self,
-        received: &ReceivedFrame,
-        detected: &Arc<DetectedFrame>,
+        frame: &ObservedFrame<'_>,
         sighting: &Sighting,
     ) -> Option<PendingReply<ObservedView>> {
         let address = self.addresses.get(&sighting.track_id)?;
         let observe = ObserveView {
-            received: received.clone(),
-            detected: detected.clone(),
+            received: frame.received.clone(),
+            detected: frame.detected.clone(),
             candidate: sighting.candidate,
             track_id: sighting.track_id,
             config: self.config,
             measured: sighting.measured,
+            evidence: frame.tracks.evidence(sighting.track_id),
+            taught: frame.taught.clone(),
             descriptor: self.spare_descriptors.pop().unwrap_or_default(),
-            points: self.spare_points.pop().unwrap_or_default(),
             asked_ns: monotonic_ns(),
             #[cfg(feature = "fault-injection")]
             is_to_panic: self.fault.is_due(sighting.track_id),
         };
         // An actor that has stopped permanently has been reported by the supervisor.
-        address.ask(received.frame.header().sequence, observe).ok()
+        address
+            .ask(frame.received.frame.header().sequence, observe)
+            .ok()
     }
 }

@@ -7,7 +7,7 @@ use crate::frame_loop::{FrameLoop, FrameLoopParts};
 use crate::latest_scene::LatestScene;
 use crate::liveness_probe::LivenessProbe;
 use crate::memory_replica::{MemoryReplica, SharedCategories};
-use crate::object_actor::{ObjectActor, ObjectContext};
+use crate::object_actor::ObjectActor;
 use crate::object_actors::ObjectActors;
 use crate::outbox::outbox;
 use crate::restart_backoff::RestartBackoff;
@@ -41,7 +41,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     let health = context.health.clone();
     let pool = start_pool(&config)?;
     let categories = SharedCategories::default();
-    let (supervisor, events) = start_supervisor(&config, &pool, categories.clone())?;
+    let (supervisor, events) = start_supervisor(&config, &pool)?;
     let memory = Arc::new(Client::new(domain, ProcessKind::Memory)?);
     let outbox_client = Arc::new(Client::new(domain, ProcessKind::Memory)?);
     let (outbox, outbox_sender) = outbox(outbox_client);
@@ -133,7 +133,6 @@ fn start_pool(config: &Config) -> Result<WorkerPool, Failure> {
 fn start_supervisor(
     config: &Config,
     pool: &WorkerPool,
-    categories: SharedCategories,
 ) -> Result<(Supervisor<u64, ObjectActor>, Events<u64>), Failure> {
     let policy = config.restart_policy().map_err(Failure::general)?;
     let supervision = actor::Config {
@@ -144,6 +143,9 @@ fn start_supervisor(
         shutdown: ACTOR_SHUTDOWN,
         event_capacity: EVENTS,
     };
-    let context = Arc::new(ObjectContext { categories });
-    Ok(Supervisor::new(supervision, context, Handle::current()))
+    Ok(Supervisor::new(
+        supervision,
+        Arc::new(()),
+        Handle::current(),
+    ))
 }

@@ -1,12 +1,12 @@
 //! Conversion of tracks and detections to wire messages.
 
 use crate::frame_receiver::ReceivedFrame;
-use crate::newest_view::{LabelEstimate, NewestView, NewestViews};
+use crate::newest_view::{NewestView, NewestViews};
 use crate::object_actor::ObservedView;
 use constraint::Assumption;
 use detection::{Candidate, Detection};
 use geometry::RigidTransform;
-use learning::{N_NEAREST, Neighbour};
+use learning::{N_NEAREST, Neighbour, Recognition};
 use message::control::{StoredView, ViewId};
 use message::{
     DescriptorBytes, MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
@@ -68,27 +68,30 @@ fn color_percents(measured: &CandidateMeasurement) -> [u8; 16] {
     percents
 }
 
-/// Writes a label estimate into an object of the scene.
-pub(crate) fn set_label(object: &mut SceneObject, recognised: &LabelEstimate) {
+/// Writes a recognition result into an object of the scene, with the position in the memory's
+/// history that it was read at.
+pub(crate) fn set_label(object: &mut SceneObject, recognised: &Recognition, memory_sequence: u64) {
     let label = recognised.label.as_ref();
+    let is_anything_taught = recognised.nearest[0].is_some();
+    let probability = recognised.probability.filter(|_| is_anything_taught);
     object.distance = wire_distance(recognised.distance);
-    object.probability = recognised.probability.unwrap_or(f32::NAN);
+    object.probability = probability.unwrap_or(f32::NAN);
     object.is_labelled = u32::from(label.is_some());
     object.label = label
         .map(|label| Text::truncated(label.as_str()))
         .unwrap_or_default();
     (object.categories, object.n_categories) = near_categories(&recognised.nearest);
-    object.n_sides = recognised.n_sides;
-    object.memory_sequence = recognised.position.sequence;
+    object.n_sides = recognised.n_sides as u32;
+    object.memory_sequence = memory_sequence;
 }
 
 /// Wire object of a track; a track without a view has no label.
-fn object(track: &Track, view: Option<&NewestView>) -> SceneObject {
+fn object(track: &Track, view: Option<&NewestView>, memory_sequence: u64) -> SceneObject {
     let mut object = unrecognised_object(track);
     if let Some(view) = view {
         object.is_key_view = u32::from(view.is_key_view);
         object.stamps = view.stamps;
-        set_label(&mut object, &view.recognised);
+        set_label(&mut object, track.recognition(), memory_sequence);
     }
     object
 }
@@ -125,6 +128,7 @@ fn unrecognised_object(track: &Track) -> SceneObject {
 pub(crate) fn objects(
     tracks: &[Track],
     newest_views: &NewestViews,
+    memory_sequence: u64,
     objects: &mut Vec<SceneObject>,
 ) {
     objects.clear();
@@ -132,7 +136,7 @@ pub(crate) fn objects(
         tracks
             .iter()
             .take(MAX_SCENE_OBJECTS)
-            .map(|track| object(track, newest_views.get(&track.id))),
+            .map(|track| object(track, newest_views.get(&track.id), memory_sequence)),
     );
 }
 
@@ -206,7 +210,8 @@ pub(crate) fn object_view(
     let header = received.frame.header();
     let posterior = &observed.posterior;
     let body = posterior.filter.box_in_world();
-    let (categories, n_categories) = near_categories(&posterior.nearest);
+    let recognised = posterior.evidence.recognition();
+    let (categories, n_categories) = near_categories(&recognised.nearest);
     let mut view = ObjectViewHeader {
         track_id: sighting.track_id,
         view_id: posterior.view_id,
@@ -220,7 +225,7 @@ pub(crate) fn object_view(
         n_points: sighting.measured.n_points as u32,
         frame_location: observed.location,
         first_point_index: observed.first_point_index,
-        distance: wire_distance(posterior.distance),
+        distance: wire_distance(recognised.distance),
         n_key_views: posterior.n_key_views,
         n_categories,
         categories,

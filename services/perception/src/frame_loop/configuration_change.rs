@@ -2,7 +2,6 @@
 
 use super::FrameLoop;
 use crate::config::Config;
-use crate::memory_replica::HistoryPosition;
 use message::Text;
 
 impl FrameLoop {
@@ -30,14 +29,6 @@ impl FrameLoop {
         self.pool.set_stall_after(config.worker_stall);
         self.config = config.pipeline;
         self.rule = Text::truncated(&config.detection.rule().to_string());
-        self.recompute_all_labels().await;
-    }
-
-    /// Recomputes the labels of all tracks, since the probability of a known object may be another.
-    async fn recompute_all_labels(&mut self) {
-        for view in self.live.newest_views.values_mut() {
-            view.recognised.position = HistoryPosition::default();
-        }
-        self.relabel().await;
+        self.relabel_scene().await;
     }
 }

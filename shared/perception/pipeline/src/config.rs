@@ -49,7 +49,8 @@ impl Config {
         &self.association
     }
 
-    pub(crate) fn unknown_rule(&self) -> UnknownRule {
+    /// Rejection rule of recognition.
+    pub fn unknown_rule(&self) -> UnknownRule {
         UnknownRule::LessProbableThan(self.known_probability_min)
     }
 }

@@ -7,6 +7,7 @@
 
 use crate::{Config, FramePose, Posterior, Sighting, Track, TrackTable, TrackUpdate};
 use detection::{Detection, ExpectedTrack};
+use learning::{CategoryIndex, TrackEvidence};
 use point_cloud::Point;
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
@@ -59,21 +60,27 @@ pub trait FrameExecutor {
     /// Callback for each track that ends.
     fn track_ended(&mut self, track_id: u64);
 
-    /// Observes the sighted objects and hands their posteriors to `sink`. A late
-    /// posterior is left out; its track is predicted.
+    /// Observes the sighted objects, each with the evidence of its track, and applies their
+    /// posteriors. A late posterior is left out; its track is predicted and keeps its evidence.
     fn observe(
         &mut self,
         detected: &Self::Detected,
         sightings: &[Sighting],
-        sink: PosteriorSink<'_>,
+        tracks: ObservedTracks<'_>,
     ) -> impl Future<Output = Result<(), Self::Error>> + Send;
 }
 
-/// Receiver of the posteriors of a frame.
+/// Tracks during the observation of a frame: their evidence so far, and the receiver of their
+/// posteriors.
 #[derive(Debug)]
-pub struct PosteriorSink<'a>(&'a mut TrackTable);
+pub struct ObservedTracks<'a>(&'a mut TrackTable);
 
-impl PosteriorSink<'_> {
+impl ObservedTracks<'_> {
+    /// Evidence of a track before this frame.
+    pub fn evidence(&self, track_id: u64) -> TrackEvidence {
+        self.0.evidence(track_id)
+    }
+
     /// Applies the posterior of an object to its track.
     pub fn apply(&mut self, track_id: u64, posterior: &Posterior) {
         self.0.apply_posterior(track_id, posterior);
@@ -108,6 +115,20 @@ impl FramePipeline {
         self.tracks.tracks()
     }
 
+    /// Evidence of the tracks whose labels were read from another state of the taught views, or by
+    /// another rule, than the present ones; to be read anew with
+    /// [`CategoryIndex::reread_track`] and [set](Self::set_evidence) again.
+    pub fn outdated_evidence(&self, taught: &CategoryIndex) -> Vec<(u64, TrackEvidence)> {
+        self.tracks.outdated_evidence(taught)
+    }
+
+    /// Sets the evidence of live tracks that was read anew.
+    pub fn set_evidence(&mut self, reread: impl IntoIterator<Item = (u64, TrackEvidence)>) {
+        for (track_id, evidence) in reread {
+            self.tracks.set_evidence(track_id, evidence);
+        }
+    }
+
     /// Ratio of the depth noise measured on the table to the configured law, median over the
     /// last frames; `None` before a second with a table.
     pub fn noise_ratio(&self) -> Option<f32> {
@@ -138,9 +159,9 @@ impl FramePipeline {
         executor.stage_finished(FrameStage::Priors);
         let detected = executor.detect().await?;
         self.associate(frame, cloud, E::detection(&detected), executor);
-        let sink = PosteriorSink(&mut self.tracks);
+        let tracks = ObservedTracks(&mut self.tracks);
         executor
-            .observe(&detected, &self.update.sightings, sink)
+            .observe(&detected, &self.update.sightings, tracks)
             .await?;
         Ok(detected)
     }

@@ -67,7 +67,7 @@ mod track_table;
 pub use candidate_measurement::CandidateMeasurement;
 pub use config::{Config, DESCRIPTOR_KIND, calibration, category_index};
 pub use error::Error;
-pub use frame_pipeline::{FrameExecutor, FramePipeline, FrameStage, PosteriorSink};
+pub use frame_pipeline::{FrameExecutor, FramePipeline, FrameStage, ObservedTracks};
 pub use frame_pose::FramePose;
 pub use object_state::{
     ObjectState, ObjectWorkspace, Observation, ObservationOutput, ObservationStage, Posterior,

@@ -7,7 +7,7 @@ use crate::track::WHOLE_FRACTION_MIN;
 use crate::{Config, Error};
 use description::{AppearanceDescriptor, AppearanceWeights, N_AXIS_HYPOTHESES, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
-use learning::{CategoryIndex, CategoryName, N_NEAREST, Neighbour, TrackEvidence, ViewUse};
+use learning::{CategoryIndex, TrackEvidence, ViewUse};
 use nalgebra::Vector3;
 use point_cloud::Point;
 use tracking::{MotionFilter, ObservationContext};
@@ -25,15 +25,14 @@ pub struct ObjectState {
     n_key_views: u32,
 }
 
-/// Scratch memory and evidence of one object; not to be shared between objects.
+/// Scratch memory for the observation of one object at a time.
 #[derive(Debug, Clone)]
 pub struct ObjectWorkspace {
     appearance: AppearanceDescriptor,
-    evidence: TrackEvidence,
 }
 
 impl ObjectWorkspace {
-    /// Scratch memory for one object, without allocations.
+    /// Scratch memory without allocations.
     ///
     /// # Errors
     /// When the descriptor weights are invalid.
@@ -41,13 +40,7 @@ impl ObjectWorkspace {
         Ok(Self {
             appearance: AppearanceDescriptor::new(AppearanceWeights::default())
                 .map_err(Error::Description)?,
-            evidence: TrackEvidence::default(),
         })
-    }
-
-    /// Forgets the evidence, so that the scratch memory serves another object.
-    pub fn forget_object(&mut self) {
-        self.evidence = TrackEvidence::default();
     }
 }
 
@@ -60,10 +53,12 @@ pub struct Observation<'a> {
     pub indices: &'a [u32],
     /// Measured box and appearance.
     pub measured: &'a CandidateMeasurement,
+    /// Evidence of the object's earlier views, that of its track.
+    pub evidence: &'a TrackEvidence,
 }
 
-/// State update of one object from one observation: motion filter, label with probability and
-/// distance, nearest categories, and key-view flag.
+/// State update of one object from one observation: motion filter, evidence with the label read
+/// from it, and key-view flag.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Posterior {
     /// Motion filter after this measurement update.
@@ -72,18 +67,8 @@ pub struct Posterior {
     pub view_id: u32,
     /// `true` when the view is a key view, which is stored.
     pub is_key_view: bool,
-    /// Recognised category of the object; `None` when unknown.
-    pub label: Option<CategoryName>,
-    /// Distance to the nearest stored view of the best category, mean over the sides of
-    /// the object; infinite when nothing was taught.
-    pub distance: f32,
-    /// Probability that the object belongs to the best category; `None` when nothing was
-    /// taught.
-    pub probability: Option<f32>,
-    /// Number of different sides of the object that the answer rests on.
-    pub n_sides: usize,
-    /// Best categories with their nearest stored views, best first.
-    pub nearest: [Option<Neighbour>; N_NEAREST],
+    /// Evidence of all views up to this one, with the recognised category.
+    pub evidence: TrackEvidence,
     /// Number of key views of the object, this one included.
     pub n_key_views: u32,
 }
@@ -156,6 +141,7 @@ impl ObjectState {
             cloud,
             indices,
             measured,
+            evidence,
         } = observation;
         let context = ObservationContext {
             cloud,
@@ -170,11 +156,7 @@ impl ObjectState {
         .map_err(Error::Tracking)?;
         end_stage(ObservationStage::Tracked);
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
-        let ObjectWorkspace {
-            appearance,
-            evidence,
-        } = tools;
-        let hypotheses = describe(points, measured, appearance)?;
+        let hypotheses = describe(points, measured, &mut tools.appearance)?;
         end_stage(ObservationStage::Described);
         let pose = observable_pose(&filter.box_in_world());
         let is_whole = !measured.is_truncated && filter.completeness() >= WHOLE_FRACTION_MIN;
@@ -182,8 +164,9 @@ impl ObjectState {
             self.key_view_selector
                 .accept(filter.stamp_ns(), &pose, is_whole, hypotheses);
         let view_use = view_use(is_key_view, is_whole);
-        let answer = taught
-            .recognise_track(hypotheses, view_use, config.unknown_rule(), evidence)
+        let mut evidence = TrackEvidence::clone(evidence);
+        taught
+            .recognise_track(hypotheses, view_use, config.unknown_rule(), &mut evidence)
             .map_err(Error::Learning)?;
         end_stage(ObservationStage::Recognised);
         descriptor.clone_from(&hypotheses[0]);
@@ -195,11 +178,7 @@ impl ObjectState {
             filter,
             view_id,
             is_key_view,
-            label: answer.label,
-            distance: answer.distance,
-            probability: answer.probability.filter(|_| answer.nearest[0].is_some()),
-            n_sides: answer.n_sides,
-            nearest: answer.nearest,
+            evidence,
             n_key_views: self.n_key_views,
         })
     }

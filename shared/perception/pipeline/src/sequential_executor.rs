@@ -1,7 +1,7 @@
 //! Sequential executor: detection and observation on the calling thread, for
 //! evaluation and replay.
 
-use crate::frame_pipeline::{FrameExecutor, FramePipeline, PosteriorSink};
+use crate::frame_pipeline::{FrameExecutor, FramePipeline, ObservedTracks};
 use crate::{
     Config, Error, FramePose, ObjectState, ObjectWorkspace, Observation, Sighting, category_index,
 };
@@ -17,8 +17,7 @@ use std::future::ready;
 /// Frame with its priors, as a recording or a simulation supplies it.
 #[derive(Debug, Clone, Copy)]
 pub struct SequentialFrame<'a> {
-    /// Single-threaded [`FrameExecutor`] for one frame; runs detection and observation on the
-    /// calling thread.
+    /// Camera pose, gravity and intrinsics with the time of capture.
     pub pose: FramePose,
     /// Point cloud of the frame, camera frame.
     pub cloud: OrganizedCloud<'a>,
@@ -39,9 +38,8 @@ pub struct SequentialState {
     detection: Detection,
     bodies: BodyMap,
     expected: Vec<ExpectedTrack>,
-    objects: BTreeMap<u64, (ObjectState, ObjectWorkspace)>,
-    /// Workspace without evidence, for new objects.
-    empty: ObjectWorkspace,
+    objects: BTreeMap<u64, ObjectState>,
+    object_workspace: ObjectWorkspace,
     categories: CategoryIndex,
     descriptor: Vec<f32>,
     last_track_id: u64,
@@ -61,7 +59,7 @@ impl SequentialState {
             bodies: BodyMap::default(),
             expected: Vec::new(),
             objects: BTreeMap::new(),
-            empty: ObjectWorkspace::new()?,
+            object_workspace: ObjectWorkspace::new()?,
             categories: category_index(),
             descriptor: Vec::new(),
             last_track_id: 0,
@@ -86,7 +84,8 @@ impl SequentialState {
     }
 }
 
-/// Executor of one frame over a [`SequentialState`].
+/// Single-threaded [`FrameExecutor`] of one frame over a [`SequentialState`]: detection and
+/// observation run on the calling thread.
 #[derive(Debug)]
 pub struct SequentialExecutor<'a> {
     state: &'a mut SequentialState,
@@ -126,7 +125,7 @@ impl SequentialExecutor<'_> {
         &mut self,
         detection: &Detection,
         sightings: &[Sighting],
-        mut sink: PosteriorSink<'_>,
+        mut tracks: ObservedTracks<'_>,
     ) -> Result<(), Error> {
         let state = &mut *self.state;
         for sighting in sightings {
@@ -135,17 +134,17 @@ impl SequentialExecutor<'_> {
                 cloud: self.frame.cloud.points(),
                 indices: detection.points_of(candidate),
                 measured: &sighting.measured,
+                evidence: &tracks.evidence(sighting.track_id),
             };
-            let new = || (ObjectState::default(), state.empty.clone());
-            let (object, tools) = state.objects.entry(sighting.track_id).or_insert_with(new);
+            let object = state.objects.entry(sighting.track_id).or_default();
             let posterior = object.observe(
                 &observation,
                 &state.categories,
                 &state.config,
-                tools,
+                &mut state.object_workspace,
                 &mut state.descriptor,
             )?;
-            sink.apply(sighting.track_id, &posterior);
+            tracks.apply(sighting.track_id, &posterior);
         }
         Ok(())
     }
@@ -182,8 +181,8 @@ impl FrameExecutor for SequentialExecutor<'_> {
         &mut self,
         detected: &Detection,
         sightings: &[Sighting],
-        sink: PosteriorSink<'_>,
+        tracks: ObservedTracks<'_>,
     ) -> impl Future<Output = Result<(), Error>> + Send {
-        ready(self.observe_all(detected, sightings, sink))
+        ready(self.observe_all(detected, sightings, tracks))
     }
 }

@@ -3,7 +3,7 @@
 use crate::candidate_measurement::CandidateMeasurement;
 use crate::table_height::TableHeight;
 use geometry::OrientedBox;
-use learning::{CategoryName, N_NEAREST, Neighbour};
+use learning::{Recognition, TrackEvidence};
 use nalgebra::{Matrix3, Vector3};
 use tracking::{CoarseAppearance, MotionFilter, TrackLifecycle, TrackPhase, Visibility};
 
@@ -20,19 +20,12 @@ pub struct Track {
     pub measured: CandidateMeasurement,
     /// Number of views that were described.
     pub n_views: u32,
-    /// Recognised category of the object; `None` when unknown.
-    pub label: Option<CategoryName>,
-    /// Distance to the nearest stored view; infinite when nothing was taught.
-    pub distance: f32,
-    /// Probability that the object belongs to the nearest category; `None` when nothing
-    /// was taught.
-    pub probability: Option<f32>,
-    /// Nearest stored view of each of the nearest categories, nearest first.
-    pub nearest: [Option<Neighbour>; N_NEAREST],
     /// Number of key views of the track.
     pub n_key_views: u32,
     /// Track-id of the earlier, lost track with which this object was re-identified by appearance.
     pub reidentified_as: Option<u64>,
+    /// Evidence of the sides that were seen, with the label read from it: the only place of both.
+    pub(crate) evidence: TrackEvidence,
     pub(crate) lifecycle: TrackLifecycle,
     /// Motion state after the last measurement update.
     pub(crate) updated_filter: MotionFilter,
@@ -52,6 +45,11 @@ impl Track {
     /// Life-cycle phase of the track.
     pub fn phase(&self) -> TrackPhase {
         self.lifecycle.phase()
+    }
+
+    /// Recognition result of all sides that were seen.
+    pub fn recognition(&self) -> &Recognition {
+        self.evidence.recognition()
     }
 
     /// Visibility of the object in the last frame.

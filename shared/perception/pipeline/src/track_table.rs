@@ -15,6 +15,7 @@ use crate::{Config, Posterior};
 use constraint::Ternary;
 use detection::{Candidate, Detection, ExpectedTrack, Support};
 use geometry::OrientedBox;
+use learning::{CategoryIndex, TrackEvidence};
 use nalgebra::Vector3;
 use point_cloud::Point;
 use tracking::{
@@ -253,25 +254,57 @@ impl TrackTable {
     /// Applies an object's posterior to its track. A posterior of an ended track, or one
     /// older than the track, is ignored.
     pub fn apply_posterior(&mut self, track_id: u64, posterior: &Posterior) {
-        let Ok(i) = self
-            .tracks
-            .binary_search_by_key(&track_id, |track| track.id)
-        else {
+        let motion = *self.config.motion();
+        let Some(track) = self.track_mut(track_id) else {
             return;
         };
-        let track = &mut self.tracks[i];
         if posterior.view_id < track.n_views {
             return;
         }
         let capture_ns = track.filter.stamp_ns();
         track.updated_filter = posterior.filter;
-        track.filter = posterior.filter.predicted(capture_ns, self.config.motion());
+        track.filter = posterior.filter.predicted(capture_ns, &motion);
         track.n_views = posterior.view_id + 1;
-        track.label.clone_from(&posterior.label);
-        track.distance = posterior.distance;
-        track.probability = posterior.probability;
-        track.nearest.clone_from(&posterior.nearest);
+        track.evidence.clone_from(&posterior.evidence);
         track.n_key_views = posterior.n_key_views;
+    }
+
+    /// Evidence of a track, for the observation of its next view; empty when it has ended.
+    pub fn evidence(&self, track_id: u64) -> TrackEvidence {
+        let track = self
+            .tracks
+            .binary_search_by_key(&track_id, |track| track.id);
+        track.map_or_else(
+            |_| TrackEvidence::default(),
+            |i| self.tracks[i].evidence.clone(),
+        )
+    }
+
+    /// Evidence of the tracks whose labels were read from another state of the taught views, or by
+    /// another rule, than the present ones.
+    pub fn outdated_evidence(&self, taught: &CategoryIndex) -> Vec<(u64, TrackEvidence)> {
+        let rule = self.config.unknown_rule();
+        let outdated = self
+            .tracks
+            .iter()
+            .filter(|track| !taught.is_current(&track.evidence, rule));
+        outdated
+            .map(|track| (track.id, track.evidence.clone()))
+            .collect()
+    }
+
+    /// Replaces the evidence of a live track by the same evidence read anew.
+    pub fn set_evidence(&mut self, track_id: u64, evidence: TrackEvidence) {
+        if let Some(track) = self.track_mut(track_id) {
+            track.evidence = evidence;
+        }
+    }
+
+    fn track_mut(&mut self, track_id: u64) -> Option<&mut Track> {
+        let place = self
+            .tracks
+            .binary_search_by_key(&track_id, |track| track.id);
+        place.ok().map(|i| &mut self.tracks[i])
     }
 
     /// True if something near a box is handled, or was within the last second: a hand moves an
@@ -606,10 +639,7 @@ impl TrackTable {
                 last_seen_ns: frame.capture_ns,
                 measured,
                 n_views: 0,
-                label: None,
-                distance: f32::INFINITY,
-                probability: None,
-                nearest: Default::default(),
+                evidence: TrackEvidence::default(),
                 n_key_views: 0,
                 reidentified_as: self
                     .lost_tracks

@@ -7,6 +7,7 @@ use super::sketch::N_QUERIES_MAX;
 use crate::nearest_categories::{NearestList, ScoredView};
 use crate::nearest_neighbours::NearestNeighbours;
 use crate::{Error, Metric, Recognition, UnknownRule, ViewId};
+use std::sync::Arc;
 
 /// Number of nearest views kept for a side; those beyond the neighbours of the regression
 /// replace forgotten ones. Chosen.
@@ -48,22 +49,25 @@ pub enum ViewUse {
     KeyView,
 }
 
-/// Evidence of one track over the different sides of its object, for
-/// [`CategoryIndex::recognise_track`]. It holds a few descriptors, no views of the index.
-#[derive(Debug, Clone, Default)]
+/// Evidence of one track over the different sides of its object, with the answer read from it, for
+/// [`CategoryIndex::recognise_track`]. It holds a few descriptors, no views of the index. Clones
+/// share the sides copy-on-write.
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrackEvidence {
     /// Different sides, oldest first.
-    sides: Vec<Side>,
+    sides: Vec<Arc<Side>>,
     /// Side in view if it is none of them.
-    current: Option<Side>,
+    current: Option<Arc<Side>>,
     n_frames_since_search: u32,
     n_contradictions: u32,
-    /// Last answer with the revision of the index and the rule; `None` after a change.
-    answer: Option<(u64, UnknownRule, Recognition)>,
+    answer: Recognition,
+    /// Revision of the index and rule that the answer was read with; `None` when the sides have
+    /// changed since.
+    read_with: Option<(u64, UnknownRule)>,
 }
 
 /// Description of one side with its nearest stored views.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 struct Side {
     queries: Vec<Vec<f32>>,
     /// Revision of the index that the nearest views are those of.
@@ -76,13 +80,36 @@ struct Side {
     is_partial: bool,
 }
 
+impl Default for TrackEvidence {
+    fn default() -> Self {
+        Self {
+            sides: Vec::new(),
+            current: None,
+            n_frames_since_search: 0,
+            n_contradictions: 0,
+            answer: Recognition::of_nothing(),
+            read_with: None,
+        }
+    }
+}
+
 impl TrackEvidence {
     /// Number of different sides that count.
     pub fn n_sides(&self) -> usize {
         self.sides.len() + usize::from(self.current.is_some())
     }
 
-    fn all(&self) -> impl Iterator<Item = &Side> + Clone {
+    /// Last answer read from the evidence.
+    pub fn recognition(&self) -> &Recognition {
+        &self.answer
+    }
+
+    /// Descriptions of the sides that count, each in all axis hypotheses, oldest side first.
+    pub fn descriptions(&self) -> impl Iterator<Item = &[Vec<f32>]> {
+        self.all().map(|side| side.queries.as_slice())
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Arc<Side>> + Clone {
         self.sides.iter().chain(&self.current)
     }
 }
@@ -100,45 +127,64 @@ impl CategoryIndex {
     /// Metrics without calibration are searched exhaustively, frame by frame.
     ///
     /// # Errors
-    /// As for [`insert`](Self::insert).
-    pub fn recognise_track(
+    /// As for [`insert`](Self::insert); the evidence is unchanged then.
+    pub fn recognise_track<'t>(
         &self,
         queries: &[impl AsRef<[f32]>],
         view_use: ViewUse,
         rule: impl Into<UnknownRule>,
-        track: &mut TrackEvidence,
-    ) -> Result<Recognition, Error> {
+        track: &'t mut TrackEvidence,
+    ) -> Result<&'t Recognition, Error> {
         let rule = rule.into();
         if !self.is_regression() || queries.is_empty() || queries.len() > N_QUERIES_MAX {
-            return self.recognise_any(queries, rule);
+            track.answer = self.recognise_any(queries, rule)?;
+            return Ok(&track.answer);
         }
         let n_queries = queries.len();
         let queries = &self.checked(queries)?[..n_queries];
         self.follow_changes(track);
         let seen = self.look(queries, view_use, track);
-        if let Some((revision, of_rule, answer)) = &track.answer
-            && (*revision, *of_rule) == (self.revision, rule)
-            && track.n_contradictions == 0
-        {
-            return Ok(answer.clone());
+        if self.is_current(track, rule) && track.n_contradictions == 0 {
+            return Ok(&track.answer);
         }
-        let mut answer = self.decide(track.all().map(|side| &side.evidence), rule);
+        self.read(rule, track);
         if let Some(seen) = seen
             && view_use != ViewUse::Partial
-            && self.is_replaced(seen, &answer, rule, track)
+            && self.is_replaced(seen, rule, track)
         {
-            answer = self.decide(track.all().map(|side| &side.evidence), rule);
+            self.read(rule, track);
         }
-        track.answer = Some((self.revision, rule, answer.clone()));
-        Ok(answer)
+        Ok(&track.answer)
+    }
+
+    /// True if the answer of a track was read from this state of the index, by this rule.
+    pub fn is_current(&self, track: &TrackEvidence, rule: UnknownRule) -> bool {
+        track.read_with == Some((self.revision, rule))
+    }
+
+    /// Reads the same evidence against a changed index or by another rule, as
+    /// [`recognise_sides`](Self::recognise_sides) of its descriptions would. Without a calibration
+    /// there is no evidence, and the answer stays.
+    ///
+    /// *Complexity*: that of the changed views; of an exhaustive search for each side when the
+    /// change log does not reach back.
+    pub fn reread_track(&self, rule: UnknownRule, track: &mut TrackEvidence) {
+        if self.is_regression() && !self.is_current(track, rule) {
+            self.follow_changes(track);
+            self.read(rule, track);
+        }
+    }
+
+    fn read(&self, rule: UnknownRule, track: &mut TrackEvidence) {
+        track.answer = self.decide(track.all().map(|side| &side.evidence), rule);
+        track.read_with = Some((self.revision, rule));
     }
 
     /// Brings the sides of a track up to date with the index.
     fn follow_changes(&self, track: &mut TrackEvidence) {
         for side in track.sides.iter_mut().chain(&mut track.current) {
             if side.revision != self.revision {
-                self.follow_changes_of(side);
-                track.answer = None;
+                self.follow_changes_of(Arc::make_mut(side));
             }
         }
     }
@@ -225,10 +271,10 @@ impl CategoryIndex {
         track: &mut TrackEvidence,
     ) -> Option<usize> {
         track.n_frames_since_search = track.n_frames_since_search.saturating_add(1);
-        let is_shown = |side: &Side| self.is_same_side(side, queries);
+        let is_shown = |side: &Arc<Side>| self.is_same_side(side, queries);
         if let Some(place) = track.sides.iter().position(is_shown) {
             if track.current.take().is_some() {
-                track.answer = None;
+                track.read_with = None;
             }
             return Some(place);
         }
@@ -241,12 +287,12 @@ impl CategoryIndex {
         let is_urgent = view_use == ViewUse::KeyView || (has_part && !is_partial);
         let is_due = track.n_frames_since_search >= SEARCH_PERIOD || is_urgent;
         if is_first || (!is_current && is_wanted && is_due) {
-            track.current = Some(Side {
+            track.current = Some(Arc::new(Side {
                 is_partial,
                 ..self.side(queries)
-            });
+            }));
             track.n_frames_since_search = 0;
-            track.answer = None;
+            track.read_with = None;
         }
         if view_use == ViewUse::KeyView
             && let Some(side) = track.current.take()
@@ -264,10 +310,8 @@ impl CategoryIndex {
             return false;
         };
         let change = least_score(queries, described);
-        let nearest = side
-            .nearest
-            .first()
-            .map_or(f32::INFINITY, |near| near.score);
+        // Without any taught view every side may count later.
+        let nearest = side.nearest.first().map_or(0.0, |near| near.score);
         if change <= CHANGE_RATIO_MAX * CHANGE_RATIO_MAX * nearest {
             return true;
         }
@@ -282,13 +326,8 @@ impl CategoryIndex {
 
     /// Drops all sides but the one in view if that contradicts the answer for long: the object was
     /// exchanged. `true` if so.
-    fn is_replaced(
-        &self,
-        seen: usize,
-        answer: &Recognition,
-        rule: UnknownRule,
-        track: &mut TrackEvidence,
-    ) -> bool {
+    fn is_replaced(&self, seen: usize, rule: UnknownRule, track: &mut TrackEvidence) -> bool {
+        let answer = &track.answer;
         let is_contradiction = track.all().nth(seen).is_some_and(|side| {
             let alone = self.decide(std::iter::once(&side.evidence), rule);
             let is_other = alone.label.is_some() && alone.label != answer.label;

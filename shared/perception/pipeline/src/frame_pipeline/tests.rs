@@ -53,7 +53,7 @@ impl FrameExecutor for Recorder {
         &mut self,
         _detected: &Detection,
         _sightings: &[Sighting],
-        _sink: PosteriorSink<'_>,
+        _tracks: ObservedTracks<'_>,
     ) -> impl Future<Output = Result<(), &'static str>> + Send {
         self.calls.push("observe".into());
         ready(Ok(()))

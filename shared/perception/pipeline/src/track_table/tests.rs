@@ -50,11 +50,7 @@ fn posterior_of(track: &Track) -> Posterior {
         filter: track.filter,
         view_id: track.n_views,
         is_key_view: false,
-        label: None,
-        distance: f32::INFINITY,
-        probability: None,
-        n_sides: 0,
-        nearest: Default::default(),
+        evidence: TrackEvidence::default(),
         n_key_views: 0,
     }
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::category_index::test_views::{clustered, id, name};
 use crate::test_noise::noise;
 use crate::{Calibration, CategoryName, DescriptorSymmetries};
+use proptest::prelude::*;
 
 const DIMENSION: usize = 90;
 const N_VIEWS: usize = 600;
@@ -54,6 +55,7 @@ fn look(
     index
         .recognise_track(queries, view_use, 1e9, track)
         .unwrap()
+        .clone()
 }
 
 #[test]
@@ -130,6 +132,20 @@ fn different_sides_count_and_equal_ones_do_not() {
 }
 
 #[test]
+fn sides_seen_before_the_first_lesson_count_after_it() {
+    let (mut index, mut track) = (empty(), TrackEvidence::default());
+    let sides = [77, 85].map(|number| seen(number, 0.0, 0));
+    for side in &sides {
+        look(&index, side, ViewUse::KeyView, &mut track);
+    }
+    index.insert(id(1), &name(1), &sides[0][0]).unwrap();
+    index.reread_track(UnknownRule::FartherThan(1e9), &mut track);
+    assert_eq!(track.recognition().n_sides, 2);
+    let both = index.recognise_sides(&sides, 1e9).unwrap();
+    assert_eq!(track.recognition(), &both);
+}
+
+#[test]
 fn a_partial_view_keeps_the_answer() {
     let (index, mut track) = (index(), TrackEvidence::default());
     let whole = look(&index, &seen(77, 0.02, 0), ViewUse::KeyView, &mut track);
@@ -185,4 +201,111 @@ fn a_description_that_keeps_changing_is_searched_in_every_fifth_frame() {
         last = Some(answer);
     }
     assert!((9..=11).contains(&n_answers), "{n_answers}");
+}
+
+/// Step of a random lesson.
+#[derive(Debug, Clone)]
+enum LessonStep {
+    /// A view of a track is seen.
+    Look {
+        track: usize,
+        number: u64,
+        view_use: ViewUse,
+    },
+    /// Stored views get a category, new or known.
+    Teach {
+        first: usize,
+        n_views: usize,
+        category: u8,
+    },
+    /// Stored views are forgotten.
+    Forget { first: usize, n_views: usize },
+    /// The memory is another store.
+    Clear,
+}
+
+const RULE: UnknownRule = UnknownRule::LessProbableThan(0.75);
+const N_TRACKS: usize = 4;
+
+fn step() -> impl Strategy<Value = LessonStep> {
+    let view_use = prop_oneof![
+        3 => Just(ViewUse::KeyView),
+        1 => Just(ViewUse::Whole),
+        1 => Just(ViewUse::Partial),
+    ];
+    // One change in twelve is longer than the change log.
+    let n_views = prop_oneof![11 => 1..20_usize, 1 => Just(1100_usize)];
+    prop_oneof![
+        8 => (0..N_TRACKS, 0..200_u64, view_use)
+            .prop_map(|(track, number, view_use)| LessonStep::Look { track, number, view_use }),
+        6 => (0..300_usize, n_views, 0..9_u8)
+            .prop_map(|(first, n_views, category)| LessonStep::Teach { first, n_views, category }),
+        3 => (0..300_usize, 1..30_usize)
+            .prop_map(|(first, n_views)| LessonStep::Forget { first, n_views }),
+        1 => Just(LessonStep::Clear),
+    ]
+}
+
+fn apply(step: &LessonStep, index: &mut CategoryIndex, tracks: &mut [TrackEvidence]) {
+    match *step {
+        LessonStep::Look {
+            track,
+            number,
+            view_use,
+        } => {
+            let queries = seen(number, 0.02, 0);
+            index
+                .recognise_track(&queries, view_use, RULE, &mut tracks[track])
+                .unwrap();
+        }
+        LessonStep::Teach {
+            first,
+            n_views,
+            category,
+        } => {
+            let mut batch = index.batch();
+            for number in first..first + n_views {
+                let descriptor = clustered(number as u64, DIMENSION, 0.4);
+                batch
+                    .insert(id(number), &name(category), &descriptor)
+                    .unwrap();
+            }
+        }
+        LessonStep::Forget { first, n_views } => {
+            let mut batch = index.batch();
+            for number in first..first + n_views {
+                batch.remove_view(id(number));
+            }
+        }
+        LessonStep::Clear => index.clear(),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// The label of every track, not only of those that a lesson is about, is that of a fresh
+    /// recognition of all sides that were seen, against the memory as it is now.
+    #[test]
+    fn label_read_anew_is_that_of_a_fresh_recognition_of_all_sides(
+        steps in prop::collection::vec(step(), 1..60),
+    ) {
+        let mut index = index();
+        let mut tracks = vec![TrackEvidence::default(); N_TRACKS];
+        for step in &steps {
+            let n_sides: Vec<usize> = tracks.iter().map(TrackEvidence::n_sides).collect();
+            apply(step, &mut index, &mut tracks);
+            for track in &mut tracks {
+                index.reread_track(RULE, track);
+                prop_assert!(index.is_current(track, RULE));
+                let sides: Vec<Vec<Vec<f32>>> = track.descriptions().map(<[_]>::to_vec).collect();
+                let fresh = index.recognise_sides(&sides, RULE).unwrap();
+                prop_assert_eq!(track.recognition(), &fresh);
+            }
+            if !matches!(step, LessonStep::Look { .. }) {
+                let after: Vec<usize> = tracks.iter().map(TrackEvidence::n_sides).collect();
+                prop_assert_eq!(n_sides, after, "a lesson changes no evidence");
+            }
+        }
+    }
 }
