@@ -47,6 +47,8 @@ mod memory_care;
 mod memory_kill;
 /// Object models that grow beside a running daemon.
 mod model_building;
+/// Sentences that say what to do next: candidates, swapped arguments, nearest names.
+mod next_steps;
 /// Labels of the objects that a change of the memory is not about.
 mod other_labels;
 /// Panics of one object's actor: supervision and restart limit.

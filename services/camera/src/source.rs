@@ -9,6 +9,7 @@ mod rgbd;
 mod scenes;
 mod spec;
 mod synthetic_table;
+mod unknown_source;
 
 pub(crate) use capture::{FrameInfo, FrameSize, Source, SourceError};
 pub(crate) use spec::SourceSpec;
@@ -55,6 +56,9 @@ pub(crate) fn open(
         ))),
         SourceSpec::Kinect => Ok(Box::new(kinect::KinectSource::real()?)),
         SourceSpec::Fakenect(folder) => Ok(Box::new(kinect::KinectSource::fake(folder)?)),
+        SourceSpec::Folder(folder) if !folder.exists() => {
+            Err(SourceError::Unusable(unknown_source::sentence(folder)))
+        }
         SourceSpec::Folder(folder) => match dataset::detect_recording_kind(folder) {
             Ok(dataset::RecordingKind::PcdScenes) => {
                 Ok(Box::new(scenes::SceneFolderSource::open(folder, playback)?))

@@ -1,5 +1,6 @@
 //! Parser of the `--source` option.
 
+use super::unknown_source::SOURCES;
 use crate::synthetic::CROWD_MAX;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -28,9 +29,7 @@ impl FromStr for SourceSpec {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match (text, text.split_once(':')) {
-            ("", _) => Err(
-                "the source is empty; say synthetic, kinect, fakenect:FOLDER, a recording or a folder".into(),
-            ),
+            ("", _) => Err(format!("the source is empty; the sources are {SOURCES}")),
             ("synthetic", _) => Ok(Self::Synthetic(0)),
             ("kinect", _) => Ok(Self::Kinect),
             ("simulation", _) | (_, Some(("simulation", _))) => Err(

@@ -11,7 +11,7 @@ mod reference_check;
 pub use config_error::ConfigError;
 pub use key_reference::{KeyDescription, KeyReference};
 pub use key_value_check::{KeyBound, KeyRange, ValueKind};
-pub use nearest_names::nearest_names;
+pub use nearest_names::{nearest_names, probable_name};
 pub use reference_check::check_section_reference;
 
 pub(crate) use config_error::one_line;

@@ -11,15 +11,9 @@ const MAX_CHARS: usize = 128;
 /// contains, and otherwise those with the least edit distance; three at most.
 pub fn nearest_names<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let text: String = name.chars().take(MAX_CHARS).collect();
-    let score = |other: &str| {
-        let is_part = !text.is_empty() && (other.contains(&text) || text.contains(other));
-        if is_part {
-            0
-        } else {
-            levenshtein(&text, other)
-        }
-    };
-    let mut scored: Vec<_> = names.map(|other| (score(other), other)).collect();
+    let mut scored: Vec<_> = names
+        .map(|other| (difference(&text, other), other))
+        .collect();
     scored.sort_unstable();
     scored.dedup();
     let least = scored.first().map_or(0, |(distance, _)| *distance);
@@ -29,6 +23,22 @@ pub fn nearest_names<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Ve
         .take(MAX_NAMES)
         .map(|(_, other)| other)
         .collect()
+}
+
+/// Spelling suggestion: the name that a misspelt one probably means, in whatever case. It contains
+/// it, is contained in it, or differs in a third of its letters at most; `None` when no name does.
+pub fn probable_name<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let text: String = name.chars().take(MAX_CHARS).collect();
+    let text = text.to_lowercase();
+    let scored = names.map(|other| (difference(&text, &other.to_lowercase()), other));
+    let (difference, near) = scored.min()?;
+    (3 * difference <= near.chars().count()).then_some(near)
+}
+
+/// Edit distance of two names; 0 where one contains the other.
+fn difference(text: &str, other: &str) -> usize {
+    let is_part = !text.is_empty() && (other.contains(text) || text.contains(other));
+    if is_part { 0 } else { levenshtein(text, other) }
 }
 
 #[cfg(test)]
@@ -58,5 +68,21 @@ mod tests {
         assert_eq!(nearest("range"), ["range_max_m", "range_min_m"]);
         assert_eq!(nearest("raet_hz"), ["rate_hz"]);
         assert_eq!(nearest_names("x", std::iter::empty()), Vec::<&str>::new());
+    }
+    #[test]
+    fn probable_name_is_no_other_word() {
+        let names = ["simulation", "kinect", "soda can"];
+        for (name, expected) in [
+            ("kinct", Some("kinect")),
+            ("KINECT", Some("kinect")),
+            ("simulator", Some("simulation")),
+            ("can", Some("soda can")),
+            ("realsense", None),
+            ("", None),
+        ] {
+            let probable = probable_name(name, names.into_iter());
+            assert_eq!(probable, expected, "{name}");
+        }
+        assert_eq!(probable_name("x", std::iter::empty()), None);
     }
 }
