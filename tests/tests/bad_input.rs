@@ -410,7 +410,7 @@ fn requests_for_unknown_tracks_are_refused_and_change_nothing() {
         let too_large = "18446744073709551616";
         check_refused(&daemon, &[verb, too_large, "mug"], USAGE, too_large);
         check_refused(&daemon, &[verb, "-1", "mug"], USAGE, "-1");
-        check_refused(&daemon, &[verb, "three", "mug"], USAGE, "three");
+        check_refused(&daemon, &[verb, "three", "mug"], REFUSED, "track-id");
         check_refused(&daemon, &[verb, &track], USAGE, "CATEGORY");
     }
     check_refused(

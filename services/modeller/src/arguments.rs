@@ -5,6 +5,7 @@ mod plan;
 pub(crate) use plan::PlanArguments;
 
 use clap::{Args, Parser, Subcommand};
+use control_client::TrackReference;
 use model_construction::{Config, PoseSigma};
 use sensor_noise::DepthNoise;
 use service::CommonArguments;
@@ -37,9 +38,10 @@ pub(crate) enum ModellerVerb {
 /// Options of the construction of a model.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct BuildArguments {
-    /// Track-id of the object [default: the object nearest to the middle of the image]
+    /// Object: its track-id, or words that mean exactly one, such as its label [default: the
+    /// object nearest to the middle of the image]
     #[arg(value_name = "TRACK")]
-    pub(crate) track: Option<u64>,
+    pub(crate) track: Option<TrackReference>,
     /// Name of the model [default: the label of the object, or track-ID]
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,

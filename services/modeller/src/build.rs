@@ -16,6 +16,7 @@ use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
 use construction::Construction;
 use model_construction::Config;
+use control_client::TrackScope;
 use model_store::ModelStore;
 use sensor_noise::DepthNoise;
 use service::{CommonArguments, Failure};
@@ -37,7 +38,9 @@ pub(crate) fn run(
     require_daemon(&common.domain)?;
     let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;
     let mut receiver = ObjectReceiver::new(&domain)?;
-    let object = chosen_object(&mut receiver, arguments.track, &stop)?;
+    let track = arguments.track.as_ref();
+    let track = track.map(|track| track.resolve(common, TrackScope::LOOK, None));
+    let object = chosen_object(&mut receiver, track.transpose()?, &stop)?;
     let name = arguments.name.clone().or_else(|| object.label.clone());
     let name = name.unwrap_or_else(|| format!("track-{}", object.track));
     output.print_status(&format!(

@@ -23,6 +23,7 @@ pub(crate) use world::{
 
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
+use control_client::TrackReference;
 use service::{CommonArguments, Failure};
 use std::ffi::OsString;
 
@@ -230,9 +231,13 @@ pub(crate) struct ArmWait {
 /// Arguments of `tabula ask`.
 #[derive(Debug, Args)]
 pub(crate) struct AskArguments {
-    /// Track-id of the object
-    #[arg(required_unless_present = "teach_me", conflicts_with = "teach_me")]
-    pub(crate) track_id: Option<u64>,
+    /// Object: its track-id, or words that mean exactly one, such as its label
+    #[arg(
+        value_name = "TRACK",
+        required_unless_present = "teach_me",
+        conflicts_with = "teach_me"
+    )]
+    pub(crate) track: Option<TrackReference>,
     /// Print the question about the object whose name would teach most
     #[arg(long)]
     pub(crate) teach_me: bool,
@@ -252,8 +257,9 @@ pub(crate) struct FindArguments {
 /// Arguments of `tabula teach` and `tabula correct`.
 #[derive(Debug, Args)]
 pub(crate) struct LabelArguments {
-    /// Track-id of the object
-    pub(crate) track_id: u64,
+    /// Object: its track-id, or words that mean exactly one, such as "the red mug"
+    #[arg(value_name = "TRACK")]
+    pub(crate) track: TrackReference,
     /// Category name
     pub(crate) category: String,
     /// Author of the label [default: the user's name]

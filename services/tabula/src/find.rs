@@ -3,8 +3,8 @@
 use crate::arguments::FindArguments;
 use crate::objects::metres;
 use command_line::Output;
-use control_client::{author_or_user, call, connect, unexpected_reply};
-use message::control::{Command, FindQuery, FindReport, FoundObjectReport, Reply};
+use control_client::{connect, find_objects};
+use message::control::{FindReport, FoundObjectReport};
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
 
@@ -15,22 +15,14 @@ pub(crate) fn run(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let mut client = connect(common)?;
-    let query = FindQuery {
-        words: arguments.words.join(" "),
-        speaker: Some(author_or_user(arguments.author.as_deref())),
-        utc_offset_s: jiff::ZonedDateTime::now().offset().seconds(),
-    };
-    match call(&mut client, Command::Find(query))? {
-        Reply::Found(report) => {
-            output.answer(&report, || text(&report));
-            Ok(if report.matches.is_empty() {
-                ExitCode::from(exit_code::FAILURE)
-            } else {
-                ExitCode::SUCCESS
-            })
-        }
-        other => Err(unexpected_reply(&other)),
-    }
+    let words = arguments.words.join(" ");
+    let report = find_objects(&mut client, &words, arguments.author.as_deref())?;
+    output.answer(&report, || text(&report));
+    Ok(if report.matches.is_empty() {
+        ExitCode::from(exit_code::FAILURE)
+    } else {
+        ExitCode::SUCCESS
+    })
 }
 
 fn text(report: &FindReport) -> String {

@@ -2,8 +2,11 @@
 //! and categories.
 
 use crate::arguments::{ForgetArguments, LabelArguments};
+use crate::track_or_name::{labelled_track, with_meant};
 use command_line::{Output, format_table};
-use control_client::{author_or_user, call, change, connect, mutation_id, unexpected_reply};
+use control_client::{
+    TrackScope, author_or_user, call, change, connect, mutation_id, unexpected_reply,
+};
 use message::control::{
     CategoryReport, Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
 };
@@ -17,8 +20,9 @@ pub(crate) fn teach(
     label: &LabelArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let report = learn(common, &Command::Teach(labelling(label)?))?;
-    output.answer(&report, || learned_text(label.track_id, &report));
+    let track_id = labelled_track(common, "teach", label)?;
+    let report = learn(common, &Command::Teach(labelling(track_id, label)?))?;
+    output.answer(&report, || learned_text(track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -28,8 +32,9 @@ pub(crate) fn correct(
     label: &LabelArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let report = learn(common, &Command::Correct(labelling(label)?))?;
-    output.answer(&report, || learned_text(label.track_id, &report));
+    let track_id = labelled_track(common, "correct", label)?;
+    let report = learn(common, &Command::Correct(labelling(track_id, label)?))?;
+    output.answer(&report, || learned_text(track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -41,13 +46,14 @@ pub(crate) fn forget(
 ) -> Result<ExitCode, Failure> {
     let author = arguments.author.as_deref();
     let Some(category) = &arguments.category else {
-        let change = match (arguments.track, arguments.view) {
-            (Some(track_id), Some(view_id)) => RevisionChange::ForgetView {
+        let track = arguments.track.as_ref();
+        let track = track.map(|track| track.resolve(common, TrackScope::FORGET, author));
+        let track_id = track.transpose()?.unwrap_or_default();
+        let change = match arguments.view {
+            Some(view_id) => RevisionChange::ForgetView {
                 view: ViewId { track_id, view_id },
             },
-            (track_id, _) => RevisionChange::ForgetTrack {
-                track_id: track_id.unwrap_or_default(),
-            },
+            None => RevisionChange::ForgetTrack { track_id },
         };
         return revise(common, change, author, output);
     };
@@ -56,7 +62,8 @@ pub(crate) fn forget(
         author: author_or_user(author),
         category: category.clone(),
     };
-    let report = learn(common, &command)?;
+    let report =
+        learn(common, &command).map_err(|failure| with_meant(common, category, failure))?;
     output.answer(&report, || {
         format!(
             "forgot {}: {} view(s) are now unlabelled",
@@ -155,11 +162,11 @@ fn learned_text(track_id: u64, report: &LearningReport) -> String {
     }
 }
 
-fn labelling(label: &LabelArguments) -> Result<Labelling, Failure> {
+fn labelling(track_id: u64, label: &LabelArguments) -> Result<Labelling, Failure> {
     Ok(Labelling {
         id: mutation_id()?,
         author: author_or_user(label.author.as_deref()),
-        track_id: label.track_id,
+        track_id,
         category: label.category.clone(),
     })
 }

@@ -18,6 +18,7 @@ mod sensor;
 mod status;
 mod supervision;
 mod time;
+mod track_or_name;
 mod world;
 
 use arguments::{CliArguments, Verb, ViewVerb};
@@ -37,8 +38,8 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Run(run) => daemon::run(&arguments.common, run, output),
         Verb::Doctor => Ok(doctor::run(&arguments.common, output)),
         Verb::Objects { watch } => objects::objects(&arguments.common, *watch, output),
-        Verb::Ask(asked) => match asked.track_id {
-            Some(track_id) => objects::ask(&arguments.common, track_id, output),
+        Verb::Ask(asked) => match &asked.track {
+            Some(track) => objects::ask(&arguments.common, track, output),
             None => objects::question(&arguments.common, output),
         },
         Verb::Find(query) => find::run(&arguments.common, query, output),

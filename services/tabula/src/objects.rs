@@ -2,7 +2,7 @@
 
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table, redraw_terminal};
-use control_client::{call, connect, unexpected_reply};
+use control_client::{TrackReference, TrackScope, call, connect, unexpected_reply};
 use message::TrackState;
 use message::control::{
     Command, ObjectReport, ObjectsReport, QuestionsReport, RejectedCandidateReport, Reply,
@@ -175,9 +175,10 @@ const N_BEST: usize = 3;
 /// Runs `tabula ask`.
 pub(crate) fn ask(
     common: &CommonArguments,
-    track_id: u64,
+    track: &TrackReference,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
+    let track_id = track.resolve(common, TrackScope::LOOK, None)?;
     match call(&mut connect(common)?, Command::Ask { track_id })? {
         Reply::Object(object) => {
             output.answer(&object, || answer_text(&object));

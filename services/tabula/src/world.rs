@@ -4,7 +4,7 @@ use crate::arguments::{EventsArguments, HistoryArguments, TimeArgument, WorldPoi
 use crate::objects::metres;
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table};
-use control_client::{call, connect, unexpected_reply};
+use control_client::{TrackScope, call, connect, unexpected_reply};
 use message::control::{
     Command, EventReport, EventsReport, FactFilter, FactReport, FactsReport, Reply, TaskReport,
     TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,
@@ -32,7 +32,9 @@ pub(crate) fn run(
             output.answer(&report, || world_text(&report));
         }
         Some(WorldVerb::History(wanted)) => {
-            let report = history(&mut client, wanted)?;
+            let track = wanted.track.as_ref();
+            let track = track.map(|track| track.resolve(common, TrackScope::RECALL, None));
+            let report = history(&mut client, wanted, track.transpose()?)?;
             output.answer(&report, || history_text(&report, now_ns()));
         }
         Some(WorldVerb::Events(wanted)) if wanted.follow => {
@@ -73,8 +75,12 @@ fn now(client: &mut SocketClient) -> Result<WorldReport, Failure> {
 }
 
 /// Facts of the filter, read page by page up to the limit.
-fn history(client: &mut SocketClient, wanted: &HistoryArguments) -> Result<FactsReport, Failure> {
-    let mut filter = filter(wanted, now_ns());
+fn history(
+    client: &mut SocketClient,
+    wanted: &HistoryArguments,
+    track_id: Option<u64>,
+) -> Result<FactsReport, Failure> {
+    let mut filter = filter(wanted, track_id, now_ns());
     let mut facts = Vec::new();
     loop {
         let page = match ask(client, WorldCommand::Facts(filter.clone()))? {
@@ -91,11 +97,11 @@ fn history(client: &mut SocketClient, wanted: &HistoryArguments) -> Result<Facts
     }
 }
 
-fn filter(wanted: &HistoryArguments, now_ns: u64) -> FactFilter {
+fn filter(wanted: &HistoryArguments, track_id: Option<u64>, now_ns: u64) -> FactFilter {
     let instant = |time: Option<TimeArgument>| time.map(|time| time.at(now_ns));
     let region = wanted.near.zip(wanted.radius);
     FactFilter {
-        track_id: wanted.track,
+        track_id,
         label: wanted.label.clone(),
         region: region
             .map(|(WorldPoint(centre_m), radius_m)| WorldRegion::Ball { centre_m, radius_m }),
@@ -402,7 +408,7 @@ mod tests {
     #[test]
     fn filter_of_an_instant_begins_and_ends_there() {
         let wanted = HistoryArguments {
-            track: Some(3),
+            track: None,
             label: None,
             near: Some(WorldPoint([0.1, 0.2, 0.3])),
             radius: Some(0.5),
@@ -411,7 +417,7 @@ mod tests {
             until: None,
             limit: 7,
         };
-        let filter = filter(&wanted, 1000);
+        let filter = filter(&wanted, Some(3), 1000);
         assert_eq!((filter.since_ns, filter.until_ns), (Some(600), Some(600)));
         assert_eq!((filter.track_id, filter.limit), (Some(3), 7));
         let ball = WorldRegion::Ball {

@@ -1,6 +1,7 @@
 //! Arguments of `tabula forget`, `tabula memory` and `tabula knowledge`.
 
 use clap::{Args, Subcommand};
+use control_client::TrackReference;
 use std::path::PathBuf;
 
 /// Arguments of `tabula forget`.
@@ -10,9 +11,10 @@ pub(crate) struct ForgetArguments {
     /// Category to forget
     #[arg(group = "what", conflicts_with_all = ["track", "view"])]
     pub(crate) category: Option<String>,
-    /// Track to forget: its views are excluded from recognition and teaching
+    /// Track to forget, by its track-id, or words that mean exactly one object: its views are
+    /// excluded from recognition and teaching
     #[arg(long, value_name = "TRACK", group = "what")]
-    pub(crate) track: Option<u64>,
+    pub(crate) track: Option<TrackReference>,
     /// With --track: forget only this view
     #[arg(long, value_name = "VIEW", requires = "track")]
     pub(crate) view: Option<u32>,
@@ -52,9 +54,9 @@ pub(crate) struct InspectArguments {
     /// Only views of this category
     #[arg(long, value_name = "NAME", conflicts_with = "track")]
     pub(crate) category: Option<String>,
-    /// Only views of this track
+    /// Only views of this track: its track-id, or words that mean exactly one object
     #[arg(long, value_name = "TRACK")]
-    pub(crate) track: Option<u64>,
+    pub(crate) track: Option<TrackReference>,
 }
 
 /// Entry range of `tabula memory history`.

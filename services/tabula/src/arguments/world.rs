@@ -1,6 +1,7 @@
 //! Arguments of `tabula world`.
 
 use clap::{Args, Subcommand};
+use control_client::TrackReference;
 
 /// Arguments of `tabula world`: queries of the world model.
 #[derive(Debug, Args)]
@@ -29,9 +30,9 @@ pub(crate) enum WorldVerb {
 #[derive(Debug, Args)]
 #[command(after_help = TIME_HELP)]
 pub(crate) struct HistoryArguments {
-    /// Only facts of this track
+    /// Only facts of this track: its track-id, or words that mean exactly one object
     #[arg(long, value_name = "TRACK")]
-    pub(crate) track: Option<u64>,
+    pub(crate) track: Option<TrackReference>,
     /// Only while the object had this label
     #[arg(long, value_name = "NAME")]
     pub(crate) label: Option<String>,

@@ -3,12 +3,12 @@
 use crate::arguments::{EntriesArguments, InspectArguments};
 use crate::time::utc;
 use command_line::{Output, format_table};
-use control_client::{MemoryClient, unexpected_reply};
+use control_client::{MemoryClient, TrackReference, TrackScope, unexpected_reply};
 use message::control::{
     Command, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, Reply, ViewReport,
 };
 use serde::Serialize;
-use service::{CommonArguments, Failure};
+use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
 
 fn ask(memory: &mut MemoryClient, query: MemoryQuery) -> Result<MemoryAnswer, Failure> {
@@ -80,13 +80,17 @@ pub(super) fn views(
     arguments: &InspectArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
+    let track = arguments.track.as_ref();
+    let track_id = track
+        .map(|track| recalled_track(common, track))
+        .transpose()?;
     let mut memory = MemoryClient::open(common)?;
     let mut all = Vec::new();
     let mut after = None;
     loop {
         let query = MemoryQuery::Views {
             category: arguments.category.clone(),
-            track_id: arguments.track,
+            track_id,
             after,
         };
         let next = match ask(&mut memory, query)? {
@@ -104,6 +108,18 @@ pub(super) fn views(
     let document = ViewsDocument { views: all };
     output.answer(&document, || views_text(&document.views));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Track-id of an object that may be gone.
+fn recalled_track(common: &CommonArguments, track: &TrackReference) -> Result<u64, Failure> {
+    let resolved = track.resolve(common, TrackScope::RECALL, None);
+    resolved.map_err(|failure| match failure.code {
+        exit_code::NO_DAEMON => Failure::new(
+            failure.code,
+            format!("{failure}; without a daemon, give a track-id in place of the words"),
+        ),
+        _ => failure,
+    })
 }
 
 fn views_text(views: &[ViewReport]) -> String {

@@ -4,7 +4,8 @@
 //! refusal into a failure with its exit code. [`change`] repeats a change until its outcome
 //! is known. [`MemoryClient`] asks the memory of a
 //! running daemon, or, without one, a child process that opens the stored memory.
-//! [`SpawnedDaemon`] is a daemon that a program runs for itself.
+//! [`SpawnedDaemon`] is a daemon that a program runs for itself. [`TrackReference`] is an object as
+//! a person names it.
 //!
 //! Invariants: this crate never opens a database itself and never names one.
 //!
@@ -24,7 +25,9 @@ mod document;
 mod history;
 mod import;
 mod memory_client;
+mod object_search;
 mod spawned_daemon;
+mod track_reference;
 
 pub use authorship::{author_or_user, mutation_id};
 pub use change::change;
@@ -33,4 +36,6 @@ pub use document::{NewDocument, StoredDocument, read_document, try_put_document}
 pub use history::read_history;
 pub use import::{ImportError, ImportRequest, import};
 pub use memory_client::{MemoryClient, connect_if_running, local_memory_folder};
+pub use object_search::find_objects;
 pub use spawned_daemon::SpawnedDaemon;
+pub use track_reference::{InvalidTrackReference, TrackReference, TrackScope, is_track_id};

@@ -67,7 +67,7 @@ pub fn local_memory_folder(common: &CommonArguments) -> Result<PathBuf, Failure>
 
 /// Prints a remark beside the output of the command, which may be the bytes of a document.
 #[expect(clippy::print_stderr, reason = "standard output is the command's own")]
-fn print_aside(text: &str) {
+pub(crate) fn print_aside(text: &str) {
     eprintln!("tabula: {}", escape_unprintable_lines(text));
 }
 

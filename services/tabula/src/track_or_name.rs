@@ -1,0 +1,118 @@
+//! Track-ids and names of categories, which a person may have given in each other's place.
+
+use crate::arguments::LabelArguments;
+use control_client::{TrackReference, TrackScope, call, connect, is_track_id, unexpected_reply};
+use message::control::{Command, Reply};
+use service::{CommonArguments, Failure, exit_code, probable_name};
+
+/// Track-id of the object that gets a label by the command `verb`.
+///
+/// # Errors
+/// If words mean no object or several, or the arguments are swapped: words in the place of the
+/// object, and a number that is no category in the place of the name.
+pub(crate) fn labelled_track(
+    common: &CommonArguments,
+    verb: &str,
+    label: &LabelArguments,
+) -> Result<u64, Failure> {
+    let author = label.author.as_deref();
+    let resolve = || label.track.resolve(common, TrackScope::CHANGE, author);
+    let TrackReference::Words(words) = &label.track else {
+        return resolve();
+    };
+    if !is_track_id(&label.category) {
+        return resolve();
+    }
+    let suggestion = format!(
+        "did you mean `tabula {verb} {} {}`?",
+        label.category,
+        as_argument(words)
+    );
+    if categories(common)?.contains(&label.category) {
+        return resolve()
+            .map_err(|failure| Failure::new(failure.code, format!("{failure}; or {suggestion}")));
+    }
+    Err(Failure::usage(format!(
+        "the object comes first and its name second, and {:?} is no name that was taught; \
+         {suggestion}",
+        label.category
+    )))
+}
+
+/// Failure of forgetting a category. If there is none of the name, the failure says what may be
+/// meant: another category, or the track of a number.
+pub(crate) fn with_meant(common: &CommonArguments, name: &str, failure: Failure) -> Failure {
+    if failure.code != exit_code::REFUSED {
+        return failure;
+    }
+    // Where the categories cannot be read, the reason of the refusal has to do.
+    let Ok(categories) = categories(common) else {
+        return failure;
+    };
+    match meant(name, &categories) {
+        Some(meant) => Failure::new(failure.code, format!("{failure}; {meant}")),
+        None => failure,
+    }
+}
+
+/// Phrase about what a name may mean that is no category.
+fn meant(name: &str, categories: &[String]) -> Option<String> {
+    if categories.iter().any(|category| category == name) {
+        return None;
+    }
+    if is_track_id(name) {
+        return Some(format!(
+            "to forget the track {name}: tabula forget --track {name}"
+        ));
+    }
+    let probable = probable_name(name, categories.iter().map(String::as_str))?;
+    Some(format!("{probable} may be meant"))
+}
+
+/// Names of the categories.
+fn categories(common: &CommonArguments) -> Result<Vec<String>, Failure> {
+    match call(&mut connect(common)?, Command::Categories)? {
+        Reply::Categories(all) => Ok(all.into_iter().map(|one| one.category).collect()),
+        other => Err(unexpected_reply(&other)),
+    }
+}
+
+/// Words as one argument in a shell.
+fn as_argument(words: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+    if words.chars().all(is_plain) {
+        words.to_owned()
+    } else {
+        format!("'{}'", words.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn name_of_no_category_may_mean_a_track_or_another_category() {
+        let categories = ["mug", "87"].map(str::to_owned);
+        let meant = |name| meant(name, &categories);
+        assert_eq!(
+            (meant("mug"), meant("87"), meant("teapot")),
+            (None, None, None)
+        );
+        assert_eq!(meant("mugg"), Some("mug may be meant".to_owned()));
+        let track = "to forget the track 88: tabula forget --track 88";
+        assert_eq!(meant("88"), Some(track.to_owned()));
+    }
+
+    #[test]
+    fn words_of_a_suggestion_are_one_argument() {
+        for (words, argument) in [
+            ("can", "can"),
+            ("soda-can_2", "soda-can_2"),
+            ("red mug", "'red mug'"),
+            ("Anna's mug", r"'Anna'\''s mug'"),
+        ] {
+            assert_eq!(as_argument(words), argument);
+        }
+    }
+}

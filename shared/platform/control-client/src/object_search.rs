@@ -1,0 +1,28 @@
+//! Query in words for objects: the `find` request of a person.
+
+use crate::authorship::author_or_user;
+use crate::connection::{call, unexpected_reply};
+use channel::control::SocketClient;
+use message::control::{Command, FindQuery, FindReport, Reply};
+use service::Failure;
+
+/// Asks the daemon for objects by English words. "I" is the author, else the user, and days are
+/// those of the local time.
+///
+/// # Errors
+/// If the query is refused, or the daemon does not answer in time.
+pub fn find_objects(
+    client: &mut SocketClient,
+    words: &str,
+    author: Option<&str>,
+) -> Result<FindReport, Failure> {
+    let query = FindQuery {
+        words: words.to_owned(),
+        speaker: Some(author_or_user(author)),
+        utc_offset_s: jiff::ZonedDateTime::now().offset().seconds(),
+    };
+    match call(client, Command::Find(query))? {
+        Reply::Found(report) => Ok(*report),
+        other => Err(unexpected_reply(&other)),
+    }
+}
