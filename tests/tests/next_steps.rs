@@ -121,6 +121,22 @@ fn swapped_arguments_and_a_track_in_place_of_a_category_are_told() {
 }
 
 #[test]
+fn command_for_the_arm_beside_a_camera_is_told_that_there_is_none() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
+    daemon.pids();
+    for verb in ["state", "home", "stop"] {
+        let (code, sentence) = daemon.refused(&["arm", verb]);
+        assert_eq!(code, NO_DAEMON, "{sentence}");
+        for part in ["this daemon has no arm", "tabula run --source simulation"] {
+            assert!(sentence.contains(part), "{sentence}");
+        }
+        assert!(!sentence.contains("restarted"), "{sentence}");
+    }
+    daemon.stop();
+}
+
+#[test]
 fn unknown_source_is_told_with_the_sources_that_there_are() {
     let sandbox = Sandbox::new();
     for (source, part) in [

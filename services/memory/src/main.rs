@@ -1,5 +1,6 @@
 //! `tabula-memory`: perceptual and working memory, and gateway for clients.
 
+mod absent_arm;
 mod change_publisher;
 mod config;
 mod configuration_change;

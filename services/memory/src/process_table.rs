@@ -42,6 +42,12 @@ impl ProcessTable {
         }
     }
 
+    /// True if the sensor that has reported last is a camera, which has no arm.
+    pub(crate) fn has_camera(&self) -> bool {
+        self.refresh();
+        newest_sensor(&self.0.lock().latest) == Some(ProcessKind::Camera)
+    }
+
     /// Reports of all processes that are alive.
     pub(crate) fn reports(&self) -> Vec<ProcessReport> {
         self.refresh();
@@ -54,5 +60,40 @@ impl ProcessTable {
             .filter(is_recent)
             .filter_map(ProcessReport::new)
             .collect()
+    }
+}
+
+/// Camera or simulator, whichever has reported last.
+fn newest_sensor(latest: &BTreeMap<u32, Health>) -> Option<ProcessKind> {
+    let sensors = [ProcessKind::Camera, ProcessKind::Simulator];
+    let reported = sensors
+        .into_iter()
+        .filter_map(|kind| Some((latest.get(&kind.code())?.stamp_ns, kind)));
+    let newest = reported.max_by_key(|(stamp_ns, _)| *stamp_ns);
+    newest.map(|(_, kind)| kind)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sensor_is_the_one_that_has_reported_last() {
+        let sensor = |stamps: &[(ProcessKind, u64)]| {
+            let health = |(kind, stamp_ns): &(ProcessKind, u64)| {
+                let health = Health {
+                    process: kind.code(),
+                    stamp_ns: *stamp_ns,
+                    ..Health::default()
+                };
+                (kind.code(), health)
+            };
+            newest_sensor(&stamps.iter().map(health).collect())
+        };
+        let (camera, simulator) = (ProcessKind::Camera, ProcessKind::Simulator);
+        assert_eq!(sensor(&[(ProcessKind::Memory, 9)]), None);
+        assert_eq!(sensor(&[(camera, 1)]), Some(camera));
+        assert_eq!(sensor(&[(camera, 1), (simulator, 2)]), Some(simulator));
+        assert_eq!(sensor(&[(camera, 3), (simulator, 2)]), Some(camera));
     }
 }

@@ -1,5 +1,6 @@
 //! Request router: answers from the stores, or forwards to the owning process.
 
+use crate::absent_arm::arm_refusal;
 use crate::event_report;
 use crate::find_request::{KnownWorld, Synonyms};
 use crate::process_table::ProcessTable;
@@ -47,7 +48,10 @@ impl RequestRouter {
                 let command = read_after(*self.position.borrow(), command);
                 return ask(&self.perception, command).await;
             }
-            ProcessKind::Simulator => return ask(&self.arm, command).await,
+            ProcessKind::Simulator => {
+                let reply = self.arm.call(command, DEADLINE).await;
+                return reply.map_err(|error| arm_refusal(&error, &self.processes));
+            }
             ProcessKind::Memory | ProcessKind::Camera => {}
         }
         match command {

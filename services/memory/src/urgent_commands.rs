@@ -1,5 +1,6 @@
 //! Urgent commands: stop and health, answered past all other requests.
 
+use crate::absent_arm::{arm_refusal, is_without_arm};
 use crate::process_table::ProcessTable;
 use channel::control::{CallError, Client};
 use channel::{Domain, Error};
@@ -61,9 +62,9 @@ impl UrgentCommands {
             return stop.reply.clone();
         }
         let sent = Instant::now();
-        let reply = self.send_stop().await.unwrap_or_else(|error| {
-            Reply::Refused(Refusal::new(RefusalKind::Unavailable, error.to_string()))
-        });
+        let reply = self.send_stop().await;
+        let reply =
+            reply.unwrap_or_else(|error| Reply::Refused(arm_refusal(&error, &self.processes)));
         *last = Some(Stop {
             sent,
             reply: reply.clone(),
@@ -78,7 +79,10 @@ impl UrgentCommands {
         loop {
             let reply = self.arm.call(Command::Arm(ArmCommand::Stop), DEADLINE);
             match reply.await {
-                Err(CallError::NotThere { .. }) if begin.elapsed() < RESTART_TIME => {
+                Err(error @ CallError::NotThere { .. })
+                    if begin.elapsed() < RESTART_TIME
+                        && !is_without_arm(&error, &self.processes) =>
+                {
                     tokio::time::sleep(RETRY_PERIOD).await;
                 }
                 reply => return reply,
