@@ -25,9 +25,10 @@ position_m = [0.3, 0.1]
 /// Frame rate of the simulation.
 const FRAMES_PER_SECOND: u64 = 30;
 
-/// Exit codes of a failure in general and of a daemon that does not run.
+/// Exit codes of a failure in general, of a daemon that does not run, and of a refusal.
 const GENERAL: i32 = 1;
 const NO_DAEMON: i32 = 3;
+const REFUSED: i32 = 4;
 
 /// Start of a builder, whose answer is JSON. It is not niced, because other tests take all cores.
 fn build(sandbox: &Sandbox, options: &[&str]) -> Child {
@@ -212,6 +213,76 @@ fn turns_deg(shown: &Value) -> Vec<f64> {
     let first_deg = azimuth_deg(&views[0]);
     let turn = |view: &Value| (azimuth_deg(view) - first_deg + 540.0).rem_euclid(360.0) - 180.0;
     views.iter().map(turn).collect()
+}
+
+/// Scene of a box and an apple before a camera that stands still.
+const STILL: &str = "
+seed = 5
+[camera]
+distance_m = 0.9
+elevation_deg = 40.0
+[[object]]
+category = 'cereal-box'
+position_m = [0.0, 0.0]
+yaw_deg = 20.0
+[[object]]
+category = 'apple'
+position_m = [0.3, 0.1]
+";
+
+#[test]
+fn name_that_the_object_contradicts_is_refused_and_a_still_camera_has_the_object_turned() {
+    let sandbox = Sandbox::new();
+    let daemon = started(&sandbox, STILL);
+    let track = tallest(&daemon).to_string();
+    daemon.ask(&["teach", &track, "cereal box"]);
+    let refused = |options: &[&str], part: &str| {
+        let output = build(&sandbox, options).wait_with_output().unwrap();
+        let sentence = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(REFUSED), "{sentence}");
+        assert!(sentence.contains(part), "{sentence}");
+        assert!(sentence.contains("--anyway"), "{sentence}");
+    };
+    refused(
+        &["cereal box", "--name", "teapot"],
+        "is recognised as cereal box",
+    );
+    assert_eq!(
+        daemon.ask(&["model", "list"])["models"],
+        serde_json::json!([])
+    );
+    let options = [
+        "cereal box",
+        "--name",
+        "teapot",
+        "--anyway",
+        "--seconds",
+        "4",
+    ];
+    let built = build(&sandbox, &options).wait_with_output().unwrap();
+    let told = String::from_utf8_lossy(&built.stderr).into_owned();
+    let next = told.lines().filter_map(|line| line.split_once("next: "));
+    let next: Vec<&str> = next.map(|(_, next)| next).collect();
+    assert!(!next.is_empty(), "{told}");
+    for next in next {
+        assert!(next.starts_with("turn the object "), "{told}");
+    }
+    let built: Value = serde_json::from_slice(&built.stdout).unwrap();
+    assert_eq!(built["next_move"]["by"], "object", "{built}");
+    assert!(
+        built["next_move"]["up_deg"].as_f64().unwrap().abs() < 0.1,
+        "{built}"
+    );
+
+    // The apple is much smaller than what is stored as a teapot now.
+    let objects = daemon.objects();
+    let apple = objects.iter().find(|o| o["track_id"].to_string() != track);
+    let apple = apple.unwrap()["track_id"].to_string();
+    refused(
+        &[&apple, "--name", "teapot"],
+        "the stored model \"teapot\" is",
+    );
+    daemon.stop();
 }
 
 #[test]

@@ -45,6 +45,10 @@ pub(crate) struct BuildArguments {
     /// Name of the model [default: the label of the object, or track-ID]
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
+    /// Give the model this name even if the object is recognised as something else, or an earlier
+    /// model of the name has another size
+    #[arg(long)]
+    pub(crate) anyway: bool,
     /// End after this time, seconds
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) seconds: Option<u64>,

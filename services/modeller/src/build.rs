@@ -4,6 +4,7 @@ mod build_thread;
 mod built_document;
 mod construction;
 mod model_store;
+mod name_check;
 
 use crate::arguments::BuildArguments;
 use crate::depth_noise::camera_depth_noise;
@@ -15,9 +16,10 @@ use built_document::BuiltDocument;
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
 use construction::Construction;
-use model_construction::Config;
 use control_client::TrackScope;
+use model_construction::Config;
 use model_store::ModelStore;
+use name_check::check_name;
 use sensor_noise::DepthNoise;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
@@ -43,6 +45,9 @@ pub(crate) fn run(
     let object = chosen_object(&mut receiver, track.transpose()?, &stop)?;
     let name = arguments.name.clone().or_else(|| object.label.clone());
     let name = name.unwrap_or_else(|| format!("track-{}", object.track));
+    if !arguments.anyway {
+        check_name(common, &name, &object)?;
+    }
     output.print_status(&format!(
         "looking at object {}, which becomes the model {name:?}; move the camera slowly around \
          it, or turn it by some 30° at a time; Ctrl-C ends",

@@ -1,5 +1,6 @@
 //! Growth of a model: its views, what is refused, and what is still missing.
 
+use crate::camera_motion::{CameraMotion, Mover, has_moved};
 use crate::next_move::NextMove;
 use crate::object_receiver::ReceivedView;
 use model_construction::{Config, ModelBuilder, PoseSigma, View};
@@ -23,15 +24,12 @@ const N_REFUSED_MAX: usize = 200;
 /// moved. Chosen: half a second or more.
 const N_REFUSED_TURNED: u32 = 10;
 
-/// Move of a camera that counts as none, metres and radians. Chosen.
-const STILL_CAMERA_M: f64 = 0.01;
-const STILL_CAMERA_RAD: f64 = 1.0_f64.to_radians();
-
 /// Model under construction, with its figures.
 #[derive(Debug)]
 pub(crate) struct Growth {
     builder: ModelBuilder,
     is_turn_known: bool,
+    camera_motion: CameraMotion,
     sigma: PoseSigma,
     refused: Vec<RefusedView>,
     n_refused: usize,
@@ -52,6 +50,7 @@ pub(crate) struct GrowthState {
     n_views: usize,
     n_refused: usize,
     unseen: UnseenDirections,
+    mover: Mover,
     next_move: Option<NextMove>,
 }
 
@@ -67,9 +66,13 @@ impl GrowthState {
             0 | 1 => String::new(),
             n => format!(", {n} waiting"),
         };
-        let next = match self.next_move {
-            Some(next) => next.in_words(),
-            None => "nothing more can be seen from above the table".to_owned(),
+        let next = match (self.next_move, self.mover) {
+            (Some(next), _) => next.in_words(),
+            (None, Mover::Object) => {
+                "nothing more can be seen by turning the object; raise or lower the camera"
+                    .to_owned()
+            }
+            (None, _) => "nothing more can be seen from above the table".to_owned(),
         };
         format!(
             "{:.0} s: {} views, {} refused{waiting}, {:.0} % of all directions seen; missing: \
@@ -100,6 +103,7 @@ impl Growth {
     pub(crate) fn new(config: Config, sigma: PoseSigma, stop: Arc<AtomicBool>) -> Self {
         Self {
             is_turn_known: config.turn_rad.is_some(),
+            camera_motion: CameraMotion::default(),
             builder: ModelBuilder::new(config).stopped_by(stop),
             sigma,
             refused: Vec::new(),
@@ -119,6 +123,7 @@ impl Growth {
             return Step::Nothing;
         }
         self.wall_clock_offset_ns = view.wall_clock_offset_ns;
+        self.camera_motion.note(view.world_from_camera);
         let was_closed = self.builder.is_closed();
         let begun = Instant::now();
         let added = self.builder.add(&View {
@@ -166,11 +171,7 @@ impl Growth {
     fn note_misfit(&mut self, view: &ReceivedView) {
         self.n_refused_in_row += 1;
         let poses = view.world_from_camera.zip(self.fitting_pose);
-        let has_moved = poses.is_some_and(|(now, then)| {
-            let moved = then.inverse() * now;
-            moved.translation.vector.norm() > STILL_CAMERA_M
-                || moved.rotation.angle() > STILL_CAMERA_RAD
-        });
+        let has_moved = poses.is_some_and(|(now, then)| has_moved(&then, &now));
         if self.n_refused_in_row >= N_REFUSED_TURNED && !has_moved && !self.is_turn_known {
             self.n_refused_in_row = 0;
             self.n_found_placements += 1;
@@ -237,11 +238,12 @@ impl Growth {
         })
     }
 
-    /// Move of the camera to the unseen directions; `None` without views, and where nothing is left
-    /// to see.
+    /// Move of the camera, or of the object, to the unseen directions; `None` without views, and
+    /// where nothing is left to see.
     pub(crate) fn next_move(&self, unseen: &UnseenDirections) -> Option<NextMove> {
         let view = self.builder.views().last()?;
-        NextMove::towards(unseen, &view.direction().cast())
+        let direction = view.direction().cast();
+        NextMove::towards(unseen, &direction, self.camera_motion.mover())
     }
 
     /// State for a person.
@@ -250,6 +252,7 @@ impl Growth {
         GrowthState {
             n_views: self.builder.views().len(),
             n_refused: self.n_refused,
+            mover: self.camera_motion.mover(),
             next_move: self.next_move(&unseen),
             unseen,
         }

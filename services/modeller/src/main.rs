@@ -3,6 +3,7 @@
 
 mod arguments;
 mod build;
+mod camera_motion;
 mod depth_noise;
 mod frame_headers;
 mod growth;

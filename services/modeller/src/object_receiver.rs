@@ -41,6 +41,10 @@ pub(crate) struct ReceivedView {
 pub(crate) struct TrackedObject {
     pub(crate) track: u64,
     pub(crate) label: Option<String>,
+    /// Probability of the best category, which is the label, 0 to 1; `None` when it is not known.
+    pub(crate) probability: Option<f32>,
+    /// Sides of its upright box, metres.
+    pub(crate) size_m: [f32; 3],
     pub(crate) is_seen: bool,
 }
 
@@ -172,9 +176,9 @@ impl ObjectReceiver {
         objects.sort_by(|a, b| off_axis(a).total_cmp(&off_axis(b)));
         let tracked = |object: &&SceneObject| TrackedObject {
             track: object.track_id,
-            label: (object.is_labelled == 1)
-                .then(|| object.label.as_str().map(str::to_owned))
-                .flatten(),
+            label: object.label().map(str::to_owned),
+            probability: Some(object.probability).filter(|probability| probability.is_finite()),
+            size_m: object.size_m,
             is_seen: is_seen_whole(object),
         };
         Ok(Some(objects.iter().map(tracked).collect()))
