@@ -101,16 +101,20 @@ impl ModelShelf {
         if candidates.is_empty() {
             return Ok(None);
         }
-        let unplaced = |error| format!("its stored model could not be placed ({error})");
+        let names: Vec<&str> = candidates.iter().map(|one| one.model.0).collect();
+        let unused =
+            |name: &str, why: String| unused_model(object.label.as_deref(), &names, name, &why);
         let view = SegmentView::new(&object.points, scene, self.depth_noise);
-        let view = view.map_err(unplaced)?;
+        let view =
+            view.map_err(|error| unused(names[0], format!("could not be placed ({error})")))?;
         let mut reason = String::new();
-        let found = identify(&candidates, |(_, model)| {
-            let pose = model
-                .as_ref()
-                .map_err(String::clone)
-                .and_then(|model| estimate_pose(&model.pose_model, &view).map_err(unplaced));
-            pose.map_err(|failure| reason = failure).ok()
+        let found = identify(&candidates, |(name, model)| {
+            let pose = match model {
+                Ok(model) => estimate_pose(&model.pose_model, &view)
+                    .map_err(|error| format!("could not be placed ({error})")),
+                Err(error) => Err(format!("cannot be used ({error})")),
+            };
+            pose.map_err(|why| reason = unused(name, why)).ok()
         });
         match found {
             Some(((name, Ok(model)), pose)) if pose.is_good() => Ok(Some(PlacedModel {
@@ -118,12 +122,23 @@ impl ModelShelf {
                 surface: &model.surface,
                 pose,
             })),
-            Some((_, pose)) => Err(format!(
-                "its stored model does not fit (contradiction {:.2})",
-                pose.contradiction
+            Some(((name, _), pose)) => Err(unused(
+                name,
+                format!("does not fit (contradiction {:.2})", pose.contradiction),
             )),
             None => Err(reason),
         }
+    }
+}
+
+/// Reason why the stored model `name` is not used for an object with a label, of which there may be
+/// no model: `stored` are the models of all categories that it may be of.
+fn unused_model(label: Option<&str>, stored: &[&str], name: &str, why: &str) -> String {
+    match label {
+        Some(label) if !stored.contains(&label) => {
+            format!("no model {label:?} is stored, and the model {name:?} {why}")
+        }
+        _ => format!("the stored model {name:?} {why}"),
     }
 }
 
@@ -163,5 +178,26 @@ impl StoredModel {
             surface: Rc::new(surface),
             pose_model: pose_model.map_err(|error| error.to_string())?,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reason_names_the_model_that_was_tried_and_the_one_that_is_missing() {
+        let why = "does not fit (contradiction 0.83)";
+        let reason = |stored: &[&str], name| unused_model(Some("mug"), stored, name, why);
+        assert_eq!(
+            reason(&["teapot"], "teapot"),
+            "no model \"mug\" is stored, and the model \"teapot\" does not fit (contradiction 0.83)"
+        );
+        for name in ["mug", "teapot"] {
+            assert_eq!(
+                reason(&["mug", "teapot"], name),
+                format!("the stored model {name:?} {why}")
+            );
+        }
     }
 }

@@ -38,13 +38,30 @@ pub(crate) fn remarks(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> V
     let is_measured = |h: &ObjectHypothesis| h.source == HypothesisSource::Measured;
     let has_no_model = |h: &ObjectHypothesis| is_measured(h) && h.note.is_empty();
     if !hypotheses.is_empty() && hypotheses.iter().all(has_no_model) {
-        notes.push(
-            "no model is stored under the label of a seen object: only the measured sides are \
-             known; `tabula model build` makes models"
-                .to_owned(),
-        );
+        notes.push(without_models(hypotheses));
     }
     notes
+}
+
+/// Remark on seen objects of which none has a stored model.
+fn without_models(hypotheses: &[ObjectHypothesis]) -> String {
+    let mut labels: Vec<&str> = hypotheses
+        .iter()
+        .filter_map(|h| h.label.as_deref())
+        .collect();
+    labels.sort_unstable();
+    labels.dedup();
+    if labels.is_empty() {
+        return "no seen object has a label, under which a model could be stored: only the measured \
+                sides are known; `tabula teach TRACK NAME` gives a label, and `tabula model build \
+                TRACK` makes the model"
+            .to_owned();
+    }
+    format!(
+        "no model is stored of what is seen ({}): only the measured sides are known; `tabula model \
+         build TRACK` makes models",
+        labels.join(", ")
+    )
 }
 
 #[cfg(test)]
@@ -93,7 +110,19 @@ mod tests {
         assert_eq!(notes.len(), 3, "{notes:?}");
         assert_eq!(notes[0], "not seen now, and not planned for: 2");
         assert!(notes[1].ends_with("count as background: 3"), "{notes:?}");
-        assert!(notes[2].starts_with("no model is stored"), "{notes:?}");
+        assert!(
+            notes[2].starts_with("no seen object has a label"),
+            "{notes:?}"
+        );
+        let labelled = ObjectHypothesis {
+            label: Some("mug".to_owned()),
+            ..measured.clone()
+        };
+        let of_both = remarks(&all, &[measured.clone(), labelled]);
+        assert!(
+            of_both[2].starts_with("no model is stored of what is seen (mug): "),
+            "{of_both:?}"
+        );
         let placed = ObjectHypothesis {
             source: HypothesisSource::Model { contradiction: 0.2 },
             ..measured
