@@ -1,6 +1,7 @@
 //! Next steps in refusals: candidates, swapped arguments, nearest names, what a daemon lacks.
 
 use crate::daemon::Sandbox;
+use crate::documents::store_model;
 use crate::skeleton::{id, wait_for_all};
 
 /// The synthetic table at a low rate, since several daemons share the cores.
@@ -117,6 +118,33 @@ fn swapped_arguments_and_a_track_in_place_of_a_category_are_told() {
         "; or did you mean `tabula correct",
     );
     daemon.ask(&["forget", first]);
+    daemon.stop();
+}
+
+#[test]
+fn missing_model_or_document_is_told_with_the_names_of_its_kind() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
+    let refused = |arguments: &[&str], expected: &str| {
+        let (code, sentence) = daemon.refused(arguments);
+        assert_eq!(code, REFUSED, "{sentence}");
+        assert!(sentence.contains(expected), "{arguments:?}: {sentence}");
+    };
+    refused(
+        &["model", "show", "mug"],
+        "store one with: tabula model build",
+    );
+    store_model(&sandbox, "teapot");
+    daemon.ask(&["knowledge", "put", "teapots", "/etc/hostname"]);
+    for verb in ["show", "export", "forget"] {
+        let expected = "there is no model \"teapt\"; \"teapot\" may be meant; the models are \
+                        \"teapot\"; see `tabula model list`";
+        refused(&["model", verb, "teapt"], expected);
+    }
+    for verb in ["get", "remove"] {
+        let expected = "the documents are \"teapots\"; see `tabula knowledge list`";
+        refused(&["knowledge", verb, "teapot"], expected);
+    }
     daemon.stop();
 }
 

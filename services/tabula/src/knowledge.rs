@@ -1,6 +1,7 @@
 //! `tabula knowledge`: named documents for tasks, stored in the memory.
 
 use crate::arguments::{KnowledgeVerb, PutArguments};
+use crate::missing_document::with_stored_names;
 use crate::time::utc;
 use command_line::{Output, format_table};
 use control_client::{MemoryClient, NewDocument, StoredDocument};
@@ -22,7 +23,10 @@ pub(crate) fn run(
         KnowledgeVerb::Get { name } => get(&mut memory, name, output),
         KnowledgeVerb::Put(arguments) => put(&mut memory, arguments, output),
         KnowledgeVerb::Remove { name, author } => {
-            let report = memory.remove_document(&document(name), author.as_deref())?;
+            let document = document(name);
+            let removed = memory.remove_document(&document, author.as_deref());
+            let report =
+                removed.map_err(|failure| with_stored_names(&mut memory, &document, failure))?;
             output.answer(&report, || {
                 format!("removed {name:?}, history {}, on disk", report.sequence)
             });
@@ -77,7 +81,10 @@ struct GetDocument<'a> {
 }
 
 fn get(memory: &mut MemoryClient, name: &str, output: &Output) -> Result<ExitCode, Failure> {
-    let StoredDocument { report, content } = memory.document(&document(name))?;
+    let document = document(name);
+    let stored = memory.document(&document);
+    let stored = stored.map_err(|failure| with_stored_names(memory, &document, failure));
+    let StoredDocument { report, content } = stored?;
     if output.is_json() {
         let document = GetDocument {
             name,

@@ -12,6 +12,7 @@ mod knowledge;
 mod lab_program;
 mod learn;
 mod memory;
+mod missing_document;
 mod model;
 mod objects;
 mod sensor;

@@ -5,6 +5,7 @@ mod show;
 use crate::arguments::{CliArguments, ModelVerb};
 use crate::complete_file::{file_failed, write_complete};
 use crate::lab_program::become_modeller;
+use crate::missing_document::with_stored_names;
 use crate::time::utc;
 use command_line::{Output, format_table};
 use control_client::{MemoryClient, StoredDocument};
@@ -44,7 +45,10 @@ fn document(name: &str) -> DocumentName {
 
 /// Reads a model, with the metadata of its document.
 fn read(memory: &mut MemoryClient, name: &str) -> Result<(ObjectModel, DocumentReport), Failure> {
-    let StoredDocument { report, content } = memory.document(&document(name))?;
+    let document = document(name);
+    let stored = memory.document(&document);
+    let stored = stored.map_err(|failure| with_stored_names(memory, &document, failure));
+    let StoredDocument { report, content } = stored?;
     let model = ObjectModel::from_bytes(&content).map_err(|error| {
         let sentence = format!("the model {name:?} cannot be read: {error}");
         Failure::general(sentence)
@@ -132,7 +136,10 @@ fn forget(
     author: Option<&str>,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let report = memory.remove_document(&document(name), author)?;
+    let document = document(name);
+    let removed = memory.remove_document(&document, author);
+    let removed = removed.map_err(|failure| with_stored_names(memory, &document, failure));
+    let report = removed?;
     output.answer(&report, || {
         let sequence = report.sequence;
         format!(
