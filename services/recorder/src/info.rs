@@ -64,29 +64,34 @@ fn described(file: &Path) -> Result<InfoDocument, Failure> {
 fn document(file: &Path, bytes: u64, info: RecordingInfo) -> InfoDocument {
     let metadata = info.metadata;
     let span_ns = info.all.span_ns;
+    let seconds = info.all.seconds();
     InfoDocument {
         file: file.display().to_string(),
         bytes,
         format_version: metadata.as_ref().map(|metadata| metadata.format_version),
         origin: metadata.map(|metadata| metadata.origin),
         was_complete: info.read.is_complete,
-        seconds: info.all.seconds(),
+        seconds,
         first_ns: span_ns.map(|(first, _)| first),
         last_ns: span_ns.map(|(_, last)| last),
         messages: info.all.n_messages,
         gaps: info.n_gaps,
         missing_frames: info.n_missing_frames,
         losses: info.read.into(),
-        topics: info.topics.into_iter().map(topic).collect(),
+        topics: info
+            .topics
+            .into_iter()
+            .map(|named| topic(named, seconds))
+            .collect(),
     }
 }
 
-fn topic((topic, info): (String, TopicInfo)) -> TopicDocument {
+fn topic((topic, info): (String, TopicInfo), recording_s: f64) -> TopicDocument {
     TopicDocument {
         topic,
         messages: info.n_messages,
         bytes: info.n_bytes,
-        rate_hz: info.rate_hz(),
+        rate_hz: info.rate_hz(recording_s),
     }
 }
 
@@ -151,6 +156,30 @@ mod tests {
     use super::*;
     use recording::documents::HealthDocument;
     use recording::{MessageTime, RecordingWriter};
+
+    #[test]
+    fn info_has_no_rate_of_messages_that_came_together_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
+        let mut writer = RecordingWriter::new(File::create(&path).unwrap(), "kitchen").unwrap();
+        let health = HealthDocument::from(&message::Health::default());
+        let topics = [
+            ("a", &[0, 10_000_000_000][..]),
+            ("b", &[1, 2, 3]),
+            ("c", &[5]),
+        ];
+        for (topic, stamps_ns) in topics {
+            for &stamp_ns in stamps_ns {
+                let time = MessageTime::at(stamp_ns);
+                writer.write_document(topic, time, &health).unwrap();
+            }
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        let described = described(&path).unwrap();
+        let rates: Vec<Option<f64>> = described.topics.iter().map(|topic| topic.rate_hz).collect();
+        assert_eq!(rates, [Some(0.1), Some(0.2), None]);
+    }
 
     #[test]
     fn info_describes_a_recording() {

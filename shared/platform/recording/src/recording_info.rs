@@ -5,6 +5,9 @@ use message::service_name::CAMERA_CLOUD;
 use std::collections::BTreeMap;
 use std::io::Read;
 
+/// Length of a recording from which on it has rates, seconds. Chosen: three frames of a Kinect.
+const RECORDING_MIN_S: f64 = 0.1;
+
 /// Statistics of one topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TopicInfo {
@@ -34,11 +37,13 @@ impl TopicInfo {
         self.duration_ns() as f64 * 1e-9
     }
 
-    /// Messages a second; `None` when all came at one instant.
-    pub fn rate_hz(&self) -> Option<f64> {
+    /// Messages a second over a recording of this length, seconds; `None` for a single message, and
+    /// for a recording that is too short to tell. The time between the topic's own messages would
+    /// make millions a second of two that came together.
+    pub fn rate_hz(&self, recording_s: f64) -> Option<f64> {
         let n_intervals = self.n_messages.saturating_sub(1);
-        let seconds = self.seconds();
-        (seconds > 0.0).then(|| n_intervals as f64 / seconds)
+        (n_intervals > 0 && recording_s >= RECORDING_MIN_S)
+            .then(|| n_intervals as f64 / recording_s)
     }
 }
 

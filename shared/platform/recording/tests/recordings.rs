@@ -510,9 +510,13 @@ fn info_counts_messages_by_topic_and_gaps_between_frames() {
     assert_eq!((info.n_gaps, info.n_missing_frames), (2, 3));
     assert_eq!(info.all.span_ns, Some((3_000_000_000, 11_000_000_000)));
     let frames = info.topics[service_name::CAMERA_CLOUD];
-    assert_eq!((frames.n_messages, frames.rate_hz()), (4, Some(0.5)));
+    // Three intervals in eight seconds.
+    let recording_s = info.all.seconds();
+    let rate_hz = frames.rate_hz(recording_s);
+    assert_eq!((frames.n_messages, rate_hz), (4, Some(0.375)));
+    assert_eq!(frames.rate_hz(0.099), None);
     assert_eq!(frames.n_bytes, 4 * bytes.len() as u64);
-    assert_eq!(info.topics[service_name::HEALTH].rate_hz(), None);
+    assert_eq!(info.topics[service_name::HEALTH].rate_hz(recording_s), None);
 }
 
 #[test]
