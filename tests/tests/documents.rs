@@ -223,7 +223,10 @@ fn upload_that_is_cut_off_stores_nothing_and_ends() {
     let refusal = refused(client.call(store).unwrap());
     assert_eq!(refusal.kind, RefusalKind::NotFound, "{refusal}");
     let (_, sentence) = daemon.refused(&["knowledge", "get", "cut"]);
-    assert!(sentence.contains("is not stored"), "{sentence}");
+    assert!(
+        sentence.contains("there is no document \"cut\""),
+        "{sentence}"
+    );
     let exchange = sandbox.home().join("exchange");
     let left = std::fs::read_dir(exchange).map_or(0, Iterator::count);
     assert_eq!(left, 0, "an upload has no name");

@@ -276,7 +276,8 @@ fn name_that_the_object_contradicts_is_refused_and_a_still_camera_has_the_object
 
     // The apple is much smaller than what is stored as a teapot now.
     let objects = daemon.objects();
-    let apple = objects.iter().find(|o| o["track_id"].to_string() != track);
+    let box_id = track.parse().ok();
+    let apple = objects.iter().find(|o| o["track_id"].as_u64() != box_id);
     let apple = apple.unwrap()["track_id"].to_string();
     refused(
         &[&apple, "--name", "teapot"],

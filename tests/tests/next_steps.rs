@@ -1,6 +1,6 @@
 //! Next steps in refusals: candidates, swapped arguments, nearest names, what a daemon lacks.
 
-use crate::daemon::Sandbox;
+use crate::daemon::{Daemon, Sandbox};
 use crate::documents::store_model;
 use crate::skeleton::{id, wait_for_all};
 
@@ -27,16 +27,7 @@ fn track_is_named_by_words_that_mean_exactly_one_object() {
     daemon.ask(&["correct", "mug", "tea cup"]);
     assert_eq!(daemon.ask(&["ask", first])["label"], "tea cup");
     daemon.ask(&["teach", "Tea Cup", "tea cup"]);
-    let views = daemon.ask(&["memory", "inspect", "--track", "tea cup"]);
-    let views = views["views"].as_array().unwrap();
-    assert!(!views.is_empty());
-    for view in views {
-        assert_eq!(view["id"]["track_id"].to_string(), *first, "{view}");
-    }
-    let facts = daemon.ask(&["world", "history", "--track", "tea cup"]);
-    for fact in facts["facts"].as_array().unwrap() {
-        assert_eq!(fact["track_id"].to_string(), *first, "{fact}");
-    }
+    check_recalled(&daemon, "tea cup", first);
 
     let refused = |arguments: &[&str], code: i32, parts: &[&str]| {
         let (found, sentence) = daemon.refused(arguments);
@@ -79,6 +70,20 @@ fn track_is_named_by_words_that_mean_exactly_one_object() {
     assert!(sentence.contains("give a track-id"), "{sentence}");
     let output = sandbox.tabula(&["memory", "inspect", "--track", second]);
     assert!(output.status.success(), "{output:?}");
+}
+
+/// Checks that the views and facts of an object that is named by words are those of a track.
+fn check_recalled(daemon: &Daemon<'_>, words: &str, track: &str) {
+    let views = daemon.ask(&["memory", "inspect", "--track", words]);
+    let views = views["views"].as_array().unwrap();
+    assert!(!views.is_empty());
+    for view in views {
+        assert_eq!(view["id"]["track_id"].to_string(), track, "{view}");
+    }
+    let facts = daemon.ask(&["world", "history", "--track", words]);
+    for fact in facts["facts"].as_array().unwrap() {
+        assert_eq!(fact["track_id"].to_string(), track, "{fact}");
+    }
 }
 
 #[test]

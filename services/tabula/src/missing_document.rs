@@ -2,7 +2,7 @@
 
 use control_client::MemoryClient;
 use message::control::{DocumentKind, DocumentName};
-use service::{Failure, exit_code, probable_name};
+use service::{Failure, probable_name};
 
 /// Most names in a sentence.
 const N_NAMED_MAX: usize = 8;
@@ -14,7 +14,7 @@ pub(crate) fn with_stored_names(
     document: &DocumentName,
     failure: Failure,
 ) -> Failure {
-    if failure.code != exit_code::REFUSED {
+    if !failure.is_missing {
         return failure;
     }
     // Where the names cannot be read, the reason of the refusal has to do.

@@ -70,7 +70,7 @@ fn list(memory: &mut MemoryClient, output: &Output) -> Result<ExitCode, Failure>
 
 fn list_text(models: &[DocumentReport]) -> String {
     if models.is_empty() {
-        return "no model is stored yet".into();
+        return "no model is stored yet; build one with: tabula model build TRACK".into();
     }
     let row = |report: &DocumentReport| {
         vec![
@@ -153,6 +153,11 @@ fn forget(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn empty_list_says_how_to_build_a_model() {
+        assert!(list_text(&[]).ends_with("build one with: tabula model build TRACK"));
+    }
 
     #[test]
     fn default_file_is_in_the_present_folder() {

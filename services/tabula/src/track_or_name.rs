@@ -3,7 +3,7 @@
 use crate::arguments::LabelArguments;
 use control_client::{TrackReference, TrackScope, call, connect, is_track_id, unexpected_reply};
 use message::control::{Command, Reply};
-use service::{CommonArguments, Failure, exit_code, probable_name};
+use service::{CommonArguments, Failure, probable_name};
 
 /// Track-id of the object that gets a label by the command `verb`.
 ///
@@ -42,7 +42,7 @@ pub(crate) fn labelled_track(
 /// Failure of forgetting a category. If there is none of the name, the failure says what may be
 /// meant: another category, or the track of a number.
 pub(crate) fn with_meant(common: &CommonArguments, name: &str, failure: Failure) -> Failure {
-    if failure.code != exit_code::REFUSED {
+    if !failure.is_missing {
         return failure;
     }
     // Where the categories cannot be read, the reason of the refusal has to do.

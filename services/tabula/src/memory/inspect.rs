@@ -124,7 +124,7 @@ fn recalled_track(common: &CommonArguments, track: &TrackReference) -> Result<u6
 
 fn views_text(views: &[ViewReport]) -> String {
     if views.is_empty() {
-        return "no such view is stored".to_owned();
+        return "no such view is stored; see all of them with: tabula memory inspect".to_owned();
     }
     let row = |view: &ViewReport| {
         let [x, y, z] = view.size_m.map(|side| format!("{:.0}", 1e3 * side));
@@ -181,7 +181,8 @@ pub(super) fn history(
 
 fn history_text(entries: &[HistoryReport]) -> String {
     if entries.is_empty() {
-        return "there are no such entries".to_owned();
+        return "there are no such entries; see the last ones with: tabula memory history"
+            .to_owned();
     }
     let row = |entry: &HistoryReport| {
         let what = match &entry.contradiction {
@@ -199,4 +200,15 @@ fn history_text(entries: &[HistoryReport]) -> String {
     };
     let heading = ["entry", "when", "by", "uid", "what", "views"];
     format_table(&heading, &entries.iter().map(row).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_lists_say_which_command_shows_all() {
+        assert!(views_text(&[]).ends_with("with: tabula memory inspect"));
+        assert!(history_text(&[]).ends_with("with: tabula memory history"));
+    }
 }

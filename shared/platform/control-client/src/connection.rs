@@ -57,7 +57,13 @@ pub fn refusal_failure(refusal: Refusal) -> Failure {
         RefusalKind::Internal | RefusalKind::Version => exit_code::FAILURE,
         _ => exit_code::REFUSED,
     };
-    Failure::new(code, refusal)
+    let is_missing = refusal.kind == RefusalKind::NotFound;
+    let failure = Failure::new(code, refusal);
+    if is_missing {
+        failure.of_missing()
+    } else {
+        failure
+    }
 }
 
 pub(crate) fn call_failure(error: &CallError) -> Failure {

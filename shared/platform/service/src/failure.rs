@@ -29,6 +29,8 @@ pub struct Failure {
     pub code: u8,
     /// Sentence: the problem, the object concerned, and the next step.
     pub sentence: String,
+    /// True if what the command names is not there.
+    pub is_missing: bool,
 }
 
 impl Failure {
@@ -37,6 +39,16 @@ impl Failure {
         Self {
             code,
             sentence: sentence.to_string(),
+            is_missing: false,
+        }
+    }
+
+    /// This failure, of a command that names something that is not there.
+    #[must_use]
+    pub fn of_missing(self) -> Self {
+        Self {
+            is_missing: true,
+            ..self
         }
     }
 
