@@ -75,6 +75,8 @@ mod skeleton;
 mod stress;
 /// Supervision of processes: hangs, endless restarts, expected processes.
 mod supervision;
+/// Undo and redo through all kinds of changes.
+mod undo;
 /// systemd units: accepted, hardened, restarted for ever.
 mod units;
 /// Next best views beside a running daemon.

@@ -116,6 +116,7 @@ fn as_root_reader_reads_and_stops_and_changes_nothing() {
     for changing in [
         &["teach", &track, "mug"][..],
         &["undo"],
+        &["redo"],
         &["arm", "home"],
         &["memory", "compact"],
         &["memory", "repair"],
@@ -158,12 +159,17 @@ fn as_root_teacher_undoes_only_its_own_changes() {
     allowed(&member(&["undo", "--author", "anna"]));
     let sentence = refused(&member(&["undo", "--author", "anna"]));
     assert!(sentence.contains("nothing to undo"), "{sentence}");
+    daemon.ask(&["undo", "--author", "anna"]);
+    allowed(&member(&["redo", "--author", "anna"]));
+    let sentence = refused(&member(&["redo", "--author", "anna"]));
+    assert!(sentence.contains("nothing to redo"), "{sentence}");
     let sentence = refused(&member(&["memory", "compact"]));
     assert!(sentence.contains("administrator"), "{sentence}");
     // A teacher uploads documents, and no memory.
     allowed(&member(&["knowledge", "put", "note", "/etc/hostname"]));
     let sentence = refused(&member(&["memory", "import", "/etc/hostname"]));
     assert!(sentence.contains("administrator"), "{sentence}");
+    allowed(&member(&["undo", "--author", "anna"]));
     // The daemon's own user may undo what others did.
     allowed(&member(&["teach", &bowl, "bowl", "--author", "ben"]));
     daemon.ask(&["undo", "--author", "ben"]);

@@ -84,11 +84,17 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },
-    /// Undo the last change, or an entry of the history
+    /// Undo the last change, or an entry of the history; repeated, it walks back
     Undo {
         /// Number of the history entry [default: the author's last change that is still in effect]
         entry: Option<u64>,
         /// Author of the undo, and of the last change [default: the user's name]
+        #[arg(long, value_name = "NAME")]
+        author: Option<String>,
+    },
+    /// Redo the change that was undone last; repeated, it walks forward
+    Redo {
+        /// Author of the redo, and of the undo [default: the user's name]
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
     },

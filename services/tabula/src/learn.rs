@@ -1,11 +1,11 @@
-//! `tabula teach`, `correct`, `forget`, `rename`, `merge`, `undo`, `categories`: changes of labels
-//! and categories.
+//! `tabula teach`, `correct`, `forget`, `rename`, `merge`, `undo`, `redo`, `categories`: changes of
+//! labels and categories.
 
 use crate::arguments::{ForgetArguments, LabelArguments};
 use crate::track_or_name::{labelled_track, with_meant};
 use command_line::{Output, format_table};
 use control_client::{
-    TrackScope, author_or_user, call, change, connect, mutation_id, unexpected_reply,
+    MemoryClient, TrackScope, author_or_user, call, change, connect, mutation_id, unexpected_reply,
 };
 use message::control::{
     CategoryReport, Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
@@ -21,7 +21,7 @@ pub(crate) fn teach(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let track_id = labelled_track(common, "teach", label)?;
-    let report = learn(common, &Command::Teach(labelling(track_id, label)?))?;
+    let report = learned(change(common, &Command::Teach(labelling(track_id, label)?))?)?;
     output.answer(&report, || learned_text(track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
@@ -33,7 +33,7 @@ pub(crate) fn correct(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let track_id = labelled_track(common, "correct", label)?;
-    let report = learn(common, &Command::Correct(labelling(track_id, label)?))?;
+    let report = learned(change(common, &Command::Correct(labelling(track_id, label)?))?)?;
     output.answer(&report, || learned_text(track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
@@ -62,8 +62,8 @@ pub(crate) fn forget(
         author: author_or_user(author),
         category: category.clone(),
     };
-    let report =
-        learn(common, &command).map_err(|failure| with_meant(common, category, failure))?;
+    let changed = change(common, &command).and_then(learned);
+    let report = changed.map_err(|failure| with_meant(common, category, failure))?;
     output.answer(&report, || {
         format!(
             "forgot {}: {} view(s) are now unlabelled",
@@ -73,35 +73,41 @@ pub(crate) fn forget(
     Ok(ExitCode::SUCCESS)
 }
 
-/// `tabula rename`, `tabula merge`, `tabula undo`, and forgetting tracks and views.
+/// `tabula rename`, `tabula merge`, and forgetting tracks and views; and `tabula undo` and `tabula
+/// redo`, with or without a daemon.
 pub(crate) fn revise(
     common: &CommonArguments,
-    change: RevisionChange,
+    revision: RevisionChange,
     author: Option<&str>,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let done = match &change {
+    let done = match &revision {
         RevisionChange::ForgetTrack { track_id } => format!("forgot track {track_id}"),
         RevisionChange::ForgetView { view } => {
             format!("forgot view {} of track {}", view.view_id, view.track_id)
         }
         RevisionChange::Rename { from, to } => format!("{from} is now called {to}"),
         RevisionChange::Merge { from, into } => format!("{from} is merged into {into}"),
-        // The answer describes the undone change.
-        _ => String::new(),
+        RevisionChange::Redo => "redid".to_owned(),
+        _ => "undid".to_owned(),
     };
-    let report = learn(
-        common,
-        &Command::Revise(Revision {
-            id: mutation_id()?,
-            author: author_or_user(author),
-            change,
-        }),
-    )?;
+    let is_reversal = matches!(revision, RevisionChange::Undo { .. } | RevisionChange::Redo);
+    let command = Command::Revise(Revision {
+        id: mutation_id()?,
+        author: author_or_user(author),
+        change: revision,
+    });
+    let reply = if is_reversal {
+        MemoryClient::open(common)?.change(&command)
+    } else {
+        change(common, &command)
+    };
+    let report = learned(reply?)?;
     output.answer(&report, || {
         let (n, sequence) = (report.n_views_changed, report.sequence);
-        let done = if done.is_empty() {
-            format!("undid \"{}\"", report.category)
+        let done = if is_reversal {
+            // The answer describes the change.
+            format!("{done} \"{}\"", report.category)
         } else {
             done
         };
@@ -141,8 +147,8 @@ fn categories_text(categories: &[CategoryReport]) -> String {
     format_table(&["category", "views", "bytes"], &rows)
 }
 
-fn learn(common: &CommonArguments, command: &Command) -> Result<LearningReport, Failure> {
-    match change(common, command)? {
+fn learned(reply: Reply) -> Result<LearningReport, Failure> {
+    match reply {
         Reply::Learned(report) => Ok(report),
         other => Err(unexpected_reply(&other)),
     }

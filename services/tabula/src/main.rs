@@ -63,6 +63,10 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
             let change = RevisionChange::Undo { sequence: *entry };
             learn::revise(&arguments.common, change, author.as_deref(), output)
         }
+        Verb::Redo { author } => {
+            let change = RevisionChange::Redo;
+            learn::revise(&arguments.common, change, author.as_deref(), output)
+        }
         Verb::Learn(lab) => lab_program::become_lab(arguments, "learn", &lab.words),
         Verb::Categories => learn::categories(&arguments.common, output),
         Verb::Memory { verb } => memory::run(&arguments.common, verb, output),

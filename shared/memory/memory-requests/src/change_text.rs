@@ -17,6 +17,7 @@ pub(crate) fn describe_change(change: &StoreChange) -> String {
             sequence: Some(sequence),
         } => format!("undo entry {sequence}"),
         StoreChange::Undo { sequence: None } => "undo the last change".to_owned(),
+        StoreChange::Redo => "redo the change that was undone last".to_owned(),
         StoreChange::PutDocument(document) => format!("store {}", document.key),
         StoreChange::RemoveDocument(key) => format!("remove {key}"),
         StoreChange::Purge { .. } => "permanently delete forgotten content".to_owned(),
@@ -35,8 +36,15 @@ pub(crate) fn describe_operation(operation: &Operation) -> String {
         Operation::Forget { target } => format!("forget {target}"),
         Operation::Rename { from, to } => format!("rename {from} to {to}"),
         Operation::MergeCategories { from, into } => format!("merge {from} into {into}"),
-        Operation::Undo { sequence } => format!("undo entry {sequence}"),
-        Operation::Import { source } => format!("import {source}"),
+        Operation::Undo {
+            redone: Some(redone),
+            ..
+        } => format!("redo entry {redone}"),
+        Operation::Undo { sequence, .. } => format!("undo entry {sequence}"),
+        Operation::Import { source, part } => match part.first {
+            Some(first) => format!("import {source}, continued from entry {first}"),
+            None => format!("import {source}"),
+        },
         Operation::PutDocument { document } => format!("store {document}"),
         Operation::RemoveDocument { document } => format!("remove {document}"),
         Operation::Purge => "permanently delete forgotten content".to_owned(),

@@ -74,6 +74,7 @@ fn report(entry: &HistoryEntry) -> HistoryReport {
         from: None,
         to: None,
         undone: None,
+        redone: None,
         document: None,
         source: None,
         n_views: views.len() as u64,
@@ -116,11 +117,12 @@ fn with_operation(mut report: HistoryReport, operation: &Operation) -> HistoryRe
             report.to = Some(into.to_string());
             HistoryOperation::Merge
         }
-        Operation::Undo { sequence } => {
+        Operation::Undo { sequence, redone } => {
             report.undone = Some(*sequence);
+            report.redone = *redone;
             HistoryOperation::Undo
         }
-        Operation::Import { source } => {
+        Operation::Import { source, .. } => {
             report.source = Some(source.clone());
             HistoryOperation::Import
         }

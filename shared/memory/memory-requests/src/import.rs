@@ -4,7 +4,10 @@ use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use crate::translate;
 use learning::CategoryName;
 use message::control::{ImportReport, JobOutcome, MutationId, Refusal};
-use perceptual_memory::{Digest, Mutation, PortableBatch, PortableReader, Requester, StoreChange};
+use perceptual_memory::{
+    Digest, ImportPart, Mutation, MutationReceipt, PortableBatch, PortableReader, Requester,
+    StoreChange,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{BufReader, Seek};
@@ -64,10 +67,16 @@ pub(crate) fn run(
     let n_bytes = check(context, file, request, progress)?;
     let mut reader = open(file)?;
     let mut n_views_changed = 0;
-    let mut part = 0;
-    while let Some(batch) = reader.batch().map_err(|error| error.to_string())? {
-        n_views_changed += take_over(context, request, part, batch)?;
-        part += 1;
+    let mut n_parts = 0;
+    let mut entry = EntryOfImport::default();
+    let mut next = batch_of(&mut reader)?;
+    while let Some(batch) = next {
+        next = batch_of(&mut reader)?;
+        entry.part.is_continued = next.is_some();
+        let receipt = take_over(context, request, (n_parts, entry.part), batch)?;
+        entry.follow(receipt.sequence);
+        n_views_changed += receipt.n_views;
+        n_parts += 1;
         progress.set(n_bytes + reader.n_bytes_read(), 2 * n_bytes);
     }
     let position = context.store.position();
@@ -77,8 +86,28 @@ pub(crate) fn run(
         n_views: counts.n_views + counts.n_forgotten,
         n_views_changed,
         n_documents: counts.n_documents,
-        sequence: position.sequence,
+        sequence: entry.last.unwrap_or(position.sequence),
     }))
+}
+
+/// Place of the next entry of an import, and its last one so far.
+#[derive(Default)]
+struct EntryOfImport {
+    part: ImportPart,
+    last: Option<u64>,
+}
+
+impl EntryOfImport {
+    fn follow(&mut self, sequence: u64) {
+        self.part.first.get_or_insert(sequence);
+        self.last = Some(sequence);
+    }
+}
+
+fn batch_of<R: std::io::Read>(
+    reader: &mut PortableReader<R>,
+) -> Result<Option<PortableBatch>, String> {
+    reader.batch().map_err(|error| error.to_string())
 }
 
 /// Validates the complete file; returns its length.
@@ -126,18 +155,18 @@ fn open(mut file: &File) -> Result<PortableReader<BufReader<&File>>, String> {
     PortableReader::new(BufReader::new(file)).map_err(|error| error.to_string())
 }
 
-/// Imports one batch of views and documents; returns the number of changed views.
+/// Imports one batch of views and documents, by its number and its place in the history.
 fn take_over(
     context: &JobContext,
     request: &ImportRequest,
-    part: u64,
+    (n, part): (u64, ImportPart),
     mut batch: PortableBatch,
-) -> Result<u64, String> {
+) -> Result<MutationReceipt, String> {
     for view in &mut batch.views {
         view.rename(|name| request.name(name).ok());
     }
     // The same part of the same request has the same id, so that a retry is idempotent.
-    let id = [request.id.0.to_le_bytes().as_slice(), &part.to_le_bytes()].concat();
+    let id = [request.id.0.to_le_bytes().as_slice(), &n.to_le_bytes()].concat();
     let mutation = Mutation {
         id: perceptual_memory::MutationId(Digest::of(&id).0),
         author: request.author.clone(),
@@ -147,10 +176,9 @@ fn take_over(
             source: request.source.clone(),
             views: batch.views,
             documents: batch.documents,
+            part,
         },
     };
-    let answer = context.store.mutate_and_wait(mutation);
-    answer
-        .map(|answer| answer.n_views)
-        .map_err(|error| error.to_string())
+    let receipt = context.store.mutate_and_wait(mutation);
+    receipt.map_err(|error| error.to_string())
 }

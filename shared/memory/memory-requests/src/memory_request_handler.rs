@@ -232,25 +232,31 @@ impl MemoryRequestHandler {
             change => change,
         };
         let (change, about) = revision::change(change)?;
-        let is_undo = matches!(change, StoreChange::Undo { .. });
+        let is_redo = matches!(change, StoreChange::Redo);
+        let is_reversal = is_redo || matches!(change, StoreChange::Undo { .. });
         let mut reply = self.store.apply(by, change, &about).await?;
-        if is_undo && let Reply::Learned(report) = &mut reply {
+        if is_reversal && let Reply::Learned(report) = &mut reply {
             let sequence = report.sequence;
-            let read = move |memory: &mut PerceptualMemory| undone(memory, sequence);
+            let read = move |memory: &mut PerceptualMemory| reversed(memory, sequence, is_redo);
             report.category = self.store.read(read).await?;
         }
         Ok(reply)
     }
 }
 
-/// Description of the operation that an undo entry reverted.
-fn undone(memory: &mut PerceptualMemory, sequence: u64) -> Result<String, Error> {
+/// Description of the operation that an entry undid or redid.
+fn reversed(memory: &mut PerceptualMemory, sequence: u64, is_redo: bool) -> Result<String, Error> {
     let entry = memory.history(sequence, 1)?;
-    let Some(Operation::Undo { sequence }) = entry.first().map(|entry| &entry.operation) else {
-        return Ok(String::new());
+    let reversed = match entry.first().map(|entry| &entry.operation) {
+        Some(Operation::Undo {
+            redone: Some(redone),
+            ..
+        }) if is_redo => *redone,
+        Some(Operation::Undo { sequence, .. }) => *sequence,
+        _ => return Ok(String::new()),
     };
-    let undone = memory.history(*sequence, 1)?;
-    let what = undone
+    let entry = memory.history(reversed, 1)?;
+    let what = entry
         .first()
         .map(|entry| change_text::describe_operation(&entry.operation));
     Ok(what.unwrap_or_default())

@@ -43,6 +43,7 @@ pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Re
             (change, into)
         }
         RevisionChange::Undo { sequence } => (StoreChange::Undo { sequence }, String::new()),
+        RevisionChange::Redo => (StoreChange::Redo, String::new()),
         RevisionChange::RemoveDocument { document } => {
             let about = document.name.clone();
             (StoreChange::RemoveDocument(key(document)?), about)

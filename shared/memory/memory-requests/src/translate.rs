@@ -153,8 +153,8 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
             StoreRefusal::Teaching(TeachingRefusal::LabelConflict { .. })
             | StoreRefusal::ViewDiffers { .. }
             | StoreRefusal::NameTaken { .. }
-            | StoreRefusal::ViewChangedSince { .. }
-            | StoreRefusal::DocumentChangedSince { .. }
+            | StoreRefusal::UndoneAlready { .. }
+            | StoreRefusal::ChangedSince { .. }
             | StoreRefusal::GoneForGood { .. },
         ) => RefusalKind::Conflict,
         Error::Refused(
@@ -162,7 +162,8 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
             | StoreRefusal::UnknownView { .. }
             | StoreRefusal::UnknownDocument { .. }
             | StoreRefusal::UnknownEntry { .. }
-            | StoreRefusal::NothingToUndo,
+            | StoreRefusal::NothingToUndo
+            | StoreRefusal::NothingToRedo,
         ) => RefusalKind::NotFound,
         Error::Refused(StoreRefusal::OthersEntry { .. }) => RefusalKind::Forbidden,
         Error::Refused(_) => RefusalKind::Invalid,

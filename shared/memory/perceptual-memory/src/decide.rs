@@ -22,7 +22,7 @@ use crate::store_index::StoreIndex;
 use crate::view::{CapturedView, Origin};
 use crate::view_record::ViewParts;
 
-/// Decides every change except an undo, which has to read the history.
+/// Decides every change except undo and redo, which have to read the history.
 pub(crate) fn decide(
     index: &StoreIndex,
     meta: &Meta,
@@ -39,7 +39,14 @@ pub(crate) fn decide(
             source,
             views,
             documents,
-        } => importing::decide(index, meta, source, views, documents),
+            part,
+        } => {
+            let operation = Operation::Import {
+                source: source.clone(),
+                part: *part,
+            };
+            importing::decide(index, meta, operation, views, documents)
+        }
         StoreChange::PutDocument(document) => Ok(put_document(index, document)),
         StoreChange::RemoveDocument(key) => remove_document(index, key),
         StoreChange::Purge { before_ns } => Ok(purge::decide(index, *before_ns)),
@@ -47,6 +54,7 @@ pub(crate) fn decide(
             Ok(purge::decide_tombstones(index, *before_ns))
         }
         StoreChange::Undo { .. } => Err(StoreRefusal::NothingToUndo),
+        StoreChange::Redo => Err(StoreRefusal::NothingToRedo),
     }
 }
 

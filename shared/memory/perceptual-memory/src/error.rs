@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use learning::{CategoryName, ViewId};
 
+use crate::changed_item::ChangedItem;
 use crate::document_key::DocumentKey;
+use crate::undo::Reversal;
 use crate::view_phrase::view_phrase;
 
 pub use durable_leveldb::Error as StorageError;
@@ -141,9 +143,26 @@ pub enum StoreRefusal {
         /// Sequence number of the missing entry.
         sequence: u64,
     },
-    /// Undo of an entry without effects, or by an author without a teaching entry.
+    /// Undo of an entry without effects, or by an author without a change that is in effect.
     #[error("there is nothing to undo; name an entry of the history that changed something")]
     NothingToUndo,
+    /// Redo by an author who undid nothing since the last change.
+    #[error(
+        "there is nothing to redo, since nothing was undone after the last change; to take back an \
+         earlier undo, undo its entry by its number"
+    )]
+    NothingToRedo,
+    /// Undo of an entry that is undone already.
+    #[error(
+        "entry {sequence} is not in effect any more, since entry {by} undid it; undo that one to \
+         bring it back"
+    )]
+    UndoneAlready {
+        /// Sequence number of the entry to undo.
+        sequence: u64,
+        /// Sequence number of the entry that undid it.
+        by: u64,
+    },
     /// Undo of another user's entry without the right to.
     #[error(
         "entry {sequence} was made by another user, as {author:?}; only that user or an \
@@ -155,39 +174,34 @@ pub enum StoreRefusal {
         /// Author of the entry, as its client claimed.
         author: Arc<str>,
     },
-    /// Undo of an entry whose view was changed later.
+    /// Undo or redo of an entry whose view or document was changed later.
     #[error(
-        "entry {sequence} cannot be undone, since entry {by} changed {} after it; undo that one \
-         first",
-        view_phrase(*view)
+        "entry {sequence} cannot be {reversal}, since entry {by}{} changed {item} after it; undo \
+         that one first, or name another entry",
+        by_author(author.as_deref())
     )]
-    ViewChangedSince {
-        /// Sequence number of the entry to undo.
+    ChangedSince {
+        /// Sequence number of the entry to undo or redo.
         sequence: u64,
-        /// Id of the view that was changed later.
-        view: ViewId,
+        /// Direction that was asked for.
+        reversal: Reversal,
+        /// View or document that was changed later.
+        item: ChangedItem,
         /// Sequence number of the later entry that changed it.
         by: u64,
+        /// Author of that entry, as its client claimed; `None` if the entry is lost.
+        author: Option<Arc<str>>,
     },
-    /// Undo of an entry whose document was changed later.
+    /// Undo or redo of an entry whose content was purged.
     #[error(
-        "entry {sequence} cannot be undone, since {document} was changed after it; undo that \
-         change first"
-    )]
-    DocumentChangedSince {
-        /// Sequence number of the entry to undo.
-        sequence: u64,
-        /// Key of the document that was changed later.
-        document: DocumentKey,
-    },
-    /// Undo of an entry whose content was purged.
-    #[error(
-        "entry {sequence} cannot be undone, since the content it changed was permanently deleted; teach it \
-         again"
+        "entry {sequence} cannot be {reversal}, since the content it changed was permanently \
+         deleted; teach it again, or name another entry"
     )]
     GoneForGood {
-        /// Sequence number of the entry to undo.
+        /// Sequence number of the entry to undo or redo.
         sequence: u64,
+        /// Direction that was asked for.
+        reversal: Reversal,
     },
     /// Imported time stamp too far ahead of the local clock.
     #[error(
@@ -238,4 +252,10 @@ impl From<learning::TeachingError> for Error {
     fn from(refusal: learning::TeachingError) -> Self {
         Self::Refused(StoreRefusal::Teaching(refusal))
     }
+}
+
+/// Author of an entry as a part of a sentence; empty if it is not known.
+fn by_author(author: Option<&str>) -> String {
+    let known = author.filter(|author| !author.is_empty());
+    known.map_or_else(String::new, |author| format!(" by {author}"))
 }

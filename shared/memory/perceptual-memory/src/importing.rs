@@ -24,7 +24,7 @@ use crate::view_record::ViewParts;
 pub(crate) fn decide(
     index: &StoreIndex,
     meta: &Meta,
-    source: &str,
+    operation: Operation,
     views: &[ForeignView],
     documents: &[ForeignDocument],
 ) -> Result<Decision, StoreRefusal> {
@@ -36,9 +36,6 @@ pub(crate) fn decide(
     {
         return Err(StoreRefusal::TrackIdsExhausted);
     }
-    let operation = Operation::Import {
-        source: source.to_owned(),
-    };
     let mut import = Import {
         index,
         memory_id: meta.memory_id(),

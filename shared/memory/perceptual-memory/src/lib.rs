@@ -44,6 +44,8 @@
 
 mod archive;
 mod archiving;
+mod change_state;
+mod changed_item;
 mod checkpoint;
 mod consistency_check;
 mod decide;
@@ -52,6 +54,7 @@ mod digest;
 mod document;
 mod document_key;
 mod entry_applier;
+mod entry_reader;
 mod error;
 mod exchange;
 mod findings;
@@ -89,8 +92,10 @@ mod size_record;
 mod store_index;
 mod store_thread;
 mod tombstone;
+mod touch_stack;
 mod track_id_counter;
 mod undo;
+mod undo_list;
 mod view;
 mod view_phrase;
 mod view_record;
@@ -101,6 +106,7 @@ mod watermark;
 mod tests;
 
 pub use archiving::{ArchivingStep, HistoryLimits};
+pub use changed_item::ChangedItem;
 pub use checkpoint::{Checkpoint, CheckpointReader, Verification, verify_folder};
 pub use digest::Digest;
 pub use document::{
@@ -116,7 +122,8 @@ pub use label_status::{DecisionStamp, LabelStatus};
 pub use maintenance::Stats;
 pub use meta::StoreId;
 pub use model::{
-    Contradiction, DataLoss, Effect, MutationReceipt, Operation, RetentionLimits, Target,
+    Contradiction, DataLoss, Effect, ImportPart, MutationReceipt, Operation, RetentionLimits,
+    Target,
 };
 pub use mutation::{MAX_BATCH_BYTES, MAX_BATCH_VIEWS, Mutation, StoreChange};
 pub use opening::{Condition, OpenReport};
@@ -126,6 +133,7 @@ pub use queries::{ChangeEntry, Changes, LabelledView, NameChange, Position, Snap
 pub use requester::Requester;
 pub use store_index::CategorySummary;
 pub use store_thread::{OnNotice, OnReopened, StoreConfig, StoreHandle, StoreThread};
+pub use undo::Reversal;
 pub use view::{
     CapturedView, MAX_DESCRIPTOR_VALUES, MAX_NAME_BYTES, MAX_POINTS_BYTES, Origin,
     StoredDescriptor, StoredView,

@@ -78,11 +78,17 @@ pub enum Operation {
     Undo {
         /// Sequence number of the undone entry.
         sequence: u64,
+        /// Redo: the change that is in effect again, since `sequence` is an undo of it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        redone: Option<u64>,
     },
     /// Import of a part of another memory's export.
     Import {
         /// Name of the source, as the requester gave it.
         source: String,
+        /// Place of the entry among those of its import.
+        #[serde(default, skip_serializing_if = "ImportPart::is_whole")]
+        part: ImportPart,
     },
     /// Storing of a document.
     PutDocument {
@@ -115,6 +121,24 @@ pub enum Operation {
         /// Schema version before the migration.
         schema: u32,
     },
+}
+
+/// Place of a history entry among the entries of one import, which are undone together.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ImportPart {
+    /// Sequence number of the first entry of the import; `None` for the first one itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first: Option<u64>,
+    /// `true` if another entry of the import follows.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_continued: bool,
+}
+
+impl ImportPart {
+    /// `true` for an import of one entry.
+    pub(crate) fn is_whole(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Single effect of a history entry.
@@ -285,6 +309,59 @@ impl Default for RetentionLimits {
             max_views_per_category: usize::MAX,
             max_unnamed_views: usize::MAX,
             history: HistoryLimits::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use durable_leveldb::record::{seal, unseal};
+
+    /// Operations as they were stored before an undo could name a redone change, and an import its
+    /// first entry.
+    #[derive(Debug, PartialEq, Serialize, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    enum EarlierOperation {
+        Undo { sequence: u64 },
+        Import { source: String },
+    }
+
+    #[test]
+    fn operation_of_an_earlier_version_is_read_and_stored_as_it_was() {
+        let source = || "anna".to_owned();
+        let (earlier_undo, earlier_import) = (
+            EarlierOperation::Undo { sequence: 4 },
+            EarlierOperation::Import { source: source() },
+        );
+        let undo = |redone| Operation::Undo {
+            sequence: 4,
+            redone,
+        };
+        let import = |first, is_continued| Operation::Import {
+            source: source(),
+            part: ImportPart {
+                first,
+                is_continued,
+            },
+        };
+        for (earlier, operation) in [
+            (&earlier_undo, undo(None)),
+            (&earlier_import, import(None, false)),
+        ] {
+            let record = seal(b"h", earlier);
+            assert_eq!(seal(b"h", &operation), record);
+            assert_eq!(unseal::<Operation>(b"h", &record).unwrap(), operation);
+        }
+        // The earlier version reads what is stored now, too: a redo is the undo of an undo.
+        for (earlier, operation) in [
+            (&earlier_undo, undo(Some(3))),
+            (&earlier_import, import(Some(2), true)),
+        ] {
+            let record = seal(b"h", &operation);
+            let read: EarlierOperation = unseal(b"h", &record).unwrap();
+            assert_eq!(read, *earlier);
+            assert_eq!(unseal::<Operation>(b"h", &record).unwrap(), operation);
         }
     }
 }

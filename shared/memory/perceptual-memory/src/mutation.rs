@@ -7,7 +7,7 @@ use crate::document::MemoryDocument;
 use crate::document_key::DocumentKey;
 use crate::error::StoreRefusal;
 use crate::exchange::{ForeignDocument, ForeignView};
-use crate::model::Target;
+use crate::model::{ImportPart, Target};
 use crate::requester::Requester;
 use crate::view::{CapturedView, MAX_NAME_BYTES};
 
@@ -73,12 +73,14 @@ pub enum StoreChange {
         into: CategoryName,
     },
     /// Undo a history entry, unless its effects were changed later or the requester has no right
-    /// to. Without a sequence number: the last teaching entry of this author and user that is
-    /// still in effect.
+    /// to. Without a sequence number: the last change of this author and user that is still in
+    /// effect.
     Undo {
         /// Sequence number of the entry to undo.
         sequence: Option<u64>,
     },
+    /// Redo the change that this author and user undid last, if they changed nothing since.
+    Redo,
     /// Merge the export of another memory; for each view the later decision wins.
     Import {
         /// Name of the source, at most [`MAX_NAME_BYTES`].
@@ -87,6 +89,8 @@ pub enum StoreChange {
         views: Vec<ForeignView>,
         /// Documents to import.
         documents: Vec<ForeignDocument>,
+        /// Place among the mutations of one import, which are undone together.
+        part: ImportPart,
     },
     /// Store a document, replacing the one with the same key.
     PutDocument(MemoryDocument),

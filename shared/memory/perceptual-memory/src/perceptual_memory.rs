@@ -20,16 +20,10 @@ use crate::record_batch::RecordBatch;
 use crate::record_reader::{read_entries, read_entry};
 use crate::size_record::SizeRecord;
 use crate::store_index::StoreIndex;
-use crate::undo;
 use crate::watermark::Watermark;
 
 /// Maximum number of track-ids in one lease.
 pub const MAX_LEASE: u64 = 1 << 20;
-
-/// Number of recent history entries that an undo without a sequence number searches.
-const UNDO_LOOKS_BACK: u64 = 4096;
-/// Number of history entries that it reads at once.
-const UNDO_READS: u64 = 64;
 
 /// Perceptual memory of one robot, open in one process.
 ///
@@ -172,6 +166,7 @@ impl PerceptualMemory {
         mutation.check()?;
         let decision = match &mutation.change {
             StoreChange::Undo { sequence } => self.decide_undo(*sequence, mutation)?,
+            StoreChange::Redo => self.decide_redo(mutation)?,
             change => decide(&self.index, &self.meta, change)?,
         };
         let id = Some(mutation.id);
@@ -243,47 +238,6 @@ impl PerceptualMemory {
         self.meta = meta;
         self.staged.writes.touch();
         self.commit()
-    }
-
-    fn decide_undo(
-        &mut self,
-        sequence: Option<u64>,
-        request: &Mutation,
-    ) -> Result<Decision, Error> {
-        let sequence = match sequence {
-            Some(sequence) => sequence,
-            None => self.last_teaching(request)?,
-        };
-        let entry = self.entry(sequence)?;
-        if !request.requester.may_undo(&entry) {
-            return Err(StoreRefusal::OthersEntry {
-                sequence,
-                author: entry.author,
-            }
-            .into());
-        }
-        Ok(undo::decide(&self.index, &entry)?)
-    }
-
-    /// Sequence number of the last teaching entry of this author that the requester can undo.
-    fn last_teaching(&mut self, request: &Mutation) -> Result<u64, Error> {
-        let mut last = self.meta.sequence;
-        let first = last.saturating_sub(UNDO_LOOKS_BACK);
-        while last > first {
-            let before = last.saturating_sub(UNDO_READS).max(first);
-            let known = (before + 1..=last).filter(|sequence| !self.index.is_lost(*sequence));
-            let known = known.collect();
-            for entry in self.entries(known)?.into_iter().rev() {
-                let is_own = *entry.author == request.author
-                    && request.requester.may_undo(&entry)
-                    && undo::is_teaching(&entry.operation);
-                if is_own && undo::decide(&self.index, &entry).is_ok() {
-                    return Ok(entry.sequence);
-                }
-            }
-            last = before;
-        }
-        Err(StoreRefusal::NothingToUndo.into())
     }
 
     /// History entries by ascending sequence numbers, none of them lost: archived, in the database,

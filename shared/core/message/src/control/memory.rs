@@ -54,11 +54,13 @@ pub enum RevisionChange {
         /// Category that receives the views.
         into: String,
     },
-    /// Undo an entry of the history; without a sequence, the author's last teaching.
+    /// Undo an entry of the history; without a sequence, the author's last change in effect.
     Undo {
         /// Sequence number of the history entry to undo.
         sequence: Option<u64>,
     },
+    /// Redo the change that the author undid last, if the author changed nothing since.
+    Redo,
     /// Store a document whose content was uploaded.
     PutDocument {
         /// Name of the document to store.
@@ -268,6 +270,10 @@ pub struct HistoryReport {
     pub to: Option<String>,
     /// Sequence number of the entry that was undone; null for other operations.
     pub undone: Option<u64>,
+    /// Sequence number of the change that is in effect again, if the entry undid an undo of it;
+    /// null for other operations.
+    #[serde(default)]
+    pub redone: Option<u64>,
     /// Document that was stored or removed; null for other operations.
     pub document: Option<DocumentName>,
     /// Source of an import; null for other operations.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum UserRole {
     /// Reads everything but the point clouds, and stops the arm.
     Reader,
-    /// Teaches, undoes its own changes, moves the arm, exports and verifies.
+    /// Teaches, undoes and redoes its own changes, moves the arm, exports and verifies.
     Teacher,
     /// Imports, repairs, deletes permanently, undoes the changes of others, and reloads the
     /// configuration.
@@ -119,6 +119,7 @@ mod tests {
                 revise(RevisionChange::Undo { sequence: None }),
                 UserRole::Teacher,
             ),
+            (revise(RevisionChange::Redo), UserRole::Teacher),
             (
                 Command::Job(JobCommand::Begin(JobKind::Export)),
                 UserRole::Teacher,

@@ -66,7 +66,15 @@ fn history_report_has_the_fields_of_its_operation() {
     let target = Target::CapturedView(view);
     let forgotten = empty(4, &Operation::Forget { target });
     assert_eq!(forgotten.view, Some(translate::view_id(view)));
-    assert_eq!(empty(5, &Operation::Undo { sequence: 4 }).undone, Some(4));
+    let undo = |redone| Operation::Undo {
+        sequence: 4,
+        redone,
+    };
+    let undone = empty(5, &undo(None));
+    assert_eq!((undone.undone, undone.redone), (Some(4), None));
+    let redone = empty(5, &undo(Some(3)));
+    assert_eq!((redone.undone, redone.redone), (Some(4), Some(3)));
+    assert_eq!(redone.what, "redo entry 3");
 }
 
 /// Store with `n` history entries that change nothing.

@@ -7,7 +7,7 @@ use mutation_fuzzing::fuzz;
 use crate::digest::Digest;
 use crate::history::HistoryEntry;
 use crate::keys;
-use crate::model::{Operation, Target};
+use crate::model::{ImportPart, Operation, Target};
 
 const SEQUENCE: u64 = 9;
 /// Bytes before the payload: version and checksum.
@@ -43,7 +43,17 @@ fn fuzz_history_records() {
     let entries = [
         entry(Operation::StoreViews),
         entry(Operation::Forget { target }),
-        entry(Operation::Undo { sequence: 4 }),
+        entry(Operation::Undo {
+            sequence: 4,
+            redone: Some(3),
+        }),
+        entry(Operation::Import {
+            source: "anna".to_owned(),
+            part: ImportPart {
+                first: Some(2),
+                is_continued: true,
+            },
+        }),
     ];
     let key = keys::history_key(SEQUENCE);
     let seeds = entries.map(|entry| entry.seal().0[HEADER_BYTES..].to_vec());

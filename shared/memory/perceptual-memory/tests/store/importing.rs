@@ -2,7 +2,8 @@
 
 use perceptual_memory::{
     CapturedView, Condition, DocumentKey, DocumentKind, Error, ForeignDocument, ForeignView,
-    LabelStatus, MemoryDocument, Mutation, Origin, PerceptualMemory, StoreChange, Target,
+    ImportPart, LabelStatus, MemoryDocument, Mutation, Origin, PerceptualMemory, StoreChange,
+    Target,
 };
 use proptest::prelude::*;
 use tempfile::TempDir;
@@ -56,6 +57,7 @@ fn import(id: u128, from: &Exported) -> Mutation {
             source: "test".to_owned(),
             views: from.views.clone(),
             documents: from.documents.clone(),
+            part: ImportPart::default(),
         },
     )
 }
@@ -273,6 +275,7 @@ fn import_of_own_view_under_a_track_id_never_leased_gets_another_id() {
         source: "test".to_owned(),
         views,
         documents: Vec::new(),
+        part: ImportPart::default(),
     };
     apply(&mut memory, &[mutation(1, change)]);
     let summaries = memory.views(None, None, 9).unwrap();

@@ -23,3 +23,5 @@ mod reading;
 mod refusals;
 mod round_trip;
 mod thread;
+mod undo;
+mod undo_model;

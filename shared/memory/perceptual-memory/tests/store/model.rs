@@ -100,6 +100,16 @@ struct ModelEntry {
     touched_views: BTreeSet<ViewId>,
     touched_documents: BTreeSet<String>,
     is_purge: bool,
+    /// Entry that made the change that this one makes, undoes or redoes, and `true` if the change
+    /// is in effect after this one.
+    about: (usize, bool),
+}
+
+impl ModelEntry {
+    fn touches(&self, view: Option<ViewId>, document: Option<&String>) -> bool {
+        view.is_some_and(|view| self.touched_views.contains(&view))
+            || document.is_some_and(|name| self.touched_documents.contains(name))
+    }
 }
 
 /// Reference model of the store.
@@ -133,11 +143,19 @@ impl ReferenceModel {
             .collect();
         self.stamp(&touched_views, mutation.wall_ns, &mut after);
         let n_views = touched_views.len() as u64;
+        let about = match &mutation.change {
+            StoreChange::Undo { sequence: Some(n) } => {
+                let (change, is_done) = self.entries[*n as usize - 1].about;
+                (change, !is_done)
+            }
+            _ => (self.entries.len(), true),
+        };
         self.entries.push(ModelEntry {
             before,
             touched_views,
             touched_documents,
             is_purge: matches!(mutation.change, StoreChange::Purge { .. }),
+            about,
         });
         self.state = after;
         let answer = (self.entries.len() as u64, n_views);
@@ -235,7 +253,25 @@ impl ReferenceModel {
         Some(state)
     }
 
-    /// State with the touched items reverted, if no later entry touched them.
+    /// Changes of a view or document that are in effect after the first entries, oldest first.
+    fn stack(
+        &self,
+        n_entries: usize,
+        view: Option<ViewId>,
+        document: Option<&String>,
+    ) -> Vec<usize> {
+        let entries = self.entries[..n_entries].iter();
+        let mut stack = Vec::new();
+        for entry in entries.filter(|entry| entry.touches(view, document)) {
+            match entry.about {
+                (change, true) => stack.push(change),
+                (_, false) => drop(stack.pop()),
+            }
+        }
+        stack
+    }
+
+    /// State with the touched items reverted, if what later entries made of them is undone.
     fn undone(&self, sequence: u64, wall_ns: u64) -> Option<ModelState> {
         let index = sequence.checked_sub(1)? as usize;
         let entry = self.entries.get(index)?;
@@ -243,14 +279,22 @@ impl ReferenceModel {
         {
             return None;
         }
-        for later in &self.entries[index + 1..] {
-            let is_free = later.touched_views.is_disjoint(&entry.touched_views)
-                && later
-                    .touched_documents
-                    .is_disjoint(&entry.touched_documents);
-            if !is_free {
-                return None;
-            }
+        let is_about = |other: &ModelEntry| other.about.0 == entry.about.0;
+        let last = self.entries.iter().rposition(is_about)?;
+        if self.entries[last].about != entry.about {
+            return None;
+        }
+        let entry = &self.entries[last];
+        let is_free = |view, document| {
+            let [then, now] = [last + 1, self.entries.len()];
+            self.stack(then, view, document) == self.stack(now, view, document)
+        };
+        let mut views = entry.touched_views.iter();
+        let mut documents = entry.touched_documents.iter();
+        if !views.all(|view| is_free(Some(*view), None))
+            || !documents.all(|name| is_free(None, Some(name)))
+        {
+            return None;
         }
         let mut state = self.state.clone();
         for view in &entry.touched_views {
@@ -511,11 +555,13 @@ fn rebuild(
         other => panic!("{other:?}"),
     }
     let state = model.state.clone();
+    let about = (model.entries.len(), true);
     model.entries.push(ModelEntry {
         before: state,
         touched_views: BTreeSet::new(),
         touched_documents: BTreeSet::new(),
         is_purge: false,
+        about,
     });
     model.check(&mut memory);
     memory
