@@ -69,6 +69,7 @@ fn store_as_earlier_version(memory: &mut MemoryClient, category: &str) {
     let stored = call(memory, store);
     assert!(matches!(stored, Reply::Stored), "{stored:?}");
     let teach = Command::Teach(Labelling {
+        is_new: false,
         id: MutationId(2),
         author: "anna".to_owned(),
         track_id,

@@ -47,6 +47,8 @@ mod memory_care;
 mod memory_kill;
 /// Object models that grow beside a running daemon.
 mod model_building;
+/// Names of categories: normal form, invisible characters, look-alikes.
+mod names;
 /// Sentences that say what to do next: candidates, swapped arguments, nearest names.
 mod next_steps;
 /// Labels of the objects that a change of the memory is not about.

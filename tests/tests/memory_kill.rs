@@ -115,6 +115,7 @@ fn command(track_id: u64, step: usize, corrected: Option<u64>) -> Command {
     let id = id_of(track_id, step);
     let author = format!("teacher {}", track_id % N_TEACHERS);
     let labelling = |category: &str| message::control::Labelling {
+        is_new: false,
         id,
         author: author.clone(),
         track_id,

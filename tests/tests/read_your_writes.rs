@@ -34,6 +34,7 @@ fn check_each_change_is_answered(daemon: &Daemon<'_>, track_id: u64) {
     for number in 0..N_CHANGES {
         let category = format!("thing {number}");
         let labelling = Labelling {
+            is_new: false,
             id: MutationId(1 + number),
             author: "anna".to_owned(),
             track_id,

@@ -68,7 +68,7 @@ fn unpack(cloud: &[u8], points: &mut Vec<Point>) -> Result<(), String> {
 }
 
 fn described(view: &LearnedView, values: Vec<f32>) -> Result<DescribedView, String> {
-    let category = CategoryName::new(&view.category).map_err(|error| error.to_string())?;
+    let category = CategoryName::stored(&view.category).map_err(|error| error.to_string())?;
     Ok(DescribedView {
         id: view_id(view.id),
         category,

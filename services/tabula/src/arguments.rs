@@ -70,6 +70,9 @@ pub(crate) enum Verb {
         from: String,
         /// New category name
         to: String,
+        /// Accept the new name, even beside one that looks alike
+        #[arg(long = "new")]
+        is_new: bool,
         /// Author of the change [default: the user's name]
         #[arg(long, value_name = "NAME")]
         author: Option<String>,
@@ -268,6 +271,9 @@ pub(crate) struct LabelArguments {
     pub(crate) track: TrackReference,
     /// Category name
     pub(crate) category: String,
+    /// Make a new category, even beside one whose name looks alike
+    #[arg(long = "new")]
+    pub(crate) is_new: bool,
     /// Author of the label [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,

@@ -86,7 +86,7 @@ pub(crate) fn revise(
         RevisionChange::ForgetView { view } => {
             format!("forgot view {} of track {}", view.view_id, view.track_id)
         }
-        RevisionChange::Rename { from, to } => format!("{from} is now called {to}"),
+        RevisionChange::Rename { from, to, .. } => format!("{from} is now called {to}"),
         RevisionChange::Merge { from, into } => format!("{from} is merged into {into}"),
         RevisionChange::Redo => "redid".to_owned(),
         _ => "undid".to_owned(),
@@ -174,5 +174,6 @@ fn labelling(track_id: u64, label: &LabelArguments) -> Result<Labelling, Failure
         author: author_or_user(label.author.as_deref()),
         track_id,
         category: label.category.clone(),
+        is_new: label.is_new,
     })
 }

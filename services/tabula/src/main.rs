@@ -49,9 +49,14 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Teach(label) => learn::teach(&arguments.common, label, output),
         Verb::Correct(label) => learn::correct(&arguments.common, label, output),
         Verb::Forget(forget) => learn::forget(&arguments.common, forget, output),
-        Verb::Rename { from, to, author } => {
-            let (from, to) = (from.clone(), to.clone());
-            let change = RevisionChange::Rename { from, to };
+        Verb::Rename {
+            from,
+            to,
+            is_new,
+            author,
+        } => {
+            let (from, to, is_new) = (from.clone(), to.clone(), *is_new);
+            let change = RevisionChange::Rename { from, to, is_new };
             learn::revise(&arguments.common, change, author.as_deref(), output)
         }
         Verb::Merge { from, into, author } => {

@@ -89,6 +89,9 @@ pub(crate) struct ImportArguments {
     /// Prefix for every other category, so that equal names stay separate
     #[arg(long, value_name = "TEXT", default_value = "")]
     pub(crate) prefix: String,
+    /// Make new categories, even beside ones whose names look alike
+    #[arg(long = "new")]
+    pub(crate) is_new: bool,
     /// Author of the change [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,

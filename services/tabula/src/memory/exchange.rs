@@ -134,6 +134,7 @@ pub(super) fn import(
         source: source.to_string_lossy().into_owned(),
         renames,
         prefix: arguments.prefix.clone(),
+        is_new: arguments.is_new,
     };
     let imported = import_file(&mut memory, &mut file, request, output);
     let report = imported.map_err(|error| match error {

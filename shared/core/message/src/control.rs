@@ -191,6 +191,9 @@ pub struct Labelling {
     pub track_id: u64,
     /// Category name to assign.
     pub category: String,
+    /// True to make a new category, even beside one whose name looks alike.
+    #[serde(default)]
+    pub is_new: bool,
 }
 
 /// Reply to a control command.

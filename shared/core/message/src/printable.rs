@@ -1,16 +1,10 @@
-//! Printable text: control and invisible characters, which could rewrite a terminal or a log.
+//! Printable text: escapes of control and invisible characters, which could rewrite a terminal or a
+//! log, or hide in it.
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// True for control characters, line separators, direction marks and overrides, and zero-width
-/// characters other than the joiners that some scripts need.
-pub fn is_unprintable(c: char) -> bool {
-    c.is_control()
-        || matches!(c,
-            '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}' | '\u{200f}'
-            | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
-}
+pub use unicode_text::is_unprintable;
 
 /// Text with its unprintable characters as `\u{1b}`.
 pub fn escape_unprintable(text: &str) -> Cow<'_, str> {
@@ -55,6 +49,7 @@ mod tests {
         let escaped = escape_unprintable(hostile);
         assert!(!escaped.chars().any(is_unprintable), "{escaped}");
         assert!(escaped.starts_with("anna\\u{1b}[2J\\u{9b}2J\\u{7}\\u{a}99"));
+        assert_eq!(escape_unprintable("mug\u{3164}"), "mug\\u{3164}");
         let lines = escape_unprintable_lines(hostile);
         assert_eq!(lines.lines().count(), 2);
     }

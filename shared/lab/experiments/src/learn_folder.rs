@@ -77,6 +77,7 @@ pub fn run(
             source: source(&arguments.folder),
             renames: Vec::new(),
             prefix: String::new(),
+            is_new: arguments.is_new,
         };
         let mut memory = MemoryClient::of_daemon(common, connect(common)?);
         let imported = import(&mut memory, &mut file, request, output);

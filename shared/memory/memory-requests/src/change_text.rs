@@ -20,6 +20,8 @@ pub(crate) fn describe_change(change: &StoreChange) -> String {
         StoreChange::Redo => "redo the change that was undone last".to_owned(),
         StoreChange::PutDocument(document) => format!("store {}", document.key),
         StoreChange::RemoveDocument(key) => format!("remove {key}"),
+        StoreChange::AllowingAlike(change) => describe_change(change),
+        StoreChange::NormaliseNames => "bring the names of categories into one form".to_owned(),
         StoreChange::Purge { .. } => "permanently delete forgotten content".to_owned(),
         StoreChange::PurgeTombstones { .. } => "delete old notes of forgotten content".to_owned(),
         StoreChange::Import { source, .. } => format!("import {source}"),
@@ -47,6 +49,14 @@ pub(crate) fn describe_operation(operation: &Operation) -> String {
         },
         Operation::PutDocument { document } => format!("store {document}"),
         Operation::RemoveDocument { document } => format!("remove {document}"),
+        Operation::NormaliseNames { names } => {
+            let pairs = names.iter().map(|(from, to)| format!("{from} as {to}"));
+            let pairs: Vec<_> = pairs.collect();
+            format!(
+                "bring the names of categories into one form: {}",
+                pairs.join(", ")
+            )
+        }
         Operation::Purge => "permanently delete forgotten content".to_owned(),
         Operation::EnforceLimit {
             category: Some(category),

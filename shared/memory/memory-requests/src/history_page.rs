@@ -117,6 +117,7 @@ fn with_operation(mut report: HistoryReport, operation: &Operation) -> HistoryRe
             report.to = Some(into.to_string());
             HistoryOperation::Merge
         }
+        Operation::NormaliseNames { .. } => HistoryOperation::Merge,
         Operation::Undo { sequence, redone } => {
             report.undone = Some(*sequence);
             report.redone = *redone;

@@ -20,6 +20,15 @@ pub(crate) struct ImportRequest {
     source: String,
     renames: BTreeMap<CategoryName, CategoryName>,
     prefix: String,
+    is_new: bool,
+}
+
+/// Names of imported categories as they are to be in this memory.
+pub(crate) struct NamesOfImport {
+    pub(crate) renames: Vec<(String, String)>,
+    pub(crate) prefix: String,
+    /// `true` if a new category may have a name like that of another one.
+    pub(crate) is_new: bool,
 }
 
 impl ImportRequest {
@@ -28,9 +37,13 @@ impl ImportRequest {
         author: String,
         requester: Requester,
         source: String,
-        renames: Vec<(String, String)>,
-        prefix: String,
+        names: NamesOfImport,
     ) -> Result<Self, Refusal> {
+        let NamesOfImport {
+            renames,
+            prefix,
+            is_new,
+        } = names;
         let rename = |(from, to): (String, String)| {
             Ok((translate::category(&from)?, translate::category(&to)?))
         };
@@ -44,12 +57,14 @@ impl ImportRequest {
             source,
             renames: renames.into_iter().map(rename).collect::<Result<_, _>>()?,
             prefix,
+            is_new,
         })
     }
 
     /// Local category name of an imported category.
     fn name(&self, name: &CategoryName) -> Result<CategoryName, String> {
-        if let Some(name) = self.renames.get(name) {
+        let renamed = self.renames.get(name);
+        if let Some(name) = renamed.or_else(|| self.renames.get(&name.normalised())) {
             return Ok(name.clone());
         }
         let prefixed = format!("{}{name}", self.prefix);
@@ -121,10 +136,11 @@ fn check(
     let mut reader = open(file)?;
     let mut other_kinds = BTreeSet::new();
     let mut n_other = 0;
+    let mut names = BTreeSet::new();
     while let Some(batch) = reader.batch().map_err(|error| error.to_string())? {
         for view in &batch.views {
             if let Some(name) = view.standing().category() {
-                request.name(name)?;
+                names.insert(request.name(name)?);
             }
             let kind = view.descriptor_kind();
             if let Some(other) = kind.filter(|kind| *kind != context.descriptor_kind) {
@@ -138,6 +154,9 @@ fn check(
         }
     }
     if n_other == 0 {
+        if !request.is_new {
+            check_names(context, names)?;
+        }
         return Ok(n_bytes);
     }
     let kinds: Vec<String> = other_kinds.into_iter().collect();
@@ -147,6 +166,13 @@ fn check(
         kinds.join(", "),
         context.descriptor_kind
     ))
+}
+
+fn check_names(context: &JobContext, names: BTreeSet<CategoryName>) -> Result<(), String> {
+    let checked = context
+        .store
+        .read_and_wait(move |memory| memory.check_new_names(&names));
+    checked.map_err(|error| format!("{error}; nothing was taken over"))
 }
 
 fn open(mut file: &File) -> Result<PortableReader<BufReader<&File>>, String> {

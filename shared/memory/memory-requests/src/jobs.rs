@@ -88,9 +88,14 @@ impl Jobs {
                 source,
                 renames,
                 prefix,
+                is_new,
             } => {
-                let request =
-                    import::ImportRequest::new(id, author, requester, source, renames, prefix)?;
+                let names = import::NamesOfImport {
+                    renames,
+                    prefix,
+                    is_new,
+                };
+                let request = import::ImportRequest::new(id, author, requester, source, names)?;
                 self.import(job, requester, request)
             }
             other => Err(Refusal::new(
@@ -107,7 +112,9 @@ impl Jobs {
         let mut upload = None;
         match &kind {
             JobKind::Verify => self.spawn(progress.clone(), verification::verify)?,
-            JobKind::Repair => self.spawn(progress.clone(), verification::repair)?,
+            JobKind::Repair => self.spawn(progress.clone(), move |context, progress| {
+                verification::repair(context, progress, owner)
+            })?,
             JobKind::Export => self.spawn(progress.clone(), export::run)?,
             JobKind::Compact { forgotten_for_s } => {
                 let forgotten_for_s = *forgotten_for_s;

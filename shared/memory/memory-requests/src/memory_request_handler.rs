@@ -4,6 +4,7 @@ use crate::document_pages::ContentCache;
 use crate::document_storing::{DocumentStoring, UploadedDocument};
 use crate::job_context::JobContext;
 use crate::jobs::{ABANDON_AFTER, Jobs};
+use crate::revision::allowing_alike;
 use crate::store_client::{By, StoreClient};
 use crate::upload::UploadLimits;
 use crate::{change_text, document_pages, queries, revision, translate};
@@ -197,9 +198,10 @@ impl MemoryRequestHandler {
             author,
             track_id,
             category,
+            is_new,
         } = label;
         let category = translate::category(&category)?;
-        let change = change(track_id, category.clone());
+        let change = allowing_alike(is_new, change(track_id, category.clone()));
         self.store
             .apply(By { id, author, user }, change, category.as_str())
             .await

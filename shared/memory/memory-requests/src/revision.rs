@@ -23,17 +23,19 @@ pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Re
         RevisionChange::CorrectView {
             view,
             category: name,
+            is_new,
         } => {
             let target = Target::CapturedView(translate::local_id(view));
             let category = category(&name)?;
-            (StoreChange::Correct { target, category }, name)
+            let change = StoreChange::Correct { target, category };
+            (allowing_alike(is_new, change), name)
         }
-        RevisionChange::Rename { from, to } => {
+        RevisionChange::Rename { from, to, is_new } => {
             let change = StoreChange::Rename {
                 from: category(&from)?,
                 to: category(&to)?,
             };
-            (change, to)
+            (allowing_alike(is_new, change), to)
         }
         RevisionChange::Merge { from, into } => {
             let change = StoreChange::MergeCategories {
@@ -53,6 +55,15 @@ pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Re
             return Err(Refusal::new(RefusalKind::Invalid, sentence));
         }
     })
+}
+
+/// The change, which may make a category with a name like that of another one if `is_new` is set.
+pub(crate) fn allowing_alike(is_new: bool, change: StoreChange) -> StoreChange {
+    if is_new {
+        StoreChange::AllowingAlike(Box::new(change))
+    } else {
+        change
+    }
 }
 
 /// Store key of a document with a wire name.

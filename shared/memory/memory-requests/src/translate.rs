@@ -153,6 +153,7 @@ pub(crate) fn refusal(error: &Error) -> Refusal {
             StoreRefusal::Teaching(TeachingRefusal::LabelConflict { .. })
             | StoreRefusal::ViewDiffers { .. }
             | StoreRefusal::NameTaken { .. }
+            | StoreRefusal::NameAlike { .. }
             | StoreRefusal::UndoneAlready { .. }
             | StoreRefusal::ChangedSince { .. }
             | StoreRefusal::GoneForGood { .. },

@@ -17,6 +17,7 @@ use crate::label_status::LabelStatus;
 use crate::meta::Meta;
 use crate::model::{Contradiction, Effect, Operation, Target};
 use crate::mutation::StoreChange;
+use crate::new_names;
 use crate::purge;
 use crate::store_index::StoreIndex;
 use crate::view::{CapturedView, Origin};
@@ -28,7 +29,26 @@ pub(crate) fn decide(
     meta: &Meta,
     change: &StoreChange,
 ) -> Result<Decision, StoreRefusal> {
+    let decision = decide_with_any_name(index, meta, change)?;
     match change {
+        // The names of an import were checked as a whole before its first entry.
+        StoreChange::Import { .. }
+        | StoreChange::AllowingAlike(_)
+        | StoreChange::NormaliseNames => {}
+        _ => new_names::check(index, &decision)?,
+    }
+    Ok(decision)
+}
+
+/// Decides a change whose category may have a name like that of another one.
+fn decide_with_any_name(
+    index: &StoreIndex,
+    meta: &Meta,
+    change: &StoreChange,
+) -> Result<Decision, StoreRefusal> {
+    match change {
+        StoreChange::AllowingAlike(change) => decide_with_any_name(index, meta, change),
+        StoreChange::NormaliseNames => Ok(new_names::normalise(index)),
         StoreChange::StoreViews(views) => store_views(index, meta, views),
         StoreChange::Teach { track_id, category } => teach(index, *track_id, category),
         StoreChange::Correct { target, category } => correct(index, target, category),
@@ -101,6 +121,7 @@ fn teach(
     track_id: u64,
     category: &CategoryName,
 ) -> Result<Decision, StoreRefusal> {
+    let category = index.stored_name(category);
     let operation = Operation::Teach {
         track_id,
         category: category.clone(),
@@ -147,6 +168,7 @@ fn correct(
     target: &Target,
     category: &CategoryName,
 ) -> Result<Decision, StoreRefusal> {
+    let category = index.stored_name(category);
     let after = LabelStatus::Named(category.clone());
     let operation = Operation::Correct {
         target: target.clone(),
@@ -199,6 +221,7 @@ fn merge(
     into: &CategoryName,
 ) -> Result<Decision, StoreRefusal> {
     let views = of_target(index, &Target::Category(from.clone()))?;
+    let into = index.stored_name(into);
     of_target(index, &Target::Category(into.clone()))?;
     let operation = Operation::MergeCategories {
         from: from.clone(),

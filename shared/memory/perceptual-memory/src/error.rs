@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use learning::{CategoryName, ViewId};
+use unicode_text::{Likeness, likeness};
 
 use crate::changed_item::ChangedItem;
 use crate::document_key::DocumentKey;
@@ -122,6 +123,18 @@ pub enum StoreRefusal {
         from: CategoryName,
         /// New category name that is in use.
         to: CategoryName,
+    },
+    /// New category whose name is like that of another one.
+    #[error(
+        "{name} would be a new category beside {existing}, which {}; use that name, or make the new \
+         category all the same with --new",
+        phrase_of_likeness(name, existing)
+    )]
+    NameAlike {
+        /// Name of the new category.
+        name: CategoryName,
+        /// Name of the category that is there.
+        existing: CategoryName,
     },
     /// Document with invalid values.
     #[error("{document} cannot be stored because {reason}; send it again corrected")]
@@ -258,4 +271,15 @@ impl From<learning::TeachingError> for Error {
 fn by_author(author: Option<&str>) -> String {
     let known = author.filter(|author| !author.is_empty());
     known.map_or_else(String::new, |author| format!(" by {author}"))
+}
+
+/// Likeness of the name of a category to a new one, as a part of a sentence.
+fn phrase_of_likeness(name: &CategoryName, existing: &CategoryName) -> &'static str {
+    match likeness(name.as_str(), existing.as_str()) {
+        Some(Likeness::SameText) => {
+            "is the same text in another form of Unicode, to be joined by tabula memory repair"
+        }
+        Some(Likeness::SameLetters) => "differs only in upper and lower case",
+        _ => "looks like it",
+    }
 }

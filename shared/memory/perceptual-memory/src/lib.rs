@@ -71,6 +71,7 @@ mod maintenance;
 mod meta;
 mod model;
 mod mutation;
+mod new_names;
 mod opening;
 mod perceptual_memory;
 mod portable;

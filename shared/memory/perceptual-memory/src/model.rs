@@ -100,6 +100,11 @@ pub enum Operation {
         /// Key of the document.
         document: DocumentKey,
     },
+    /// Names of categories brought into the form that names have today.
+    NormaliseNames {
+        /// Names before and after; categories of equal names were joined.
+        names: Vec<(CategoryName, CategoryName)>,
+    },
     /// Permanent deletion of forgotten or replaced content.
     Purge,
     /// Enforcement of a retention limit: views of a category were forgotten, or unlabelled views

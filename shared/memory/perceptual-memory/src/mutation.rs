@@ -72,6 +72,11 @@ pub enum StoreChange {
         /// Category that receives the merged views.
         into: CategoryName,
     },
+    /// Make a change, even if it makes a category with a name like that of another one.
+    AllowingAlike(Box<Self>),
+    /// Write all names of categories as they would be given today, and join those that become
+    /// equal.
+    NormaliseNames,
     /// Undo a history entry, unless its effects were changed later or the requester has no right
     /// to. Without a sequence number: the last change of this author and user that is still in
     /// effect.
@@ -115,7 +120,11 @@ pub enum StoreChange {
 impl Mutation {
     /// Validates everything that does not depend on the state of the store.
     pub(crate) fn check(&self) -> Result<(), StoreRefusal> {
-        let text = match &self.change {
+        let change = match &self.change {
+            StoreChange::AllowingAlike(change) => change,
+            change => change,
+        };
+        let text = match change {
             StoreChange::Import { source, .. } => source,
             _ => &self.author,
         };
@@ -127,7 +136,7 @@ impl Mutation {
                 });
             }
         }
-        match &self.change {
+        match change {
             StoreChange::StoreViews(views) => {
                 check_batch(
                     views.len().max(1),

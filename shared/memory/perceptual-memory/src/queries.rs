@@ -1,10 +1,12 @@
 //! Read queries on the perceptual memory: snapshot pages, change feed, history, documents.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use durable_leveldb::{Reader, record::unseal};
 use learning::{CategoryName, ViewId};
 use serde_bytes::ByteBuf;
+use unicode_text::likeness;
 
 use crate::digest::Digest;
 use crate::document::{DocumentContent, DocumentRevision, DocumentSummary, MemoryDocument};
@@ -104,6 +106,36 @@ impl PerceptualMemory {
     /// Size of every category, ordered by name.
     pub fn categories(&self) -> Vec<CategorySummary> {
         self.index.summaries()
+    }
+
+    /// Number of categories whose stored name is not the one that they would be given today.
+    pub fn n_names_to_normalise(&self) -> usize {
+        let is_other = |name: &&CategoryName| name.normalised() != **name;
+        self.index.names().filter(is_other).count()
+    }
+
+    /// Refusal of the first of these names that would be a new category beside one with a name
+    /// like it, stored or among them.
+    ///
+    /// # Errors
+    ///
+    /// [`StoreRefusal::NameAlike`].
+    pub fn check_new_names(&self, names: &BTreeSet<CategoryName>) -> Result<(), Error> {
+        let is_new = |name: &&CategoryName| self.index.n_views_of(name) == 0;
+        for name in names.iter().filter(is_new) {
+            let others = self.index.names().chain(names);
+            let mut others = others.filter(|other| *other != name);
+            let is_alike =
+                |other: &&CategoryName| likeness(name.as_str(), other.as_str()).is_some();
+            if let Some(existing) = others.find(is_alike) {
+                return Err(StoreRefusal::NameAlike {
+                    name: name.clone(),
+                    existing: existing.clone(),
+                }
+                .into());
+            }
+        }
+        Ok(())
     }
 
     /// All views of a track in order of their ids, without forgotten ones; empty for an unknown

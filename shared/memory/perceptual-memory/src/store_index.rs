@@ -188,8 +188,25 @@ impl StoreIndex {
         &self,
         name: &CategoryName,
     ) -> impl Iterator<Item = (ViewId, &IndexedView)> + Clone {
+        let name = self.stored_name(name);
         let views = self.categories.get(name).into_iter().flatten();
         views.filter_map(|view| Some((*view, self.views.get(view)?)))
+    }
+
+    /// Name under which a category is stored: the name itself, or one of an earlier version that
+    /// is this name today. The name itself if there is no such category.
+    pub(crate) fn stored_name<'a>(&'a self, name: &'a CategoryName) -> &'a CategoryName {
+        if self.categories.contains_key(name) {
+            return name;
+        }
+        let is_of_earlier_version =
+            |stored: &&CategoryName| !stored.as_str().is_ascii() && stored.normalised() == *name;
+        self.names().find(is_of_earlier_version).unwrap_or(name)
+    }
+
+    /// Names of all categories, in order.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &CategoryName> {
+        self.categories.keys()
     }
 
     pub(crate) fn n_views_of(&self, name: &CategoryName) -> usize {

@@ -44,6 +44,7 @@ pub(crate) fn is_change(entry: &HistoryEntry) -> bool {
             | Operation::Forget { .. }
             | Operation::Rename { .. }
             | Operation::MergeCategories { .. }
+            | Operation::NormaliseNames { .. }
             | Operation::Import { .. }
             | Operation::PutDocument { .. }
             | Operation::RemoveDocument { .. }

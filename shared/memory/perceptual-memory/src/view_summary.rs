@@ -63,11 +63,15 @@ impl PerceptualMemory {
         max: usize,
     ) -> Result<Vec<ViewSummary>, Error> {
         let from = after.map_or(Bound::Unbounded, Bound::Excluded);
+        let category = match of {
+            Some(Target::Category(name)) => Some(self.index.stored_name(name)),
+            _ => None,
+        };
         let is_meant = |view: ViewId, entry: &IndexedView| match of {
             None => true,
             Some(Target::CapturedView(meant)) => view == *meant,
             Some(Target::Track(track_id)) => view.track_id == *track_id,
-            Some(Target::Category(name)) => entry.register.standing.category() == Some(name),
+            Some(Target::Category(_)) => entry.register.standing.category() == category,
         };
         let views: Vec<(ViewId, IndexedView)> = self
             .index

@@ -62,6 +62,7 @@ const ATTACHED_UNITS: [&str; 4] = ["mm", "cm", "cms", "m"];
 
 /// Words of a text. Hyphens and punctuation separate; an apostrophe and a decimal point do not.
 pub(crate) fn tokenize(text: &str) -> Vec<SpokenWord> {
+    let text = unicode_text::nfc(text);
     let characters: Vec<char> = text.chars().map(plain_apostrophe).collect();
     let mut tokens = Vec::new();
     let mut start = 0;

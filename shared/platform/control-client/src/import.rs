@@ -25,6 +25,8 @@ pub struct ImportRequest {
     pub renames: Vec<(String, String)>,
     /// Prefix of every category that is not renamed.
     pub prefix: String,
+    /// `true` to make new categories, even beside ones whose names look alike.
+    pub is_new: bool,
 }
 
 /// Reason why an import has failed.
@@ -57,6 +59,7 @@ pub fn import(
         source: request.source,
         renames: request.renames,
         prefix: request.prefix,
+        is_new: request.is_new,
     })?;
     let bar = progress_bar(0, "bytes", output);
     let outcome = memory.job_outcome(job, |report| {

@@ -39,6 +39,9 @@ pub enum RevisionChange {
         view: ViewId,
         /// New category name of the view.
         category: String,
+        /// True to make a new category, even beside one whose name looks alike.
+        #[serde(default)]
+        is_new: bool,
     },
     /// Rename a category.
     Rename {
@@ -46,6 +49,9 @@ pub enum RevisionChange {
         from: String,
         /// New category name.
         to: String,
+        /// True to accept the new name, even beside one that looks alike.
+        #[serde(default)]
+        is_new: bool,
     },
     /// Merge a category into another.
     Merge {
@@ -374,6 +380,9 @@ pub enum JobCommand {
         renames: Vec<(String, String)>,
         /// Prefix for all other category names, to keep equal names apart.
         prefix: String,
+        /// True to make new categories, even beside ones whose names look alike.
+        #[serde(default)]
+        is_new: bool,
     },
 }
 

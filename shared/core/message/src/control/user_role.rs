@@ -108,6 +108,7 @@ mod tests {
             author: String::new(),
             track_id: 1,
             category: "mug".into(),
+            is_new: false,
         };
         let compact = JobKind::Compact { forgotten_for_s: 0 };
         for (command, role) in [

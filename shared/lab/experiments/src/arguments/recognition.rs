@@ -87,6 +87,9 @@ pub struct LearnArguments {
     /// Upward axis in the frame of the points [default: that of the data set]
     #[arg(long, value_name = "AXIS", value_enum)]
     pub(crate) up: Option<UpAxis>,
+    /// Make new categories, even beside ones whose names look alike
+    #[arg(long = "new")]
+    pub(crate) is_new: bool,
     /// Author of the labels [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,

@@ -71,6 +71,7 @@ fn document_is_no_import_and_an_import_no_document() {
     let fixture = Fixture::new(u64::MAX);
     let document = fixture.begin(JobKind::Document, ANNA).unwrap();
     let import = JobCommand::Import {
+        is_new: false,
         job: document,
         id: message::control::MutationId(1),
         author: "anna".into(),

@@ -133,6 +133,7 @@ fn import_of_rubbish_fails_once_and_takes_no_more_bytes() {
     let job = fixture.begin(JobKind::Import, ANNA).unwrap();
     fixture.write(job, 100, ANNA).unwrap();
     let import = || JobCommand::Import {
+        is_new: false,
         job,
         id: MutationId(1),
         author: "anna".into(),

@@ -17,6 +17,7 @@ mod kill;
 mod limits;
 mod migration;
 mod model;
+mod names;
 mod portable;
 mod processes;
 mod reading;
