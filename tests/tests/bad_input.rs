@@ -10,8 +10,10 @@ use serde_json::{Value, json};
 use std::ffi::OsStr;
 use std::io::{Read, Write};
 use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::{FileTypeExt, symlink};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
+use std::process::Command;
 use std::time::Duration;
 
 const FAILURE: i32 = 1;
@@ -159,13 +161,13 @@ fn hostile_scenes_are_skipped_and_the_others_are_played() {
         std::fs::write(path(name), bytes).unwrap();
         names.push(name);
     }
-    let fifo = std::process::Command::new("mkfifo")
+    let fifo = Command::new("mkfifo")
         .arg(path("l-pipe.pcd"))
         .status()
         .unwrap();
     assert!(fifo.success());
-    std::os::unix::fs::symlink("/dev/zero", path("m-endless.pcd")).unwrap();
-    std::os::unix::fs::symlink("nowhere", path("n-nowhere.pcd")).unwrap();
+    symlink("/dev/zero", path("m-endless.pcd")).unwrap();
+    symlink("nowhere", path("n-nowhere.pcd")).unwrap();
 
     let sandbox = Sandbox::new();
     let source = folder.path().to_str().unwrap();
@@ -429,6 +431,30 @@ fn requests_for_unknown_tracks_are_refused_and_change_nothing() {
         daemon.ask(&["categories"])["categories"][0]["category"],
         "mug"
     );
+    daemon.stop();
+}
+
+#[test]
+fn output_under_the_name_of_a_pipe_or_link_is_refused_and_the_name_stays() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&TABLE);
+    wait_for_all(&daemon, 0);
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let made = Command::new("mkfifo").arg(path("pipe")).status();
+    assert!(made.unwrap().success());
+    symlink("nowhere", path("link")).unwrap();
+    for (name, word) in [("pipe", "named pipe"), ("link", "symbolic link to nowhere")] {
+        let target = path(name);
+        let target = target.to_str().unwrap();
+        check_refused(&daemon, &["memory", "export", target], USAGE, word);
+        let model = ["model", "export", "none", "--out", target];
+        check_refused(&daemon, &model, USAGE, word);
+        check_refused(&daemon, &["view", "plan", "--picture", target], USAGE, word);
+    }
+    let kind = |name| path(name).symlink_metadata().unwrap().file_type();
+    assert!(kind("pipe").is_fifo() && kind("link").is_symlink());
+    assert_eq!(folder.path().read_dir().unwrap().count(), 2);
     daemon.stop();
 }
 

@@ -17,7 +17,7 @@ const CRATES_PER_TYPE_MAX: usize = 2;
 /// Words before the name of a type that is defined.
 const TYPE_KEYWORDS: [&str; 4] = ["struct", "enum", "trait", "union"];
 
-fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
@@ -35,7 +35,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Every Rust source of the workspace with its text.
-fn workspace() -> Vec<(PathBuf, String)> {
+pub(crate) fn workspace() -> Vec<(PathBuf, String)> {
     let mut found = Vec::new();
     for folder in ["shared", "services", "tests"] {
         sources(&root().join(folder), &mut found);

@@ -27,6 +27,8 @@ mod earlier_versions;
 mod fakenect;
 /// Processes that are killed, stopped, or cannot start.
 mod faults;
+/// One writer of the files that users name.
+mod file_writers;
 /// A disk without room.
 mod full_disk;
 /// Hostile clients of the control socket.

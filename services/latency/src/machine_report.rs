@@ -23,9 +23,9 @@ pub(crate) fn run(short: bool, out: Option<&Path>, output: &Output) -> Result<Ex
 }
 
 fn write(folder: &Path, found: &MachineReport) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(not_written)?;
+    dataset::create_folder(folder).map_err(not_written)?;
     let document = serde_json::to_string(found).map_err(not_written)?;
-    std::fs::write(folder.join("machine.json"), document).map_err(not_written)?;
+    dataset::write_atomic(&folder.join("machine.json"), document).map_err(not_written)?;
     let picture = latency_histograms::histograms(found).map_err(not_written)?;
-    std::fs::write(folder.join("machine.svg"), picture).map_err(not_written)
+    dataset::write_atomic(&folder.join("machine.svg"), picture).map_err(not_written)
 }

@@ -38,7 +38,7 @@ pub(crate) fn run(
     }
     if let Some(path) = out {
         let text = merged.to_text(0.0).map_err(|error| failed(path, &error))?;
-        std::fs::write(path, text).map_err(|error| failed(path, &error))?;
+        dataset::write_atomic(path, text).map_err(Failure::general)?;
     }
     let stages: Vec<MergedStage> = merged.iter().map(row).collect();
     output.answer(&stages, || text(&stages));

@@ -117,9 +117,10 @@ pub(crate) fn write(
     report: &LatencyReport,
     recorder: &LatencyRecorder,
 ) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(not_written)?;
-    let put =
-        |name: &str, text: String| std::fs::write(folder.join(name), text).map_err(not_written);
+    dataset::create_folder(folder).map_err(not_written)?;
+    let put = |name: &str, text: String| {
+        dataset::write_atomic(&folder.join(name), text).map_err(not_written)
+    };
     put(
         "report.json",
         serde_json::to_string(report).map_err(not_written)?,

@@ -83,7 +83,7 @@ fn start(
             "starting a daemon that keeps little, to be measured with its limits reached; for \
              others use --config FILE:\n{CONFIG}"
         ));
-        std::fs::write(&little, CONFIG).map_err(not_written)?;
+        dataset::write_atomic(&little, CONFIG).map_err(not_written)?;
     }
     let run_arguments = source.run_arguments(Some(config.unwrap_or(&little)));
     let own = MeasuredDaemon::start(home, &run_arguments, None)?;
@@ -158,11 +158,11 @@ fn window(recorder: &LatencyRecorder) -> SoakWindow {
 }
 
 fn write(folder: &Path, document: &SoakDocument) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(not_written)?;
+    dataset::create_folder(folder).map_err(not_written)?;
     let json = serde_json::to_string(document).map_err(not_written)?;
-    std::fs::write(folder.join("soak.json"), json).map_err(not_written)?;
+    dataset::write_atomic(&folder.join("soak.json"), json).map_err(not_written)?;
     let picture = soak_figure(&document.windows).map_err(not_written)?;
-    std::fs::write(folder.join("soak.svg"), picture).map_err(not_written)
+    dataset::write_atomic(&folder.join("soak.svg"), picture).map_err(not_written)
 }
 
 fn text(document: &SoakDocument) -> String {

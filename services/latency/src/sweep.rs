@@ -52,12 +52,12 @@ pub(crate) fn run(
         }
     }
     if let Some(folder) = &arguments.out {
-        std::fs::create_dir_all(folder).map_err(not_written)?;
+        dataset::create_folder(folder).map_err(not_written)?;
         let picture = sweep_figure(axis.title(), &rows).map_err(not_written)?;
         let file = |kind: &str| folder.join(format!("sweep-{}.{kind}", axis.word()));
-        std::fs::write(file("svg"), picture).map_err(not_written)?;
+        dataset::write_atomic(&file("svg"), picture).map_err(not_written)?;
         let document = serde_json::to_string(&rows).map_err(not_written)?;
-        std::fs::write(file("json"), document).map_err(not_written)?;
+        dataset::write_atomic(&file("json"), document).map_err(not_written)?;
     }
     let document = SweepDocument {
         axis: axis.title(),

@@ -1,15 +1,14 @@
 //! Atomic output file of events: it has its name when it is complete.
 
+use dataset::{OutputFile, check_output};
 use service::Failure;
-use std::fs::Metadata;
 use std::io::{BufWriter, IntoInnerError, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// Temporary file beside the output, which it replaces at the end.
 pub(crate) struct EventsFile {
-    file: BufWriter<NamedTempFile>,
+    file: BufWriter<OutputFile>,
     out: PathBuf,
 }
 
@@ -19,9 +18,9 @@ impl EventsFile {
     /// # Errors
     /// When the output is the recording itself or no file, or its folder cannot be written.
     pub(crate) fn create(out: &Path, recording: &Path) -> Result<Self, Failure> {
-        check_output(out, recording)?;
-        let folder = out.parent().filter(|path| !path.as_os_str().is_empty());
-        let file = NamedTempFile::with_prefix_in(".events-", folder.unwrap_or(Path::new(".")));
+        check_is_other(out, recording)?;
+        check_output(out).map_err(Failure::usage)?;
+        let file = OutputFile::create_private(out);
         Ok(Self {
             file: BufWriter::new(file.map_err(|error| not_written(out, &error))?),
             out: out.to_owned(),
@@ -44,33 +43,26 @@ impl EventsFile {
     pub(crate) fn finish(self) -> Result<(), Failure> {
         let Self { file, out } = self;
         let flushed = file.into_inner().map_err(IntoInnerError::into_error);
-        let synced = flushed.and_then(|file| file.as_file().sync_all().map(|()| file));
-        let persisted = synced.and_then(|file| Ok(file.persist(&out)?));
-        persisted.map_err(|error| not_written(&out, &error))?;
-        Ok(())
+        let file = flushed.map_err(|error| not_written(&out, &error))?;
+        file.finish().map_err(|error| not_written(&out, &error))
     }
 }
 
-fn check_output(out: &Path, recording: &Path) -> Result<(), Failure> {
-    let Ok(existing) = std::fs::metadata(out) else {
-        return Ok(());
+fn check_is_other(out: &Path, recording: &Path) -> Result<(), Failure> {
+    let id = |path: &Path| {
+        let metadata = std::fs::metadata(path).ok()?;
+        Some((metadata.dev(), metadata.ino()))
     };
-    let id = |metadata: &Metadata| (metadata.dev(), metadata.ino());
-    let recording = std::fs::metadata(recording);
-    let problem = if recording.is_ok_and(|recording| id(&recording) == id(&existing)) {
-        "is the recording itself"
-    } else if !existing.is_file() {
-        "is no file"
-    } else {
+    if id(out).is_none() || id(out) != id(recording) {
         return Ok(());
-    };
+    }
     Err(Failure::usage(format!(
-        "{} {problem}; name another file for the events",
+        "{} is the recording itself; name another file for the events",
         out.display()
     )))
 }
 
-fn not_written(out: &Path, error: &std::io::Error) -> Failure {
+fn not_written(out: &Path, error: &impl std::fmt::Display) -> Failure {
     Failure::general(format!(
         "the events {} could not be written: {error}; free disk space, or name a file in another \
          folder",
@@ -94,7 +86,7 @@ mod tests {
             assert!(refused.sentence.contains("recording itself"), "{refused}");
         }
         let refused = EventsFile::create(folder.path(), &recording).err().unwrap();
-        assert!(refused.sentence.contains("no file"), "{refused}");
+        assert!(refused.sentence.contains("is a folder"), "{refused}");
         assert_eq!(std::fs::read_to_string(&recording).unwrap(), "frames");
     }
 

@@ -2,7 +2,6 @@
 
 mod arguments;
 mod arm;
-mod complete_file;
 mod config_command;
 mod daemon;
 mod daemon_reload;

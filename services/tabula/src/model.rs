@@ -3,12 +3,12 @@
 mod show;
 
 use crate::arguments::{CliArguments, ModelVerb};
-use crate::complete_file::{file_failed, write_complete};
 use crate::lab_program::become_modeller;
 use crate::missing_document::with_stored_names;
 use crate::time::utc;
 use command_line::{Output, format_table};
 use control_client::{MemoryClient, StoredDocument};
+use dataset::{OutputFile, check_output};
 use message::control::{DocumentKind, DocumentName, DocumentReport};
 use object_model::ObjectModel;
 use serde::Serialize;
@@ -30,6 +30,7 @@ pub(crate) fn run(
         ModelVerb::Show { name } => show::show(&mut open()?, name, output),
         ModelVerb::Export { name, out } => {
             let file = out.clone().unwrap_or_else(|| default_file(name));
+            check_output(&file).map_err(Failure::usage)?;
             export(&mut open()?, name, &file, output)
         }
         ModelVerb::Forget { name, author } => forget(&mut open()?, name, author.as_deref(), output),
@@ -106,10 +107,13 @@ fn export(
 ) -> Result<ExitCode, Failure> {
     let (model, report) = read(memory, name)?;
     let ply = model.to_ply().map_err(Failure::general)?;
-    write_complete(file, |partial| {
-        let written = partial.write_all(&ply);
-        written.map_err(|error| file_failed("written", file, &error))
+    let mut partial = OutputFile::create_private(file).map_err(Failure::general)?;
+    let written = partial.write_all(&ply);
+    written.map_err(|error| {
+        let sentence = format!("{} could not be written: {error}", file.display());
+        Failure::general(sentence)
     })?;
+    partial.finish().map_err(Failure::general)?;
     let document = ExportDocument {
         file,
         bytes: ply.len(),

@@ -1,7 +1,7 @@
 //! Generated simulation scene of six equal cubes.
 
+use dataset::{FileError, write_atomic};
 use std::fmt::Write as _;
-use std::io;
 use std::path::{Path, PathBuf};
 
 /// Centres of the cubes on the table, world x and y, metres; the largest cubes still stand apart.
@@ -18,8 +18,8 @@ const PLACES_M: [[f64; 2]; 6] = [
 ///
 /// # Errors
 /// If a file cannot be written.
-pub(super) fn write(folder: &Path, side_m: f64) -> io::Result<PathBuf> {
-    std::fs::write(folder.join("cube.obj"), cube(side_m))?;
+pub(super) fn write(folder: &Path, side_m: f64) -> Result<PathBuf, FileError> {
+    write_atomic(&folder.join("cube.obj"), cube(side_m))?;
     let mut scene = String::from("seed = 1\n");
     for [x, y] in PLACES_M {
         let _ = write!(
@@ -28,7 +28,7 @@ pub(super) fn write(folder: &Path, side_m: f64) -> io::Result<PathBuf> {
         );
     }
     let path = folder.join("cubes.toml");
-    std::fs::write(&path, scene)?;
+    write_atomic(&path, scene)?;
     Ok(path)
 }
 

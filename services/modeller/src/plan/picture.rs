@@ -7,7 +7,6 @@ use geometry::{PinholeCamera, RigidTransform};
 use next_best_view::{PlanningScene, RenderConfig, ViewLabel, ViewProjection, VirtualView};
 use png::{BitDepth, ColorType, EncodingError};
 use service::Failure;
-use std::io::Write;
 use std::path::Path;
 
 /// Width of one view, pixels, up to which cells are enlarged.
@@ -62,17 +61,7 @@ pub(crate) fn write(path: &Path, input: &PlanInput<'_>, plan: &ViewPlan) -> Resu
         pixels(&scene, &plan.views[plan.chosen].plan_from_camera, &camera)?,
     ];
     let png = encoded(&views).map_err(|error| failed(&error))?;
-    let folder = path.parent().filter(|folder| *folder != Path::new(""));
-    let mut partial = tempfile::Builder::new()
-        .prefix("tabula-plan-")
-        .suffix(".partial")
-        .tempfile_in(folder.unwrap_or(Path::new(".")))
-        .map_err(|error| failed(&error))?;
-    partial.write_all(&png).map_err(|error| failed(&error))?;
-    partial
-        .persist(path)
-        .map_err(|error| failed(&error.error))?;
-    Ok(())
+    dataset::write_atomic(path, &png).map_err(|error| failed(&error))
 }
 
 /// Virtual view in colours, as large as a person wants to see it.

@@ -44,11 +44,14 @@ impl<'a> ViewPlanning<'a> {
     /// Planning by arguments.
     ///
     /// # Errors
-    /// When a file of poses is bad.
+    /// When a file of poses is bad, or the picture would replace what is no regular file.
     pub(crate) fn new(
         common: &'a CommonArguments,
         arguments: &'a PlanArguments,
     ) -> Result<Self, Failure> {
+        if let Some(file) = &arguments.picture {
+            dataset::check_output(file).map_err(Failure::usage)?;
+        }
         let given = arguments
             .views
             .as_deref()

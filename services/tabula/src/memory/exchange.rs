@@ -1,12 +1,12 @@
 //! `tabula memory export` and `tabula memory import`.
 
 use crate::arguments::ImportArguments;
-use crate::complete_file::{file_failed, write_complete};
 use command_line::{Output, progress_bar};
 use control_client::{
     ImportError, ImportRequest, MemoryClient, author_or_user, import as import_file,
     unexpected_reply,
 };
+use dataset::{OutputFile, check_output};
 use message::control::{
     Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
 };
@@ -36,10 +36,11 @@ pub(super) fn export(
     file: &Path,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
+    check_output(file).map_err(Failure::usage)?;
     let mut memory = MemoryClient::open(common)?;
-    let report = write_complete(file, |partial| {
-        write_export(&mut memory, partial, file, output)
-    })?;
+    let mut partial = OutputFile::create_private(file).map_err(Failure::general)?;
+    let report = write_export(&mut memory, &mut partial, file, output)?;
+    partial.finish().map_err(Failure::general)?;
     output.answer(&ExportDocument { file, report }, || {
         let ExportReport {
             bytes,
@@ -59,7 +60,7 @@ pub(super) fn export(
 
 fn write_export(
     memory: &mut MemoryClient,
-    file: &mut File,
+    file: &mut OutputFile,
     path: &Path,
     output: &Output,
 ) -> Result<ExportReport, Failure> {
@@ -90,6 +91,12 @@ fn write_export(
     };
     bar.finish_and_clear();
     Ok(report)
+}
+
+/// Failure of a file, which could not be written or the like.
+fn file_failed(doing: &str, file: &Path, error: &io::Error) -> Failure {
+    let sentence = format!("{} could not be {doing}: {error}", file.display());
+    Failure::general(sentence)
 }
 
 /// Opens a regular file for reading. A pipe is refused: opening it waits for a writer, and the

@@ -38,6 +38,29 @@ pub enum FileError {
         /// Path that is not a regular file.
         path: PathBuf,
     },
+    /// Target of a writer that exists and is no regular file.
+    #[error(
+        "{} is a {kind}, which no file replaces; name another file",
+        .path.display()
+    )]
+    OutputIsNoFile {
+        /// Path that is no regular file.
+        path: PathBuf,
+        /// Kind of what is there, such as `folder`.
+        kind: &'static str,
+    },
+    /// Target of a writer that is a symbolic link, dangling or not.
+    #[error(
+        "{} is a symbolic link to {}, which no file replaces; name the file itself",
+        .path.display(),
+        .leads_to.display()
+    )]
+    OutputIsLink {
+        /// Path of the link.
+        path: PathBuf,
+        /// Path that the link holds.
+        leads_to: PathBuf,
+    },
     /// Folder with more entries than the limit.
     #[error(
         "the folder {} has more than {max_names} entries; split it",

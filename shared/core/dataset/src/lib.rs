@@ -7,8 +7,8 @@
 //! the bytes present before any memory is reserved, so that a hostile file
 //! costs no more than an error message.
 //!
-//! Files are written atomically ([`write_atomic`]) where a killed writer could
-//! leave something unreadable.
+//! Files are written atomically ([`OutputFile`], [`write_atomic`]), and replace only
+//! regular files: the writer of all files that a user names, for every program.
 //!
 //! This crate never panics on any input, never reserves memory that the input
 //! does not account for, never writes to a file outside the folder or path it
@@ -34,7 +34,6 @@
 //! # Ok::<(), pcd::Error>(())
 //! ```
 
-mod atomic_file;
 mod bounded_file;
 mod folder_path;
 mod image_error;
@@ -43,6 +42,7 @@ mod lzf;
 mod model;
 mod natural_order;
 mod number_type;
+mod output_file;
 mod png_image;
 mod texture;
 mod texture_folder;
@@ -64,11 +64,11 @@ pub mod scene_folder;
 pub mod stl;
 pub mod washington;
 
-pub use atomic_file::{create_folder, write_atomic};
 pub use bounded_file::FileError;
 pub use image_error::ImageError;
 pub use model::{FileModel, UpAxis};
 pub use natural_order::natural_order;
+pub use output_file::{OutputFile, check_output, create_folder, write_atomic};
 pub use recording_kind::{RecordingKind, detect_recording_kind};
 
 /// Colour of points from files without colours.

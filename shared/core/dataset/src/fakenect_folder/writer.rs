@@ -4,7 +4,7 @@ use super::error::Error;
 use super::index::{FrameKind, MAX_PAUSE, file_name};
 use super::{INDEX_NAME, NO_DEPTH, TILT_BYTES};
 use crate::FileError;
-use crate::atomic_file::create_folder;
+use crate::output_file::{create_folder, write_atomic};
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -133,7 +133,7 @@ impl FakenectWriter {
         }
         let name = file_name(kind, unix_time, stamp);
         let path = self.folder.join(&name);
-        std::fs::write(&path, &self.frame).map_err(FileError::io(&path, "write"))?;
+        write_atomic(&path, &self.frame)?;
         append(&mut self.index, &name).map_err(FileError::io(&self.folder, "write"))?;
         self.last_time = Some(unix_time);
         Ok(())

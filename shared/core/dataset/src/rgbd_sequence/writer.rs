@@ -8,8 +8,8 @@ use super::{
     GRAVITY_NAME, INTRINSICS_NAME, MAX_IMAGE_BYTES, MAX_TRUTH_BYTES, parse_gravity,
     parse_intrinsics, parse_pose,
 };
-use crate::atomic_file::{create_folder, write_atomic};
 use crate::bounded_file::{FileError, file_names};
+use crate::output_file::{create_folder, write_atomic};
 use crate::png_image::{PixelKind, encode, to_big_endian_samples};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::UnitVector3;

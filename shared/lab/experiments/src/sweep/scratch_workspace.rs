@@ -1,7 +1,9 @@
 //! Scratch copy of the workspace, where scaled constants are built and evaluated.
 
 use super::measurement::{Measurement, Scores};
+use crate::output_files::write;
 use service::Failure;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -41,9 +43,9 @@ impl ScratchWorkspace {
     ) -> Result<T, Failure> {
         let path = self.source.join(file);
         let original = std::fs::read(&path).map_err(Failure::general)?;
-        std::fs::write(&path, text).map_err(Failure::general)?;
+        write(&path, text.as_bytes())?;
         let result = work();
-        std::fs::write(&path, original).map_err(Failure::general)?;
+        write(&path, &original)?;
         Ok(result)
     }
 
@@ -72,7 +74,7 @@ impl ScratchWorkspace {
 }
 
 /// Copies files that differ, and removes files that are gone.
-fn mirror(from: &Path, to: &Path) -> std::io::Result<()> {
+fn mirror(from: &Path, to: &Path) -> io::Result<()> {
     std::fs::create_dir_all(to)?;
     let mut kept = Vec::new();
     for entry in std::fs::read_dir(from)? {
@@ -87,7 +89,7 @@ fn mirror(from: &Path, to: &Path) -> std::io::Result<()> {
         } else {
             let bytes = std::fs::read(&source)?;
             if std::fs::read(&copy).ok().as_ref() != Some(&bytes) {
-                std::fs::write(&copy, bytes)?;
+                dataset::write_atomic(&copy, bytes).map_err(io::Error::other)?;
             }
         }
         kept.push(name);

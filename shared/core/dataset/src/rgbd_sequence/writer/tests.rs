@@ -196,7 +196,7 @@ fn invalid_content_is_not_written() {
     check_frame(&RgbdSequence::open(folder.path()).unwrap(), 0, &plain());
 }
 
-/// A folder with the name of the temporary file stops the writer as a kill would.
+/// A dangling link with the name of a file stops the writer as a kill would.
 #[test]
 fn an_interrupted_sequence_is_played_up_to_its_last_whole_frame() {
     let suffixes = [
@@ -211,17 +211,16 @@ fn an_interrupted_sequence_is_played_up_to_its_last_whole_frame() {
         let mut writer = SequenceWriter::create(folder.path(), &CAMERA, None).unwrap();
         writer.write(&plain().view()).unwrap();
         let path = |suffix: &str| folder.path().join(format!("frame-000001.{suffix}"));
-        let obstacle = path(&format!("{suffix}.part"));
-        fs::create_dir(&obstacle).unwrap();
+        std::os::unix::fs::symlink("nowhere", path(suffix)).unwrap();
         assert_sentence(&writer.write(&plain().view()).unwrap_err());
         let is_there = suffixes.map(|suffix| path(suffix).exists());
         assert_eq!(is_there, std::array::from_fn(|idx| idx < n_written));
+        fs::remove_file(path(suffix)).unwrap();
         let sequence = RgbdSequence::open(folder.path()).unwrap();
         assert_eq!(sequence.n_frames(), 1);
         check_frame(&sequence, 0, &plain());
 
         // Leftover files of the frame do not become part of another.
-        fs::remove_dir(&obstacle).unwrap();
         let other = FrameContent {
             instances: None,
             world_from_camera: None,
