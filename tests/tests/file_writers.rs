@@ -83,7 +83,7 @@ const OWNERS: [(&str, &str); 14] = [
 ];
 
 /// `true` for a source that runs in a program of a user.
-fn is_of_program(path: &Path) -> bool {
+pub(crate) fn is_of_program(path: &Path) -> bool {
     let is_aside = |part: &str| ["tests", "benches", "examples", "fuzz"].contains(&part);
     let mut parts = path.iter().filter_map(|part| part.to_str());
     let is_test_support = ["shared/core/test-data", "shared/core/mutation-fuzzing"]
@@ -93,7 +93,7 @@ fn is_of_program(path: &Path) -> bool {
 }
 
 /// Lines with their numbers, without comments, up to the tests of the file.
-fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+pub(crate) fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
     let text = text.split("\n#[cfg(test)]\nmod ").next().unwrap();
     let lines = text.lines().enumerate();
     lines

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Foreign libraries and the only crates that may name them.
-const OWNERS: [(&str, &[&str]); 20] = [
+const OWNERS: [(&str, &[&str]); 21] = [
     ("iceoryx2", &["channel", "message"]),
     ("iceoryx2-log", &["channel"]),
     ("rusty-leveldb", &["durable-leveldb"]),
@@ -16,6 +16,7 @@ const OWNERS: [(&str, &[&str]); 20] = [
     ("rapier3d", &["simulated-world"]),
     ("roxmltree", &["dataset"]),
     ("pathfinding", &["tracking"]),
+    ("mio", &["command-line"]),
     ("indicatif", &["command-line", "experiments"]),
     ("plotters", &["plot", "evaluation"]),
     ("rayon", &["experiments", "statistics"]),

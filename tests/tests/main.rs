@@ -75,6 +75,8 @@ mod service_notifications;
 mod simulation;
 /// Walking skeleton: start, teach, restart, recognise, stop.
 mod skeleton;
+/// Standard output: failed writes, closed pipes.
+mod standard_output;
 /// Two hundred tracks at once.
 mod stress;
 /// Supervision of processes: hangs, endless restarts, expected processes.

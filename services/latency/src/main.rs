@@ -36,7 +36,7 @@ fn execute(arguments: &LatencyArguments, output: &Output) -> Result<ExitCode, Fa
             machine_report::run(*short, out.as_deref(), output)
         }
         Some(LatencyCommand::Peers { short, pcl, scenes }) => match pcl {
-            Some(harness) => pcl_peer::run(harness, scenes, *short, *output),
+            Some(harness) => pcl_peer::run(harness, scenes, *short, output),
             None => transport_peers::run(*short, output),
         },
         Some(LatencyCommand::Soak(soak)) => soak::run(&arguments.common, soak, output),

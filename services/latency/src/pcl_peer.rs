@@ -49,7 +49,7 @@ pub(crate) fn run(
     harness: &Path,
     scenes: &[PathBuf],
     short: bool,
-    output: Output,
+    output: &Output,
 ) -> Result<ExitCode, Failure> {
     let n = if short {
         N_REPETITIONS / 10

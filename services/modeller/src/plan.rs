@@ -46,7 +46,11 @@ pub(crate) fn run(
     arguments: &PlanArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let stop = StopSignal::install()?;
+    let stop = if arguments.watch {
+        StopSignal::install_for_reader()?
+    } else {
+        StopSignal::install()?
+    };
     let mut planning = ViewPlanning::new(common, arguments)?;
     require_daemon(&common.domain)?;
     let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;
@@ -98,7 +102,7 @@ fn awaited_snapshot(
     Ok(None)
 }
 
-/// Plans anew whenever it is due.
+/// Plans anew whenever it is due, until nobody reads the plans.
 fn watch(
     planning: &mut ViewPlanning<'_>,
     receiver: &mut SnapshotReceiver,
@@ -109,7 +113,7 @@ fn watch(
     let mut first = Some(first);
     let mut next_check = Instant::now() + CHECK_PERIOD;
     let mut told = String::new();
-    while !stop.is_raised() {
+    while !stop.is_raised() && output.is_open() {
         let is_new = receiver.receive()?;
         let is_due = (is_new || first.is_some())
             && receiver.objects().is_some_and(|objects| {

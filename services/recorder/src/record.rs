@@ -99,7 +99,7 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     arguments.check()?;
     let stop = StopSignal::install()?;
-    let mut recorder = RunningRecording::start(&common.domain, arguments, *output)?;
+    let mut recorder = RunningRecording::start(&common.domain, arguments, output)?;
     let end = recorder.record(arguments, &stop);
     let (document, end) = recorder.finish(end, arguments.min_free_mb);
     output.answer(&document, || text(&document));
@@ -128,7 +128,7 @@ impl RunningRecording {
     fn start(
         name: &DomainName,
         arguments: &RecordArguments,
-        output: Output,
+        output: &Output,
     ) -> Result<Self, Failure> {
         if !is_running(name) {
             return Err(Failure::new(
@@ -144,7 +144,7 @@ impl RunningRecording {
         let foxglove = FoxgloveView::new(arguments.foxglove_hz, arguments.foxglove_points);
         let writer = SplitWriter::new(folder, limits(arguments), foxglove, &name.to_string());
         let receiver = TopicReceiver::new(&domain)?;
-        let status = StatusLines::start(output)?;
+        let status = StatusLines::start(output.clone())?;
         let ends = EndLimits {
             frames: arguments.frames,
             min_free_mb: arguments.min_free_mb,

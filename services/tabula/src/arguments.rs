@@ -50,7 +50,7 @@ pub(crate) enum Verb {
     Run(RunArguments),
     /// Show the tracked objects
     Objects {
-        /// Repeat five times a second until Ctrl-C
+        /// Repeat five times a second until Ctrl-C, or until the reader has gone
         #[arg(long)]
         watch: bool,
     },

@@ -8,7 +8,7 @@ use control_client::{MemoryClient, NewDocument, StoredDocument};
 use message::control::{DocumentKind, DocumentName, DocumentReport, MAX_DOCUMENT_BYTES};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
-use std::io::{Read, Write};
+use std::io::Read;
 use std::process::ExitCode;
 
 /// Runs a subcommand of `tabula knowledge`.
@@ -95,10 +95,8 @@ fn get(memory: &mut MemoryClient, name: &str, output: &Output) -> Result<ExitCod
         output.answer(&document, String::new);
         return Ok(ExitCode::SUCCESS);
     }
-    // Raw bytes without a final line feed, since the content may be binary. A closed pipe is no
-    // failure.
-    let mut out = std::io::stdout().lock();
-    let _ = out.write_all(&content).and_then(|()| out.flush());
+    // Raw bytes without a final line feed, since the content may be binary.
+    output.print_bytes(&content);
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,7 +1,7 @@
 //! `tabula objects` and `ask`: tracked objects.
 
 use channel::control::SocketClient;
-use command_line::{Output, StopSignal, format_table, redraw_terminal};
+use command_line::{Output, StopSignal, format_table};
 use control_client::{TrackReference, TrackScope, call, connect, unexpected_reply};
 use message::TrackState;
 use message::control::{
@@ -36,12 +36,12 @@ fn ask_objects(client: &mut SocketClient) -> Result<ObjectsReport, Failure> {
     }
 }
 
-/// Redraws the table until Ctrl-C; with `--json` prints one document for each line. Reconnects to a
+/// Redraws the table until Ctrl-C, or until nobody reads it; with `--json` prints one document for each line. Reconnects to a
 /// daemon that restarts.
 fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let stop = StopSignal::install()?;
+    let stop = StopSignal::install_for_reader()?;
     let mut client = Some(connect(common)?);
-    while !stop.is_raised() {
+    while !stop.is_raised() && output.is_open() {
         let report = match &mut client {
             Some(connected) => ask_objects(connected),
             None => connect(common).and_then(|mut fresh| {
@@ -52,11 +52,11 @@ fn watch(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
         };
         match report {
             Ok(report) if output.is_json() => output.answer(&report, String::new),
-            Ok(report) => redraw_terminal(&objects_text(&report)),
+            Ok(report) => output.redraw(&objects_text(&report)),
             Err(failure) => {
                 client = None;
                 if !output.is_json() {
-                    redraw_terminal(&format!("{failure}"));
+                    output.redraw(&format!("{failure}"));
                 }
             }
         }

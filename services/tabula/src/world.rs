@@ -142,7 +142,7 @@ fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsR
     }
 }
 
-/// Prints each event as it happens; with `--json` one document for each line. Reconnects to a
+/// Prints each event as it happens, until nobody reads them; with `--json` one document for each line. Reconnects to a
 /// daemon that restarts.
 fn follow(
     common: &CommonArguments,
@@ -150,13 +150,13 @@ fn follow(
     since: Option<u64>,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let stop = StopSignal::install()?;
+    let stop = StopSignal::install_for_reader()?;
     let mut since = match since {
         Some(since) => since,
         None => now(&mut client)?.newest_event,
     };
     let mut connected = Some(client);
-    while !stop.is_raised() {
+    while !stop.is_raised() && output.is_open() {
         let page = match &mut connected {
             Some(client) => events_page(client, since, EVENT_WAIT_MS),
             None => connect(common).and_then(|mut fresh| {

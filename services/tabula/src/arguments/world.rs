@@ -59,7 +59,7 @@ pub(crate) struct HistoryArguments {
 /// Arguments of `tabula world events`.
 #[derive(Debug, Args)]
 pub(crate) struct EventsArguments {
-    /// Continue with each new event until Ctrl-C
+    /// Continue with each new event until Ctrl-C, or until the reader has gone
     #[arg(long)]
     pub(crate) follow: bool,
     /// Only events after this one [default: all; with --follow those from now on]

@@ -1,5 +1,6 @@
 //! Stop signal of a program without an async runtime.
 
+use crate::reader_watch::watch_reader;
 use parking_lot::{Condvar, Mutex};
 use service::Failure;
 use std::sync::Arc;
@@ -37,6 +38,21 @@ impl StopSignal {
     /// When the signal handlers cannot be installed.
     pub fn install() -> Result<Self, Failure> {
         Self::listen(None)
+    }
+
+    /// As [`install`](Self::install), and also raised when the reader of standard output, a pipe
+    /// or socket, has gone: for a command that prints until it is stopped.
+    ///
+    /// # Errors
+    /// When the signal handlers cannot be installed, or standard output cannot be watched.
+    pub fn install_for_reader() -> Result<Self, Failure> {
+        let stop = Self::listen(None)?;
+        let to_raise = stop.clone();
+        watch_reader(move || to_raise.raise(false)).map_err(|error| {
+            let sentence = format!("could not watch the reader of standard output: {error}");
+            Failure::general(sentence)
+        })?;
+        Ok(stop)
     }
 
     /// As [`install`](Self::install), but SIGHUP is noted instead of stopping.

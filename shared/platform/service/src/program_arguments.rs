@@ -5,6 +5,7 @@ use crate::manuals;
 use crate::processor::missing_features;
 use clap::Parser;
 use std::ffi::OsString;
+use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 /// Option, as the only one, with which a program writes its manual pages and shell completions
@@ -29,11 +30,23 @@ pub fn parse_arguments<A: Parser>() -> A {
             ),
         }
     }
-    A::parse()
+    A::try_parse().unwrap_or_else(|told| exit_telling(&told))
 }
 
-#[expect(clippy::print_stderr, reason = "the log is started later")]
+/// Prints the help, the version, or the error of the arguments, and ends the process.
+fn exit_telling(told: &clap::Error) -> ! {
+    let printed = told.print().and_then(|()| std::io::stdout().flush());
+    match printed {
+        Err(error) if !told.use_stderr() && error.kind() != ErrorKind::BrokenPipe => exit_with(
+            &format!("standard output could not be written: {error}; what it has is incomplete"),
+            exit_code::FAILURE,
+        ),
+        _ => std::process::exit(told.exit_code()),
+    }
+}
+
+/// Prints a sentence where nothing else is printed yet: the log is started later.
 fn exit_with(sentence: &str, code: u8) -> ! {
-    eprintln!("{sentence}");
+    let _ = writeln!(std::io::stderr(), "{sentence}");
     std::process::exit(code.into())
 }
