@@ -17,6 +17,8 @@ mod camera_images;
 mod chaos;
 /// Command line: documents, choice of the daemon, other accounts, the doctor.
 mod command_line;
+/// Options of every command: used, or refused.
+mod common_options;
 /// Layers of the configuration, its commands, and its reload.
 mod configuration;
 /// Documents in pages, and models of objects.

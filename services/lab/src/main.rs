@@ -5,7 +5,7 @@ use command_line::Output;
 use experiments::arguments::{
     AgeMemoryArguments, EvaluateVerb, LearnArguments, SimulateVerb, SweepArguments, TrainVerb,
 };
-use service::{CommonArguments, Failure};
+use service::{CommonArguments, Failure, OptionUse};
 use std::process::ExitCode;
 
 /// The laboratory of tabula: experiments with its kernels, simulated recordings,
@@ -53,6 +53,21 @@ enum Verb {
     AgeMemory(AgeMemoryArguments),
 }
 
+impl Verb {
+    /// Use of the options of every command. An experiment has the built-in settings, so that its
+    /// figures are the same everywhere; `sweep` varies them.
+    fn option_use(&self) -> OptionUse {
+        match self {
+            Self::Learn(_) => OptionUse::Daemon,
+            Self::Simulate { .. }
+            | Self::Evaluate { .. }
+            | Self::Train { .. }
+            | Self::Sweep(_)
+            | Self::AgeMemory(_) => OptionUse::Nothing,
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let arguments: LabArguments = service::parse_arguments();
     let output = Output::new(arguments.json);
@@ -60,6 +75,7 @@ fn main() -> ExitCode {
 }
 
 fn execute(arguments: &LabArguments, output: &Output) -> Result<ExitCode, Failure> {
+    arguments.common.check_use(arguments.verb.option_use())?;
     match &arguments.verb {
         Verb::Learn(folder) => experiments::learn_folder::run(&arguments.common, folder, output),
         Verb::Simulate { verb } => experiments::simulate::run(verb, output),

@@ -2,7 +2,7 @@
 
 use crate::sweep_axis::SweepAxis;
 use clap::{Args, Parser, Subcommand};
-use service::{CommonArguments, Failure, parse_arguments};
+use service::{CommonArguments, Failure, OptionUse, parse_arguments};
 use std::path::{Path, PathBuf};
 
 /// Default number of measured frames.
@@ -190,6 +190,21 @@ impl LatencyArguments {
             ));
         }
         Ok(arguments)
+    }
+
+    /// Use of the options of every command.
+    pub(crate) fn option_use(&self) -> OptionUse {
+        match &self.command {
+            None if self.measure.source.is_given() => OptionUse::Configuration,
+            None => OptionUse::Everything,
+            Some(LatencyCommand::Soak(_) | LatencyCommand::Sweep(_)) => OptionUse::Configuration,
+            Some(
+                LatencyCommand::Machine { .. }
+                | LatencyCommand::Peers { .. }
+                | LatencyCommand::Compare { .. }
+                | LatencyCommand::Merge { .. },
+            ) => OptionUse::Nothing,
+        }
     }
 }
 

@@ -20,7 +20,8 @@ impl DaemonUnderTest {
     /// Joins the running daemon of the domain; spawns one if a source is given or none runs.
     ///
     /// # Errors
-    /// If the daemon cannot be started or its domain cannot be joined.
+    /// If the daemon cannot be started or its domain cannot be joined, or a configuration is given
+    /// for one that runs.
     pub(crate) fn choose(
         common: &CommonArguments,
         source: &SourceArguments,
@@ -38,6 +39,12 @@ impl DaemonUnderTest {
                 &arguments,
                 None,
             )?)
+        } else if common.config.is_some() {
+            return Err(Failure::usage(format!(
+                "--config has no meaning for the running daemon of the domain {}, which has its own \
+                 configuration; leave it out, or name a --source for a daemon with this one",
+                common.domain
+            )));
         } else {
             output.print_status(&format!(
                 "measuring the daemon of the domain {}",

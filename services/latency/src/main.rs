@@ -30,6 +30,7 @@ fn main() -> ExitCode {
 }
 
 fn execute(arguments: &LatencyArguments, output: &Output) -> Result<ExitCode, Failure> {
+    arguments.common.check_use(arguments.option_use())?;
     match &arguments.command {
         None => measure::run(&arguments.common, &arguments.measure, output),
         Some(LatencyCommand::Machine { short, out }) => {

@@ -22,7 +22,7 @@ mod visibility;
 
 use arguments::{ModellerArguments, ModellerVerb};
 use command_line::Output;
-use service::{Failure, set_private_umask};
+use service::{Failure, OptionUse, set_private_umask};
 use std::process::ExitCode;
 
 /// Nice value: below the daemon, but a robot waits for a plan, and a camera does not wait for a
@@ -37,6 +37,7 @@ fn main() -> ExitCode {
 }
 
 fn execute(arguments: &ModellerArguments, output: &Output) -> Result<ExitCode, Failure> {
+    arguments.common.check_use(OptionUse::Daemon)?;
     let niceness = match &arguments.verb {
         ModellerVerb::Build(build) => build.niceness.min(NICENESS),
         ModellerVerb::Plan(_) => NICENESS,

@@ -1,7 +1,7 @@
 //! Command-line arguments of `tabula-recorder`.
 
 use clap::{Args, Parser, Subcommand};
-use service::{CommonArguments, Failure};
+use service::{CommonArguments, Failure, OptionUse};
 use std::path::PathBuf;
 
 /// Largest rate of what is written for Foxglove, hertz.
@@ -29,6 +29,21 @@ pub(crate) enum RecorderVerb {
     Record(RecordArguments),
     /// Replay a recording in a daemon
     Replay(ReplayArguments),
+}
+
+impl RecorderVerb {
+    /// Use of the options of every command.
+    pub(crate) fn option_use(&self) -> OptionUse {
+        match self {
+            Self::Record(record) if record.recover.is_some() || record.info.is_some() => {
+                OptionUse::Nothing
+            }
+            Self::Record(_) => OptionUse::Daemon,
+            // In a daemon of its own, which ends with the recording.
+            Self::Replay(replay) if replay.events.is_some() => OptionUse::Configuration,
+            Self::Replay(_) => OptionUse::Everything,
+        }
+    }
 }
 
 /// Options of a recording.

@@ -33,6 +33,7 @@ fn main() -> ExitCode {
 }
 
 fn execute(arguments: &RecorderArguments, output: &Output) -> Result<ExitCode, Failure> {
+    arguments.common.check_use(arguments.verb.option_use())?;
     match &arguments.verb {
         RecorderVerb::Record(record) => match (&record.recover, &record.info) {
             (Some(damaged), _) => recover::run(damaged, record.out.as_deref(), output),

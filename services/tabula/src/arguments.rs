@@ -24,7 +24,7 @@ pub(crate) use world::{
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
 use control_client::TrackReference;
-use service::{CommonArguments, Failure};
+use service::{CommonArguments, Failure, OptionUse};
 use std::ffi::OsString;
 
 /// The perception daemon of a service robot: detects and tracks the objects on a table,
@@ -163,6 +163,49 @@ pub(crate) enum Verb {
     Status,
     /// Diagnose this machine and its configuration
     Doctor,
+}
+
+impl Verb {
+    /// Use of the options of every command. A command of another program checks them there.
+    pub(crate) fn option_use(&self) -> OptionUse {
+        match self {
+            Self::Run(_)
+            | Self::Doctor
+            | Self::Learn(_)
+            | Self::View { .. }
+            | Self::Simulate(_)
+            | Self::Evaluate(_)
+            | Self::Latency(_)
+            | Self::Record(_)
+            | Self::Replay(_)
+            | Self::Model {
+                verb: ModelVerb::Build(_),
+            }
+            | Self::Config {
+                verb: ConfigVerb::Check | ConfigVerb::Show | ConfigVerb::Explain { .. },
+            } => OptionUse::Everything,
+            // At a reload the daemon reads its own configuration again.
+            Self::Config {
+                verb: ConfigVerb::Reload,
+            }
+            | Self::Objects { .. }
+            | Self::Ask(_)
+            | Self::Find(_)
+            | Self::Teach(_)
+            | Self::Correct(_)
+            | Self::Forget(_)
+            | Self::Rename { .. }
+            | Self::Merge { .. }
+            | Self::Undo { .. }
+            | Self::Categories
+            | Self::Memory { .. }
+            | Self::Knowledge { .. }
+            | Self::Model { .. }
+            | Self::World(_)
+            | Self::Arm { .. }
+            | Self::Status => OptionUse::Daemon,
+        }
+    }
 }
 
 /// Arguments passed on to another program of the project, which parses them.

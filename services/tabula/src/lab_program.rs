@@ -2,9 +2,10 @@
 //! `tabula-modeller`.
 
 use crate::arguments::CliArguments;
-use service::Failure;
+use service::{CommonArguments, Failure};
 use std::ffi::{OsStr, OsString};
 use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
 /// Replaces this process by `tabula-lab` with a subcommand and its arguments.
@@ -57,20 +58,28 @@ fn become_program(
         Failure::general(sentence)
     };
     let own = std::env::current_exe().map_err(not_there)?;
-    let common = &arguments.common;
-    // Options among the words override the environment.
+    // Its own check tells which of these it does not use. Options among the words go before them.
     let error = Command::new(own.with_file_name(program))
-        .env("TABULA_DOMAIN", common.domain.to_string())
-        .env("TABULA_HOME", common.home().path())
+        .args(given_options(&arguments.common))
+        .args(arguments.json.then_some("--json"))
         .args(verb)
         .args(words)
-        .args(
-            common
-                .config
-                .iter()
-                .flat_map(|path| ["--config".as_ref(), path.as_os_str()]),
-        )
-        .args(arguments.json.then_some("--json"))
         .exec();
     Err(not_there(error))
+}
+
+/// Options of every command that stand on the command line; the environment is inherited.
+fn given_options(common: &CommonArguments) -> Vec<OsString> {
+    let domain = OsString::from(common.domain.to_string());
+    let path = |path: &Option<PathBuf>| path.clone().unwrap_or_default().into_os_string();
+    let given = &common.given;
+    let options = [
+        (given.domain, "--domain", domain),
+        (given.home, "--home", path(&common.home)),
+        (given.config, "--config", path(&common.config)),
+    ];
+    let given = options.into_iter().filter(|(is_given, ..)| *is_given);
+    given
+        .flat_map(|(_, name, value)| [name.into(), value])
+        .collect()
 }

@@ -34,6 +34,7 @@ fn main() -> ExitCode {
 }
 
 fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failure> {
+    arguments.common.check_use(arguments.verb.option_use())?;
     match &arguments.verb {
         Verb::Run(run) => daemon::run(&arguments.common, run, output),
         Verb::Doctor => Ok(doctor::run(&arguments.common, output)),

@@ -1,6 +1,6 @@
 //! Command-line arguments common to all processes and tools.
 
-use crate::Home;
+use crate::{GivenOptions, Home};
 use channel::DomainName;
 use clap::Args;
 use std::path::PathBuf;
@@ -8,6 +8,10 @@ use std::path::PathBuf;
 /// Selection of a daemon and its configuration.
 #[derive(Debug, Clone, Args)]
 pub struct CommonArguments {
+    /// Options that stand on the command line. The first field: clap takes the others out.
+    #[command(flatten)]
+    pub given: GivenOptions,
+
     /// Domain name of the daemon; daemons in different domains are independent
     #[arg(
         long,

@@ -31,6 +31,7 @@ mod health_reporter;
 mod home;
 mod log;
 mod manuals;
+mod option_use;
 mod processor;
 mod program_arguments;
 mod reload;
@@ -57,6 +58,7 @@ pub use failure::{Failure, exit_code};
 pub use health_counters::HealthCounters;
 pub use home::{Home, set_private_umask};
 pub use log::start_log;
+pub use option_use::{GivenOptions, OptionUse};
 pub use program_arguments::parse_arguments;
 pub use reload::{
     LiveConfig, ReloadPlan, ReloadRecordPublisher, last_reloads, log_reload, reload_processes,
