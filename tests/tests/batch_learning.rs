@@ -130,8 +130,64 @@ fn folder_without_up_direction_or_views_is_refused() {
     std::fs::write(folder.path().join("mug/1.pcd"), "rubbish").unwrap();
     let (_, sentence) = daemon.refused(&["learn", path]);
     assert!(sentence.contains("--up z"), "{sentence}");
-    let report = daemon.ask(&["learn", path, "--up", "z"]);
-    assert_eq!(report["n_views"], 0, "{report}");
-    assert_eq!(report["left_out"].as_array().unwrap().len(), 1, "{report}");
+    let (code, sentence) = daemon.refused(&["learn", path, "--up", "z"]);
+    assert_eq!(code, 1, "{sentence}");
+    assert!(sentence.contains("no usable view"), "{sentence}");
+    assert!(sentence.contains("mug/1.pcd"), "{sentence}");
+    daemon.stop();
+}
+
+/// Writes a cloud of a cylinder, 0.8 times as wide as high, in a unit of which it is so high.
+fn write_cylinder(path: &Path, height: f32) {
+    let radius = 0.4 * height;
+    let at = |number: u16| {
+        let angle = f32::from(number % 40) * std::f32::consts::TAU / 40.0;
+        let z = height * f32::from(number / 40) / 11.0;
+        format!("{} {} {z}\n", radius * angle.cos(), radius * angle.sin())
+    };
+    let points: String = (0..480).map(at).collect();
+    let header = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 480\n\
+                  HEIGHT 1\nPOINTS 480\nDATA ascii\n";
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    std::fs::write(path, format!("{header}{points}")).unwrap();
+}
+
+#[test]
+fn folder_in_millimetres_is_learned_in_metres_and_another_size_is_refused() {
+    let sandbox = Sandbox::new();
+    let daemon = sandbox.start(&["--source", "synthetic:0"]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().to_str().unwrap();
+    let learn = |unit: Option<&'static str>| {
+        let words = ["learn", path, "--up", "z"].into_iter();
+        let unit = unit.map(|unit| ["--unit", unit]);
+        words.chain(unit.into_iter().flatten()).collect::<Vec<_>>()
+    };
+    write_cylinder(&folder.path().join("mug/1.pcd"), 100.0);
+    let (_, sentence) = daemon.refused(&learn(Some("m")));
+    assert!(sentence.contains("0.005 to 2 m"), "{sentence}");
+
+    write_cylinder(&folder.path().join("moon/1.pcd"), 1e30);
+    let report = daemon.ask(&learn(None));
+    assert_eq!(report["n_views"], 1, "{report}");
+    let note = report["notes"][0].as_str().unwrap();
+    assert!(
+        note.contains("mug") && note.contains("millimetres"),
+        "{note}"
+    );
+    let left_out = report["left_out"][0].as_str().unwrap();
+    assert!(left_out.contains("moon/1.pcd"), "{left_out}");
+    let views = daemon.ask(&["memory", "inspect", "--category", "mug"]);
+    let size_m = views["views"][0]["size_m"].as_array().unwrap();
+    let size_mm: Vec<f64> = size_m
+        .iter()
+        .map(|side| (side.as_f64().unwrap() * 1e3).round())
+        .collect();
+    assert_eq!(size_mm, [80.0, 80.0, 100.0]);
+
+    // A unit that is given is no guess.
+    let again = daemon.ask(&learn(Some("mm")));
+    assert_eq!(again["notes"], serde_json::json!([]), "{again}");
+    assert_eq!(again["n_views_changed"], 0, "{again}");
     daemon.stop();
 }

@@ -120,6 +120,11 @@ impl ObjectViews {
         }
     }
 
+    /// True if the points are in metres by the layout; a PCD file does not tell its unit.
+    pub fn is_unit_known(&self) -> bool {
+        matches!(self.layout, DatasetLayout::Washington(_))
+    }
+
     /// Reads a view by its index among [`files`](Self::files).
     ///
     /// # Errors

@@ -307,12 +307,7 @@ impl ViewsArguments {
     /// Unit and upward axis of the models.
     pub(crate) fn import(&self) -> ModelImport {
         ModelImport {
-            unit: self.unit.map(|unit| match unit {
-                UnitName::M => ModelUnit::Metre,
-                UnitName::Cm => ModelUnit::Centimetre,
-                UnitName::Mm => ModelUnit::Millimetre,
-                UnitName::In => ModelUnit::Inch,
-            }),
+            unit: self.unit.map(ModelUnit::from),
             up: self.up.map(|up| match up {
                 ModelAxis::X => ModelUp::X,
                 ModelAxis::Y => ModelUp::Y,
@@ -322,7 +317,7 @@ impl ViewsArguments {
     }
 }
 
-/// Unit of model files on the command line.
+/// Unit of files of models or views on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum UnitName {
     /// Metres
@@ -333,6 +328,17 @@ pub enum UnitName {
     Mm,
     /// Inches
     In,
+}
+
+impl From<UnitName> for ModelUnit {
+    fn from(name: UnitName) -> Self {
+        match name {
+            UnitName::M => Self::Metre,
+            UnitName::Cm => Self::Centimetre,
+            UnitName::Mm => Self::Millimetre,
+            UnitName::In => Self::Inch,
+        }
+    }
 }
 
 /// Upward axis of model files on the command line.

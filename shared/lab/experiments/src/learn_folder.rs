@@ -3,6 +3,7 @@
 mod folder_describer;
 
 use crate::arguments::{LearnArguments, UpAxis};
+use crate::metric_views::MetricViews;
 use crate::parallel;
 use command_line::{Output, progress_bar};
 use control_client::{ImportError, ImportRequest, MemoryClient, author_or_user, connect, import};
@@ -13,12 +14,16 @@ use learning::CategoryName;
 use perceptual_memory::{DecisionStamp, PortableWriter};
 use serde::Serialize;
 use service::{CommonArguments, Failure, wall_clock_ns};
+use simulated_world::ModelUnit;
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{BufWriter, Seek};
 use std::ops::Range;
 use std::path::Path;
 use std::process::ExitCode;
+
+/// Number of reasons in the failure of a folder without a usable view.
+const N_REASONS: usize = 10;
 
 /// Object of the folder; its views are imported as one track.
 struct LabelledObject {
@@ -39,6 +44,8 @@ struct LearnReport {
     n_views_changed: u64,
     /// Sequence number of the last history entry.
     sequence: u64,
+    /// Remarks about units that were guessed, one sentence each.
+    notes: Vec<String>,
     /// Reasons of omitted views, one sentence each.
     left_out: Vec<String>,
 }
@@ -46,7 +53,8 @@ struct LearnReport {
 /// Describes the views of a folder and imports them into the daemon's memory.
 ///
 /// # Errors
-/// When the folder cannot be read, no daemon runs, or the memory refuses the views.
+/// When the folder cannot be read or has no usable view, no daemon runs, or the memory refuses the
+/// views.
 pub fn run(
     common: &CommonArguments,
     arguments: &LearnArguments,
@@ -61,37 +69,68 @@ pub fn run(
     // minute, so the import opens another one.
     drop(connect(common)?);
     let author = author_or_user(arguments.author.as_deref());
+    let metric = metric_views(&views, arguments, output);
     let folder = FolderDescriber {
-        views: &views,
+        views: &metric,
+        files: views.files(),
         up,
         decided: DecisionStamp {
             author: author.as_str().into(),
             stamp_ns: wall_clock_ns().max(0) as u64,
         },
     };
-    let mut report = LearnReport::default();
+    let mut report = LearnReport {
+        notes: metric.notes().to_vec(),
+        ..LearnReport::default()
+    };
     let mut file = write(&folder, &mut report, output)?;
-    if report.n_views > 0 {
-        let request = ImportRequest {
-            author,
-            source: source(&arguments.folder),
-            renames: Vec::new(),
-            prefix: String::new(),
-            is_new: arguments.is_new,
-        };
-        let mut memory = MemoryClient::of_daemon(common, connect(common)?);
-        let imported = import(&mut memory, &mut file, request, output);
-        let imported = imported.map_err(|error| match error {
-            ImportError::RefusedFile(reason) => Failure::general(reason),
-            ImportError::Failure(failure) => failure,
-        })?;
-        report.n_views_changed = imported.n_views_changed;
-        report.sequence = imported.sequence;
-    }
     let unusable = views.unusable().iter().map(ToString::to_string);
     report.left_out.extend(unusable);
+    if report.n_views == 0 {
+        return Err(nothing_usable(&arguments.folder, &report.left_out));
+    }
+    let request = ImportRequest {
+        author,
+        source: source(&arguments.folder),
+        renames: Vec::new(),
+        prefix: String::new(),
+        is_new: arguments.is_new,
+    };
+    let mut memory = MemoryClient::of_daemon(common, connect(common)?);
+    let imported = import(&mut memory, &mut file, request, output);
+    let imported = imported.map_err(|error| match error {
+        ImportError::RefusedFile(reason) => Failure::general(reason),
+        ImportError::Failure(failure) => failure,
+    })?;
+    report.n_views_changed = imported.n_views_changed;
+    report.sequence = imported.sequence;
     output.answer(&report, || text(&report));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Views in the unit of the arguments, or in that of the folder, for which all are read.
+fn metric_views<'a>(
+    views: &'a ObjectViews,
+    arguments: &LearnArguments,
+    output: &Output,
+) -> MetricViews<'a> {
+    let bar = progress_bar(views.files().len() as u64, "sizes", output);
+    let metric = MetricViews::new(views, arguments.unit.map(ModelUnit::from), &bar);
+    bar.finish_and_clear();
+    metric
+}
+
+fn nothing_usable(folder: &Path, reasons: &[String]) -> Failure {
+    let first: Vec<&str> = reasons.iter().take(N_REASONS).map(String::as_str).collect();
+    let more = match reasons.len().saturating_sub(N_REASONS) {
+        0 => String::new(),
+        n => format!("\nand {n} more reason(s)"),
+    };
+    Failure::general(format!(
+        "nothing was learned from {}, which has no usable view:\n{}{more}",
+        folder.display(),
+        first.join("\n")
+    ))
 }
 
 fn up_unknown(folder: &Path) -> Failure {
@@ -111,7 +150,7 @@ fn source(folder: &Path) -> String {
 }
 
 fn text(report: &LearnReport) -> String {
-    let mut lines = report.left_out.clone();
+    let mut lines = [&report.notes[..], &report.left_out].concat();
     lines.push(format!(
         "learned {} view(s) of {} object(s) in {} categories: {} view(s) are new or changed, \
          history {}, on disk",
@@ -143,9 +182,9 @@ fn write(
         AppearanceDescriptor::new(AppearanceWeights::default()).map_err(Failure::general)?;
     let mut file = tempfile::tempfile().map_err(unwritable)?;
     let mut writer = PortableWriter::new(BufWriter::new(&file)).map_err(unwritable)?;
-    let bar = progress_bar(folder.views.files().len() as u64, "views", output);
+    let bar = progress_bar(folder.files.len() as u64, "views", output);
     let mut categories = BTreeSet::new();
-    for object in objects(folder.views.files(), report) {
+    for object in objects(folder.files, report) {
         let work = |appearance: &mut AppearanceDescriptor, place| {
             folder.describe(appearance, &object, object.views.start + place)
         };

@@ -29,6 +29,7 @@ pub mod train;
 
 mod csv;
 mod frame_detector;
+mod metric_views;
 mod output_files;
 mod parallel;
 mod timing;

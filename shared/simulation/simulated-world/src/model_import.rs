@@ -79,7 +79,41 @@ impl ModelUnit {
     /// Units that are guessed; inches are rare.
     const USUAL: [Self; 3] = [Self::Metre, Self::Centimetre, Self::Millimetre];
 
-    fn metres(self) -> f32 {
+    /// Unit that the longest side of an object suggests: that which brings it nearest to the usual
+    /// size. `None` where no usual unit gives the size of an object on a table.
+    pub fn suggested_by(longest: f32) -> Option<Self> {
+        if Self::is_surely_metre(longest) {
+            return Some(Self::Metre);
+        }
+        let badness = |unit: &Self| (longest * unit.metres() / USUAL_SIDE_M).ln().abs();
+        let units = Self::USUAL.into_iter();
+        units
+            .filter(|unit| SIDES_M.contains(&(longest * unit.metres())))
+            .min_by(|a, b| badness(a).total_cmp(&badness(b)))
+    }
+
+    /// `true` for the longest side of an object that is surely in metres.
+    pub fn is_surely_metre(longest: f32) -> bool {
+        SURE_SIDES_M.contains(&longest)
+    }
+
+    /// Checks that a longest side in this unit is that of an object on a table.
+    ///
+    /// # Errors
+    /// A sentence about "its longest side".
+    pub fn check(self, longest: f32) -> Result<(), String> {
+        if SIDES_M.contains(&(longest * self.metres())) {
+            return Ok(());
+        }
+        let unit = self.plural();
+        Err(format!(
+            "its longest side is {longest} {unit}, which no object on a table has (0.005 to 2 m); \
+             give it another unit or scale it"
+        ))
+    }
+
+    /// Length of the unit, metres.
+    pub fn metres(self) -> f32 {
         match self {
             Self::Metre => 1.0,
             Self::Centimetre => 0.01,
@@ -88,7 +122,8 @@ impl ModelUnit {
         }
     }
 
-    fn plural(self) -> &'static str {
+    /// Name of the unit in the plural.
+    pub fn plural(self) -> &'static str {
         match self {
             Self::Metre => "metres",
             Self::Centimetre => "centimetres",
@@ -138,16 +173,7 @@ impl ModelImport {
     ) -> Result<(f32, Option<String>), String> {
         let longest = sides.max();
         if let Some(unit) = self.unit {
-            let side_m = longest * unit.metres();
-            return if SIDES_M.contains(&side_m) {
-                Ok((unit.metres(), None))
-            } else {
-                let unit = unit.plural();
-                Err(format!(
-                    "its longest side is {longest} {unit}, which no object on a table has \
-                     (0.005 to 2 m); give it another unit or scale it"
-                ))
-            };
+            return unit.check(longest).map(|()| (unit.metres(), None));
         }
         if let Some(unit_m) = file_unit_m {
             let side_m = longest * unit_m;
@@ -188,15 +214,8 @@ fn guessed_scale(sides: Vector3<f32>) -> Result<(f32, Option<String>), String> {
         );
         return Ok((USUAL_SIDE_M / longest, Some(sentence)));
     }
-    if SURE_SIDES_M.contains(&longest) {
-        return Ok((1.0, None));
-    }
-    let badness = |unit: &ModelUnit| (longest * unit.metres() / USUAL_SIDE_M).ln().abs();
-    let units = ModelUnit::USUAL.into_iter();
-    let guessed = units
-        .filter(|unit| SIDES_M.contains(&(longest * unit.metres())))
-        .min_by(|a, b| badness(a).total_cmp(&badness(b)));
-    match guessed {
+    match ModelUnit::suggested_by(longest) {
+        Some(_) if ModelUnit::is_surely_metre(longest) => Ok((1.0, None)),
         Some(unit) => {
             let sentence = format!(
                 "its longest side is {longest:.3}; it was taken to be in {} (give the unit if \

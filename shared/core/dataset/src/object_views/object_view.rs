@@ -9,9 +9,10 @@ use point_cloud::Point;
 /// View of one object: its points and camera geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectView {
-    /// Points of the view that are finite, metres.
+    /// Points of the view that are finite, in the unit of its file: metres in the Washington
+    /// layout.
     pub points: Vec<Point>,
-    /// Camera position in the frame of the points, metres, if known.
+    /// Camera position in the frame and unit of the points, if known.
     pub viewpoint_m: Option<Point3<f64>>,
     /// Up direction in the frame of the points, if known.
     pub up: Option<UnitVector3<f64>>,

@@ -1,5 +1,6 @@
 //! Arguments of the recognition experiments.
 
+use super::UnitName;
 use clap::{Args, ValueEnum};
 use learning::Metric;
 use nalgebra::{UnitVector3, Vector3};
@@ -87,6 +88,10 @@ pub struct LearnArguments {
     /// Upward axis in the frame of the points [default: that of the data set]
     #[arg(long, value_name = "AXIS", value_enum)]
     pub(crate) up: Option<UpAxis>,
+    /// Unit of the points [default: metres in the layout of the Washington dataset; otherwise
+    /// guessed from the sizes of the views of each category, and told]
+    #[arg(long, value_name = "UNIT", value_enum)]
+    pub(crate) unit: Option<UnitName>,
     /// Make new categories, even beside ones whose names look alike
     #[arg(long = "new")]
     pub(crate) is_new: bool,

@@ -5,6 +5,7 @@ use super::recognition::{
 };
 use super::view_table::{Omissions, ViewTable};
 use crate::arguments::DescriptionArguments;
+use crate::metric_views::MetricViews;
 use crate::parallel;
 use command_line::{Output, progress_bar};
 use dataset::object_views::{ObjectView, ObjectViews, ViewFile};
@@ -35,8 +36,8 @@ impl ViewSelection {
     }
 
     /// Reads the views on all cores and describes each with all methods, upright if the upward
-    /// direction of all views is known. A view that cannot be read, or described by one of the
-    /// methods, is omitted from all, with its reason.
+    /// direction of all views is known. A view that cannot be read, is no object on a table, or
+    /// cannot be described by one of the methods, is omitted from all, with its reason.
     ///
     /// Returns the table of the views and, by method, their descriptors in the same order.
     pub(super) fn describe_by(
@@ -47,11 +48,18 @@ impl ViewSelection {
         let describers = methods.iter().map(RecognitionMethod::describer);
         let describers: Vec<ViewDescriber> = describers.collect::<Result<_, _>>()?;
         let knows_up = self.views.is_up_known();
+        let bar = progress_bar(self.views.files().len() as u64, "sizes", output);
+        let metric = MetricViews::new(&self.views, None, &bar);
+        bar.finish_and_clear();
+        metric
+            .notes()
+            .iter()
+            .for_each(|note| output.print_status(note));
         let bar = progress_bar(self.selected.len() as u64, "views", output);
         let own = || describers.clone();
         let described = parallel::map(self.selected.len(), &bar, own, |describers, job| {
             let index = self.selected[job];
-            let view = self.views.load(index).map_err(|error| error.to_string())?;
+            let view = metric.load(index)?;
             let begin = Instant::now();
             let descriptions = describe(describers, &view, knows_up).map_err(|error| {
                 let path = self.views.files()[index].path.display();

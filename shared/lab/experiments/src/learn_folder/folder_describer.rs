@@ -1,12 +1,13 @@
 //! Describer of the views of a folder, as records that a memory imports.
 
 use crate::learn_folder::LabelledObject;
-use dataset::object_views::{ObjectView, ObjectViews};
+use crate::metric_views::{MetricViews, extent};
+use dataset::object_views::ViewFile;
 use description::{AppearanceDescriptor, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
 use learning::ViewId;
 use message::control::pack_cloud;
-use nalgebra::{UnitVector3, Vector3};
+use nalgebra::UnitVector3;
 use perceptual_memory::{
     CapturedView, DecisionStamp, Digest, ForeignView, LabelStatus, MAX_NAME_BYTES, Origin,
     StoredDescriptor,
@@ -19,7 +20,9 @@ const ORIGIN_PURPOSE: &str = "tabula files";
 
 /// Describer of the views of a folder.
 pub(super) struct FolderDescriber<'a> {
-    pub(super) views: &'a ObjectViews,
+    pub(super) views: &'a MetricViews<'a>,
+    /// Files of the views.
+    pub(super) files: &'a [ViewFile],
     /// Upward axis given on the command line.
     pub(super) up: Option<UnitVector3<f64>>,
     /// Author and time recorded with the labels.
@@ -36,8 +39,8 @@ impl FolderDescriber<'_> {
         object: &LabelledObject,
         index: usize,
     ) -> Result<ForeignView, String> {
-        let view = self.views.load(index).map_err(|error| error.to_string())?;
-        let path = &self.views.files()[index].path;
+        let view = self.views.load(index)?;
+        let path = &self.files[index].path;
         let source = path.to_string_lossy().into_owned();
         if source.len() > MAX_NAME_BYTES {
             return Err(format!(
@@ -59,14 +62,14 @@ impl FolderDescriber<'_> {
             // Without a place in the world: it was never on this table.
             box_in_world: OrientedBox {
                 frame_from_box: RigidTransform::identity(),
-                half_sides_m: extent_m(&view) / 2.0,
+                half_sides_m: extent(&view) / 2.0,
             },
             // Not known: when the file was written changes when it is copied.
             captured_ns: 0,
             frame_sequence: 0,
             source,
             mean_rgb: mean_rgb(&view.points),
-            // In the frame of its file.
+            // In the frame of its file, in metres.
             points: Some(cloud).filter(|cloud| !cloud.is_empty()),
         };
         Ok(ForeignView::Present {
@@ -105,18 +108,6 @@ fn mean_rgb(points: &[Point]) -> Option<[u8; 3]> {
         (values.sum::<u64>() / points.len() as u64) as u8
     };
     has_colors.then(|| [0, 1, 2].map(mean))
-}
-
-/// Side lengths of the axis-aligned bounding box, metres.
-fn extent_m(view: &ObjectView) -> Vector3<f64> {
-    let along = |axis: usize| {
-        let places = view.points.iter().map(|point| point.position()[axis]);
-        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), place| {
-            (low.min(place), high.max(place))
-        });
-        high - low
-    };
-    [0, 1, 2].map(along).into()
 }
 
 #[cfg(test)]
