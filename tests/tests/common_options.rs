@@ -10,7 +10,7 @@ const NO_CONFIG: &str = "/nowhere/tabula.toml";
 const REFUSAL: &str = "has no meaning for this command";
 
 /// Commands that ask a daemon or its memory, and read no configuration.
-const OF_DAEMON: [&str; 44] = [
+const OF_DAEMON: [&str; 45] = [
     "tabula objects",
     "tabula ask 1",
     "tabula find mug",
@@ -20,6 +20,7 @@ const OF_DAEMON: [&str; 44] = [
     "tabula rename a b",
     "tabula merge a b",
     "tabula undo",
+    "tabula redo",
     "tabula categories",
     "tabula memory stats",
     "tabula memory verify",

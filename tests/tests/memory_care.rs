@@ -111,6 +111,47 @@ fn export_is_imported_by_another_robot() {
 }
 
 #[test]
+fn export_after_export_is_not_refused() {
+    let sandbox = Sandbox::new();
+    let (daemon, _) = taught(&sandbox);
+    let mut files = (0..5).map(|number| {
+        let file = sandbox.home().join(format!("{number}.tabula"));
+        daemon.ask(&["memory", "export", file.to_str().unwrap()]);
+        std::fs::read(file).unwrap()
+    });
+    let first = files.next().unwrap();
+    assert!(files.all(|file| !file.is_empty()) && !first.is_empty());
+    daemon.stop();
+}
+
+#[test]
+fn import_without_a_daemon_makes_the_memory_of_a_new_robot() {
+    let (ours, theirs) = (Sandbox::new(), Sandbox::new());
+    let (daemon, _) = taught(&ours);
+    let file = ours.home().join("backup.tabula");
+    let file = file.to_str().unwrap();
+    daemon.ask(&["memory", "export", file]);
+    daemon.stop();
+    let other = ["memory", "stats"];
+    let refused = theirs.tabula(&other);
+    assert_eq!(refused.status.code(), Some(3), "{refused:?}");
+    assert_eq!(theirs.home().read_dir().unwrap().count(), 0);
+
+    let imported = theirs.tabula(&["memory", "import", file, "--json"]);
+    assert!(imported.status.success(), "{imported:?}");
+    let told = String::from_utf8(imported.stderr).unwrap();
+    assert!(told.contains("making a new memory"), "{told}");
+    let imported: Value = serde_json::from_slice(&imported.stdout).unwrap();
+    assert_eq!(imported["n_left_out"], 0, "{imported}");
+    assert_ne!(imported["n_views"], 0, "{imported}");
+    let stats = offline(&theirs, &other);
+    assert_ne!(stats["n_named"], 0, "{stats}");
+    let daemon = theirs.start(&["--source", "synthetic:0"]);
+    assert_eq!(names(&daemon.ask(&["categories"]))[0].0, "mug");
+    daemon.stop();
+}
+
+#[test]
 fn import_of_a_damaged_export_is_refused_and_changes_nothing() {
     let sandbox = Sandbox::new();
     let (daemon, _) = taught(&sandbox);

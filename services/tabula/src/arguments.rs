@@ -197,6 +197,7 @@ impl Verb {
             | Self::Rename { .. }
             | Self::Merge { .. }
             | Self::Undo { .. }
+            | Self::Redo { .. }
             | Self::Categories
             | Self::Memory { .. }
             | Self::Knowledge { .. }

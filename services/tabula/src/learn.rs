@@ -21,7 +21,10 @@ pub(crate) fn teach(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let track_id = labelled_track(common, "teach", label)?;
-    let report = learned(change(common, &Command::Teach(labelling(track_id, label)?))?)?;
+    let report = learned(change(
+        common,
+        &Command::Teach(labelling(track_id, label)?),
+    )?)?;
     output.answer(&report, || learned_text(track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
@@ -33,7 +36,10 @@ pub(crate) fn correct(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let track_id = labelled_track(common, "correct", label)?;
-    let report = learned(change(common, &Command::Correct(labelling(track_id, label)?))?)?;
+    let report = learned(change(
+        common,
+        &Command::Correct(labelling(track_id, label)?),
+    )?)?;
     output.answer(&report, || learned_text(track_id, &report));
     Ok(ExitCode::SUCCESS)
 }

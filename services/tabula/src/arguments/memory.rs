@@ -92,6 +92,10 @@ pub(crate) struct ImportArguments {
     /// Make new categories, even beside ones whose names look alike
     #[arg(long = "new")]
     pub(crate) is_new: bool,
+    /// Give decisions from more than a day ahead of this robot's clock the present time [default:
+    /// they are left out, and told]
+    #[arg(long)]
+    pub(crate) restamp: bool,
     /// Author of the change [default: the user's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) author: Option<String>,

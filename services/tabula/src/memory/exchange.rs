@@ -1,6 +1,7 @@
 //! `tabula memory export` and `tabula memory import`.
 
 use crate::arguments::ImportArguments;
+use crate::time::utc;
 use command_line::{Output, progress_bar};
 use control_client::{
     ImportError, ImportRequest, MemoryClient, author_or_user, import as import_file,
@@ -8,7 +9,7 @@ use control_client::{
 };
 use dataset::{OutputFile, check_output};
 use message::control::{
-    Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
+    AheadDecision, Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
 };
 use rustix::fs::OFlags;
 use serde::Serialize;
@@ -134,7 +135,7 @@ pub(super) fn import(
     });
     let renames = renames.collect::<Result<Vec<_>, _>>()?;
     let mut file = open_file(&arguments.file)?;
-    let mut memory = MemoryClient::open(common)?;
+    let mut memory = MemoryClient::open_or_create(common)?;
     let source = arguments.file.file_name().unwrap_or_default();
     let request = ImportRequest {
         author: author_or_user(arguments.author.as_deref()),
@@ -142,6 +143,7 @@ pub(super) fn import(
         renames,
         prefix: arguments.prefix.clone(),
         is_new: arguments.is_new,
+        restamp: arguments.restamp,
     };
     let imported = import_file(&mut memory, &mut file, request, output);
     let report = imported.map_err(|error| match error {
@@ -151,19 +153,54 @@ pub(super) fn import(
         }
         ImportError::Failure(failure) => failure,
     })?;
-    output.answer(&report, || {
-        let ImportReport {
-            n_views,
-            n_views_changed,
-            n_documents,
-            sequence,
-        } = report;
+    output.answer(&report, || import_text(&report));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn import_text(report: &ImportReport) -> String {
+    let ImportReport {
+        n_views,
+        n_views_changed,
+        n_documents,
+        sequence,
+        n_left_out,
+        n_restamped,
+        ahead,
+    } = report;
+    let mut lines = Vec::new();
+    if *n_left_out > 0 {
+        lines.push(format!(
+            "left out {n_left_out} of them, decided more than a day ahead of this robot's clock; set \
+             the clock that is wrong and import again, or with --restamp, which gives them the \
+             present time:"
+        ));
+    }
+    if *n_restamped > 0 {
+        lines.push(format!(
+            "gave {n_restamped} of them, decided more than a day ahead of this robot's clock, the \
+             present time:"
+        ));
+    }
+    lines.extend(ahead.iter().map(|decision| {
+        let AheadDecision {
+            what,
+            author,
+            decided_ns,
+        } = decision;
+        format!("- {what}, decided by {author}, {}", utc(*decided_ns))
+    }));
+    let n_more = (n_left_out + n_restamped).saturating_sub(ahead.len() as u64);
+    if n_more > 0 {
+        lines.push(format!("- and {n_more} more"));
+    }
+    lines.insert(
+        0,
         format!(
             "imported {n_views} view(s) and {n_documents} document(s): {n_views_changed} view(s) \
              are new or changed, history {sequence}, on disk"
-        )
-    });
-    Ok(ExitCode::SUCCESS)
+        ),
+    );
+    lines.join("\n")
 }
 
 #[cfg(test)]

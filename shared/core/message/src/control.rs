@@ -41,9 +41,9 @@ pub use learning::{
     SnapshotPage, StoredView, ViewId,
 };
 pub use memory::{
-    ExportReport, HistoryOperation, HistoryReport, ImportReport, JobCommand, JobKind, JobOutcome,
-    JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision, RevisionChange,
-    VerificationReport, ViewReport,
+    AheadDecision, ExportReport, HistoryOperation, HistoryReport, ImportReport, JobCommand,
+    JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision,
+    RevisionChange, VerificationReport, ViewReport,
 };
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use question::{QuestionKind, QuestionReport, QuestionsReport};

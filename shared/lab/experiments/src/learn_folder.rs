@@ -95,6 +95,7 @@ pub fn run(
         renames: Vec::new(),
         prefix: String::new(),
         is_new: arguments.is_new,
+        restamp: false,
     };
     let mut memory = MemoryClient::of_daemon(common, connect(common)?);
     let imported = import(&mut memory, &mut file, request, output);

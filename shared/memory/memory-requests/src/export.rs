@@ -4,6 +4,7 @@ use crate::job_context::{JobContext, Progress};
 use message::control::{ExportReport, JobOutcome, MAX_MESSAGE_BYTES};
 use perceptual_memory::{Error, PerceptualMemory, PortableCounts, PortableWriter};
 use std::io::{self, Write};
+use std::sync::atomic::Ordering;
 
 /// Maximum number of bytes in one reply.
 const READ_BYTES: usize = MAX_MESSAGE_BYTES / 2;
@@ -99,7 +100,9 @@ pub(crate) fn read(progress: &Progress, offset: u64) -> Vec<u8> {
     let n_read = n_read.min(buffer.bytes.len());
     buffer.bytes.drain(..n_read);
     buffer.offset += n_read as u64;
-    let bytes = buffer.bytes.iter().take(READ_BYTES).copied().collect();
+    let bytes: Vec<u8> = buffer.bytes.iter().take(READ_BYTES).copied().collect();
+    let n_read = buffer.offset + bytes.len() as u64;
+    progress.n_read.fetch_max(n_read, Ordering::Relaxed);
     drop(buffer);
     progress.bytes_moved.notify_all();
     bytes

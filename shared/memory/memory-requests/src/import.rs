@@ -1,5 +1,6 @@
 //! Import job: validates a complete export file, then merges it batch by batch.
 
+use crate::ahead_decisions::AheadDecisions;
 use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use crate::translate;
 use learning::CategoryName;
@@ -21,14 +22,19 @@ pub(crate) struct ImportRequest {
     renames: BTreeMap<CategoryName, CategoryName>,
     prefix: String,
     is_new: bool,
+    /// Decisions from too far ahead get the present time, and are not left out.
+    restamp: bool,
 }
 
-/// Names of imported categories as they are to be in this memory.
-pub(crate) struct NamesOfImport {
+/// Options of an import: the names of its categories in this memory, and the decisions from too
+/// far ahead.
+pub(crate) struct ImportOptions {
     pub(crate) renames: Vec<(String, String)>,
     pub(crate) prefix: String,
     /// `true` if a new category may have a name like that of another one.
     pub(crate) is_new: bool,
+    /// `true` if decisions from too far ahead get the present time; else they are left out.
+    pub(crate) restamp: bool,
 }
 
 impl ImportRequest {
@@ -37,13 +43,14 @@ impl ImportRequest {
         author: String,
         requester: Requester,
         source: String,
-        names: NamesOfImport,
+        options: ImportOptions,
     ) -> Result<Self, Refusal> {
-        let NamesOfImport {
+        let ImportOptions {
             renames,
             prefix,
             is_new,
-        } = names;
+            restamp,
+        } = options;
         let rename = |(from, to): (String, String)| {
             Ok((translate::category(&from)?, translate::category(&to)?))
         };
@@ -58,6 +65,7 @@ impl ImportRequest {
             renames: renames.into_iter().map(rename).collect::<Result<_, _>>()?,
             prefix,
             is_new,
+            restamp,
         })
     }
 
@@ -73,6 +81,7 @@ impl ImportRequest {
 }
 
 /// Imports the file, or nothing of it if it is invalid or its client goes before it is checked.
+/// Decisions from too far ahead of this clock are left out, or restamped.
 pub(crate) fn run(
     context: &JobContext,
     progress: &Progress,
@@ -80,28 +89,29 @@ pub(crate) fn run(
     request: &ImportRequest,
 ) -> Result<JobOutcome, String> {
     let n_bytes = check(context, file, request, progress)?;
-    let mut reader = open(file)?;
     let mut n_views_changed = 0;
-    let mut n_parts = 0;
+    let mut batches = BatchReader::new(file, request.restamp)?;
     let mut entry = EntryOfImport::default();
-    let mut next = batch_of(&mut reader)?;
+    let mut next = batches.next()?;
     while let Some(batch) = next {
-        next = batch_of(&mut reader)?;
+        next = batches.next()?;
         entry.part.is_continued = next.is_some();
-        let receipt = take_over(context, request, (n_parts, entry.part), batch)?;
+        let receipt = take_over(context, request, batch, entry.part)?;
         entry.follow(receipt.sequence);
         n_views_changed += receipt.n_views;
-        n_parts += 1;
-        progress.set(n_bytes + reader.n_bytes_read(), 2 * n_bytes);
+        progress.set(n_bytes + batches.reader.n_bytes_read(), 2 * n_bytes);
     }
     let position = context.store.position();
     publish_position(&context.position, position);
-    let counts = reader.counts();
+    let (counts, ahead) = (batches.reader.counts(), batches.ahead);
     Ok(JobOutcome::Imported(ImportReport {
         n_views: counts.n_views + counts.n_forgotten,
         n_views_changed,
         n_documents: counts.n_documents,
         sequence: entry.last.unwrap_or(position.sequence),
+        n_left_out: ahead.n_left_out,
+        n_restamped: ahead.n_restamped,
+        ahead: ahead.first,
     }))
 }
 
@@ -119,10 +129,50 @@ impl EntryOfImport {
     }
 }
 
-fn batch_of<R: std::io::Read>(
-    reader: &mut PortableReader<R>,
-) -> Result<Option<PortableBatch>, String> {
-    reader.batch().map_err(|error| error.to_string())
+/// Batch with something to take over.
+struct NumberedBatch {
+    /// Number of the batch in the file.
+    n: u64,
+    /// Present time that it was read at, and that its restamped decisions have.
+    wall_ns: u64,
+    content: PortableBatch,
+}
+
+/// Reader of the batches of an export file that leaves out decisions from too far ahead, or
+/// restamps them.
+struct BatchReader<'a> {
+    reader: PortableReader<BufReader<&'a File>>,
+    n_read: u64,
+    restamp: bool,
+    ahead: AheadDecisions,
+}
+
+impl<'a> BatchReader<'a> {
+    fn new(file: &'a File, restamp: bool) -> Result<Self, String> {
+        Ok(Self {
+            reader: open(file)?,
+            n_read: 0,
+            restamp,
+            ahead: AheadDecisions::default(),
+        })
+    }
+
+    /// Next batch that is not empty; `None` at the end of the file.
+    fn next(&mut self) -> Result<Option<NumberedBatch>, String> {
+        while let Some(mut content) = self.reader.batch().map_err(|error| error.to_string())? {
+            let (n, wall_ns) = (self.n_read, wall_ns());
+            self.n_read += 1;
+            self.ahead.treat(&mut content, self.restamp, wall_ns);
+            if !content.views.is_empty() || !content.documents.is_empty() {
+                return Ok(Some(NumberedBatch {
+                    n,
+                    wall_ns,
+                    content,
+                }));
+            }
+        }
+        Ok(None)
+    }
 }
 
 /// Validates the complete file; returns its length.
@@ -137,7 +187,9 @@ fn check(
     let mut other_kinds = BTreeSet::new();
     let mut n_other = 0;
     let mut names = BTreeSet::new();
-    while let Some(batch) = reader.batch().map_err(|error| error.to_string())? {
+    let (mut ahead, mut n_kept) = (AheadDecisions::default(), 0);
+    while let Some(mut batch) = reader.batch().map_err(|error| error.to_string())? {
+        ahead.treat(&mut batch, request.restamp, wall_ns());
         for view in &batch.views {
             if let Some(name) = view.standing().category() {
                 names.insert(request.name(name)?);
@@ -148,10 +200,19 @@ fn check(
                 other_kinds.insert(other.to_owned());
             }
         }
+        n_kept += batch.views.len() + batch.documents.len();
         progress.set(reader.n_bytes_read(), 2 * n_bytes);
         if progress.is_abandoned() {
             return Err("its client has gone; nothing was taken over".to_owned());
         }
+    }
+    if n_other == 0 && n_kept == 0 && ahead.n_left_out > 0 {
+        return Err(format!(
+            "all that it has was decided more than a day ahead of the clock of this robot, {}; \
+             nothing was taken over, set the clock that is wrong, or import it with --restamp, \
+             which gives these decisions the present time",
+            ahead.n_left_out
+        ));
     }
     if n_other == 0 {
         if !request.is_new {
@@ -181,13 +242,18 @@ fn open(mut file: &File) -> Result<PortableReader<BufReader<&File>>, String> {
     PortableReader::new(BufReader::new(file)).map_err(|error| error.to_string())
 }
 
-/// Imports one batch of views and documents, by its number and its place in the history.
+/// Imports one batch of views and documents, by its place among the entries of the import.
 fn take_over(
     context: &JobContext,
     request: &ImportRequest,
-    (n, part): (u64, ImportPart),
-    mut batch: PortableBatch,
+    batch: NumberedBatch,
+    part: ImportPart,
 ) -> Result<MutationReceipt, String> {
+    let NumberedBatch {
+        n,
+        wall_ns,
+        content: mut batch,
+    } = batch;
     for view in &mut batch.views {
         view.rename(|name| request.name(name).ok());
     }
@@ -197,7 +263,7 @@ fn take_over(
         id: perceptual_memory::MutationId(Digest::of(&id).0),
         author: request.author.clone(),
         requester: request.requester,
-        wall_ns: wall_ns(),
+        wall_ns,
         change: StoreChange::Import {
             source: request.source.clone(),
             views: batch.views,

@@ -29,6 +29,8 @@ pub(crate) struct Progress {
     pub(crate) is_abandoned: AtomicBool,
     pub(crate) outcome: Mutex<Option<JobOutcome>>,
     pub(crate) bytes: Mutex<ExportBuffer>,
+    /// Number of export bytes that were read.
+    pub(crate) n_read: AtomicU64,
     pub(crate) bytes_moved: Condvar,
 }
 

@@ -89,13 +89,15 @@ impl Jobs {
                 renames,
                 prefix,
                 is_new,
+                restamp,
             } => {
-                let names = import::NamesOfImport {
+                let options = import::ImportOptions {
                     renames,
                     prefix,
                     is_new,
+                    restamp,
                 };
-                let request = import::ImportRequest::new(id, author, requester, source, names)?;
+                let request = import::ImportRequest::new(id, author, requester, source, options)?;
                 self.import(job, requester, request)
             }
             other => Err(Refusal::new(
@@ -149,7 +151,7 @@ impl Jobs {
     fn ask(&self, job: u64, requester: Requester) -> Result<Reply, Refusal> {
         let (report, is_over) = self.with(job, requester, |entry| {
             let report = report(job, &entry.progress);
-            let is_over = report.outcome.is_some() && entry.is_complete_once_reported();
+            let is_over = report.outcome.is_some() && !entry.has_bytes_to_read();
             (report, is_over)
         })?;
         if is_over {
@@ -256,10 +258,22 @@ impl Jobs {
 }
 
 impl Job {
-    /// `true` if the job can be removed once its outcome is reported: an export has bytes left to
-    /// read.
-    fn is_complete_once_reported(&self) -> bool {
-        self.kind != JobKind::Export
+    /// `true` for an export that has not failed: its bytes are read after its outcome, and again
+    /// when an answer was lost.
+    fn has_bytes_to_read(&self) -> bool {
+        let has_failed = matches!(*self.progress.outcome.lock(), Some(JobOutcome::Failed(_)));
+        self.kind == JobKind::Export && !has_failed
+    }
+
+    /// `true` for an export of which all bytes were read. It stays for a client that has lost the
+    /// last answer, until another job begins.
+    fn is_delivered(&self) -> bool {
+        match &*self.progress.outcome.lock() {
+            Some(JobOutcome::Exported(report)) => {
+                self.progress.n_read.load(Ordering::Relaxed) >= report.bytes
+            }
+            _ => false,
+        }
     }
 }
 

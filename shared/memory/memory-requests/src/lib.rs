@@ -25,6 +25,7 @@
 //! }
 //! ```
 
+mod ahead_decisions;
 mod change_text;
 mod document_pages;
 mod document_storing;

@@ -12,9 +12,6 @@ use crate::label_status::{DecisionStamp, LabelStatus};
 use crate::view::{CapturedView, MAX_NAME_BYTES, Origin};
 use crate::view_record::ViewParts;
 
-/// Maximum accepted clock difference between two robots: a day. Chosen.
-const MAX_AHEAD_NS: u64 = 24 * 3_600_000_000_000;
-
 /// View exported by another memory.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForeignView {
@@ -60,6 +57,25 @@ impl ForeignView {
         match self {
             Self::Present { view, .. } => Some(&view.descriptor.kind),
             Self::Forgotten { .. } => None,
+        }
+    }
+
+    /// Author and time of the label status; `None` for a view that was never labelled.
+    pub fn decided(&self) -> Option<&DecisionStamp> {
+        match self {
+            Self::Present { decided, .. } => decided.as_ref(),
+            Self::Forgotten { decided, .. } => Some(decided),
+        }
+    }
+
+    /// Gives the decision, if there is one, another time.
+    pub fn restamp(&mut self, stamp_ns: u64) {
+        let decided = match self {
+            Self::Present { decided, .. } => decided.as_mut(),
+            Self::Forgotten { decided, .. } => Some(decided),
+        };
+        if let Some(decided) = decided {
+            decided.stamp_ns = stamp_ns;
         }
     }
 
@@ -121,9 +137,8 @@ impl ForeignDocument {
 
 /// Refuses a decision in the future, which would win over every local one.
 fn check_decided(decided: &DecisionStamp, wall_ns: u64) -> Result<(), StoreRefusal> {
-    let ahead_ns = decided.stamp_ns.saturating_sub(wall_ns);
-    if ahead_ns > MAX_AHEAD_NS {
-        let ahead_h = ahead_ns / 3_600_000_000_000;
+    if decided.is_too_far_ahead(wall_ns) {
+        let ahead_h = (decided.stamp_ns - wall_ns) / 3_600_000_000_000;
         return Err(StoreRefusal::DecidedInTheFuture { ahead_h });
     }
     if decided.author.len() > MAX_NAME_BYTES {

@@ -56,7 +56,16 @@ pub struct DecisionStamp {
     pub stamp_ns: u64,
 }
 
+/// Maximum accepted clock difference between two robots: a day. Chosen.
+const MAX_AHEAD_NS: u64 = 24 * 3_600_000_000_000;
+
 impl DecisionStamp {
+    /// `true` for a decision that is more than a day ahead of a clock, of which an import refuses
+    /// all: it would win over every decision that is made here until then.
+    pub fn is_too_far_ahead(&self, wall_ns: u64) -> bool {
+        self.stamp_ns.saturating_sub(wall_ns) > MAX_AHEAD_NS
+    }
+
     /// Time stamp of a new decision: the present time, but later than the previous stamp, so that a
     /// clock that steps back does not reorder decisions.
     pub(crate) fn after(last_stamp_ns: u64, author: Arc<str>, wall_ns: u64) -> Self {

@@ -27,6 +27,9 @@ pub struct ImportRequest {
     pub prefix: String,
     /// `true` to make new categories, even beside ones whose names look alike.
     pub is_new: bool,
+    /// Decisions from more than a day ahead of the clock of the memory get the present time; false
+    /// leaves them out.
+    pub restamp: bool,
 }
 
 /// Reason why an import has failed.
@@ -60,6 +63,7 @@ pub fn import(
         renames: request.renames,
         prefix: request.prefix,
         is_new: request.is_new,
+        restamp: request.restamp,
     })?;
     let bar = progress_bar(0, "bytes", output);
     let outcome = memory.job_outcome(job, |report| {

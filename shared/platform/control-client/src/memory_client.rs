@@ -7,9 +7,10 @@ use channel::control::SocketClient;
 use message::control::{Command, JobCommand, JobKind, JobOutcome, JobReport, Reply};
 use message::escape_unprintable_lines;
 use service::{CommonArguments, Failure, exit_code};
+use std::io::ErrorKind;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
@@ -46,23 +47,27 @@ impl Drop for OfflineProcess {
 /// If the memory does not exist or this user may not read it.
 pub fn local_memory_folder(common: &CommonArguments) -> Result<PathBuf, Failure> {
     let folder = common.home().perceptual_memory();
-    let Err(error) = std::fs::metadata(folder.join("database")) else {
-        return Ok(folder);
-    };
+    match std::fs::metadata(folder.join("database")) {
+        Ok(_) => Ok(folder),
+        Err(error) => Err(not_there(common, &folder, &error)),
+    }
+}
+
+fn not_there(common: &CommonArguments, folder: &Path, error: &std::io::Error) -> Failure {
     let reason = match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no memory there; name its folder by --home",
-        std::io::ErrorKind::PermissionDenied => {
+        ErrorKind::NotFound => "there is no memory there; name its folder by --home",
+        ErrorKind::PermissionDenied => {
             "it belongs to another user; ask as that user, or let the daemon answer"
         }
         _ => "see that the disk is there",
     };
     let (domain, folder) = (&common.domain, folder.display());
-    Err(Failure::new(
+    Failure::new(
         exit_code::NO_DAEMON,
         format!(
             "no daemon runs in the domain {domain}, and {folder} cannot be opened ({error}): {reason}"
         ),
-    ))
+    )
 }
 
 /// Prints a remark beside the output of the command, which may be the bytes of a document.
@@ -102,12 +107,33 @@ impl MemoryClient {
             return Ok(Self::of_daemon(common, client));
         }
         let folder = local_memory_folder(common)?;
-        let opening = format!(
-            "no daemon runs in the domain {}; opening {}",
+        Self::open_telling(common, "opening", &folder)
+    }
+
+    /// As [`open`](Self::open), but where there is no memory a new one is made.
+    ///
+    /// # Errors
+    /// If there is a memory that this user may not read, or the program cannot be started.
+    pub fn open_or_create(common: &CommonArguments) -> Result<Self, Failure> {
+        if let Some(client) = connect_if_running(common)? {
+            return Ok(Self::of_daemon(common, client));
+        }
+        let folder = common.home().perceptual_memory();
+        match std::fs::metadata(folder.join("database")) {
+            Ok(_) => Self::open_telling(common, "opening", &folder),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                Self::open_telling(common, "making a new memory in", &folder)
+            }
+            Err(error) => Err(not_there(common, &folder, &error)),
+        }
+    }
+
+    fn open_telling(common: &CommonArguments, doing: &str, folder: &Path) -> Result<Self, Failure> {
+        print_aside(&format!(
+            "no daemon runs in the domain {}; {doing} {}",
             common.domain,
             folder.display()
-        );
-        print_aside(&opening);
+        ));
         Self::open_offline(common)
     }
 

@@ -383,6 +383,10 @@ pub enum JobCommand {
         /// True to make new categories, even beside ones whose names look alike.
         #[serde(default)]
         is_new: bool,
+        /// Decisions from too far ahead of this clock get the present time; false leaves them
+        /// out.
+        #[serde(default)]
+        restamp: bool,
     },
 }
 
@@ -489,7 +493,7 @@ pub struct ExportReport {
 }
 
 /// Result of an import.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ImportReport {
     /// Number of views in the imported file.
     pub n_views: u64,
@@ -499,4 +503,25 @@ pub struct ImportReport {
     pub n_documents: u64,
     /// Sequence of the last history entry of the import.
     pub sequence: u64,
+    /// Number of views and documents that were left out, because their decision is from too far
+    /// ahead of this clock.
+    #[serde(default)]
+    pub n_left_out: u64,
+    /// Number of such views and documents that were imported with the present time instead.
+    #[serde(default)]
+    pub n_restamped: u64,
+    /// The first of these views and documents.
+    #[serde(default)]
+    pub ahead: Vec<AheadDecision>,
+}
+
+/// Decision of another memory from too far ahead of this clock.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AheadDecision {
+    /// View or document that was decided, in words.
+    pub what: String,
+    /// Author of the decision.
+    pub author: String,
+    /// Time of the decision, nanoseconds since 1970.
+    pub decided_ns: u64,
 }

@@ -18,12 +18,13 @@ pub(super) const MAX_DOCUMENT_UPLOADS_OF_USER: usize = 4;
 /// a client sends a page in some milliseconds, and one whose connection broke begins again.
 const SILENT_AFTER: Duration = Duration::from_secs(2);
 
-/// Makes room for a job of a user, or refuses it.
+/// Makes room for a job of a user, or refuses it. An export that was read to its end needs none.
 pub(super) fn make_room(
     jobs: &mut BTreeMap<u64, Job>,
     kind: &JobKind,
     owner: Requester,
 ) -> Result<(), Refusal> {
+    jobs.retain(|_, job| !job.is_delivered());
     let is_document = *kind == JobKind::Document;
     let is_alike = |job: &Job| (job.kind == JobKind::Document) == is_document;
     let is_own = |job: &Job| is_alike(job) && job.owner.uid == owner.uid;

@@ -78,6 +78,7 @@ fn document_is_no_import_and_an_import_no_document() {
         source: "a document".into(),
         renames: Vec::new(),
         prefix: String::new(),
+        restamp: false,
     };
     assert_eq!(kind(fixture.answer(import, ANNA)), RefusalKind::Invalid);
     let import = fixture.begin(JobKind::Import, ANNA).unwrap();
