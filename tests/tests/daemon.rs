@@ -5,7 +5,7 @@ use channel::{Domain, DomainName, DomainState, Role, RunFolder};
 use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
-use std::io::{BufRead, BufReader, ErrorKind};
+use std::io::{BufRead, BufReader, ErrorKind, Seek, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
@@ -19,24 +19,11 @@ use tempfile::TempDir;
 pub(crate) const WATCHDOG: Duration = Duration::from_secs(180);
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 
-/// Selection by which cargo gives the dependencies of the programs the features that they have for
-/// the tests, so that no crate is compiled twice.
-const FEATURES_OF_TESTS: [&str; 2] = ["--test", "daemon"];
-
 /// Folder of the programs, built once for all tests.
 static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     let test = std::env::current_exe().unwrap();
     let folder = test.parent().unwrap().parent().unwrap().to_owned();
-    let mut build = Command::new(env!("CARGO"));
-    build.args(["build", "--workspace", "--bins", "--quiet"]);
-    build.args(FEATURES_OF_TESTS);
-    if folder.ends_with("release") {
-        build.arg("--release");
-    }
-    assert!(
-        build.status().unwrap().success(),
-        "the programs could not be built"
-    );
+    once_a_run(&folder, "programs", || build(&folder, &["--bins"]));
     folder
 });
 
@@ -45,30 +32,60 @@ static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
 pub(crate) static FAULTY_PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     const FAULTY: &str = "tabula-perception-faulty";
     let folder = PROGRAMS.join("with-faulty-perception");
-    let mut build = Command::new(env!("CARGO"));
-    let feature = "perception/fault-injection";
-    build.args(["build", "--workspace", "--quiet", "--features", feature]);
-    build.args(["--bin", FAULTY]);
-    build.args(FEATURES_OF_TESTS);
-    if PROGRAMS.ends_with("release") {
-        build.arg("--release");
-    }
-    assert!(build.status().unwrap().success(), "{FAULTY} was not built");
-    std::fs::create_dir_all(&folder).unwrap();
-    for (from, to) in [
-        ("tabula", "tabula"),
-        ("tabula-camera", "tabula-camera"),
-        ("tabula-memory", "tabula-memory"),
-        // `tabula run` checks the configuration of the process that does not run, too.
-        ("tabula-simulator", "tabula-simulator"),
-        (FAULTY, "tabula-perception"),
-    ] {
-        let link = folder.join(to);
-        let _ = std::fs::remove_file(&link);
-        std::fs::hard_link(PROGRAMS.join(from), link).unwrap();
-    }
+    once_a_run(&PROGRAMS, "faulty-programs", || {
+        let feature = "perception/fault-injection";
+        build(&PROGRAMS, &["--features", feature, "--bin", FAULTY]);
+        std::fs::create_dir_all(&folder).unwrap();
+        for (from, to) in [
+            ("tabula", "tabula"),
+            ("tabula-camera", "tabula-camera"),
+            ("tabula-memory", "tabula-memory"),
+            // `tabula run` checks the configuration of the process that does not run, too.
+            ("tabula-simulator", "tabula-simulator"),
+            (FAULTY, "tabula-perception"),
+        ] {
+            let link = folder.join(to);
+            let _ = std::fs::remove_file(&link);
+            std::fs::hard_link(PROGRAMS.join(from), link).unwrap();
+        }
+    });
     folder
 });
+
+/// Builds programs into a folder of the target folder, with the features that they have for the
+/// tests, so that no crate is compiled twice.
+fn build(folder: &Path, selection: &[&str]) {
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--workspace", "--quiet", "--test", "daemon"]);
+    build.args(selection);
+    if folder.ends_with("release") {
+        build.arg("--release");
+    }
+    let status = build.status().unwrap();
+    assert!(status.success(), "{selection:?} could not be built");
+}
+
+/// Runs a step once for all test processes of a run of cargo-nextest, which starts a process for
+/// each test, and once a process otherwise.
+fn once_a_run(folder: &Path, name: &str, step: impl FnOnce()) {
+    let Ok(run) = std::env::var("NEXTEST_RUN_ID") else {
+        return step();
+    };
+    let mut done = std::fs::File::options()
+        .create(true)
+        .truncate(false)
+        .read(true)
+        .write(true)
+        .open(folder.join(format!(".{name}-of-test-run")))
+        .unwrap();
+    done.lock().unwrap();
+    if std::io::read_to_string(&done).unwrap() != run {
+        step();
+        done.set_len(0).unwrap();
+        done.rewind().unwrap();
+        done.write_all(run.as_bytes()).unwrap();
+    }
+}
 
 /// Processes of a daemon with a camera, in the order of their start.
 pub(crate) const WITH_CAMERA: [ProcessKind; 3] = [
