@@ -49,8 +49,8 @@ fn answer(child: Child) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Scene of a box before a camera that stands still; a person turns the box by 30°, twice.
-const TURNED: &str = "
+/// Scene of a box and an apple before a camera that stands still.
+const STILL: &str = "
 seed = 5
 [camera]
 distance_m = 0.9
@@ -62,6 +62,10 @@ yaw_deg = 20.0
 [[object]]
 category = 'apple'
 position_m = [0.3, 0.1]
+";
+
+/// Person who turns the box by 30°, twice.
+const TURNING_PERSON: &str = "
 [person]
 pace = 2.0
 [[person.action]]
@@ -185,7 +189,7 @@ fn stopped_builder_stores_what_it_has_and_a_killed_one_leaves_what_has_grown() {
 #[test]
 fn object_that_a_person_turns_is_seen_from_its_other_sides() {
     let sandbox = Sandbox::new();
-    let daemon = started(&sandbox, TURNED);
+    let daemon = started(&sandbox, &format!("{STILL}{TURNING_PERSON}"));
     let track = tallest(&daemon).to_string();
     let building = build(&sandbox, &[&track, "--name", "box", "--step-deg", "12"]);
     eventually("both turns have ended", || {
@@ -214,21 +218,6 @@ fn turns_deg(shown: &Value) -> Vec<f64> {
     let turn = |view: &Value| (azimuth_deg(view) - first_deg + 540.0).rem_euclid(360.0) - 180.0;
     views.iter().map(turn).collect()
 }
-
-/// Scene of a box and an apple before a camera that stands still.
-const STILL: &str = "
-seed = 5
-[camera]
-distance_m = 0.9
-elevation_deg = 40.0
-[[object]]
-category = 'cereal-box'
-position_m = [0.0, 0.0]
-yaw_deg = 20.0
-[[object]]
-category = 'apple'
-position_m = [0.3, 0.1]
-";
 
 #[test]
 fn name_that_the_object_contradicts_is_refused_and_a_still_camera_has_the_object_turned() {

@@ -10,13 +10,15 @@ const TABLE: [&str; 2] = ["--source", "synthetic:0"];
 const COMPOSED: &str = "caf\u{e9}";
 const DECOMPOSED: &str = "cafe\u{301}";
 
+/// Names of the categories in a document.
 fn categories(document: &Value) -> Vec<String> {
     let categories = document["categories"].as_array().unwrap().iter();
     let names = categories.filter_map(|category| category["category"].as_str());
     names.map(str::to_owned).collect()
 }
 
-fn names(daemon: &Daemon<'_>) -> Vec<String> {
+/// Names of the categories of a daemon.
+pub(crate) fn names(daemon: &Daemon<'_>) -> Vec<String> {
     categories(&daemon.ask(&["categories"]))
 }
 

@@ -1,21 +1,12 @@
 //! Undo and redo by `tabula`: through all kinds of changes, restarts, users and imports, with and
 //! without a daemon.
 
-use crate::daemon::{Daemon, Sandbox};
+use crate::daemon::Sandbox;
+use crate::names::names;
 use crate::skeleton::{id, wait_for_all};
 use serde_json::Value;
 
 const TABLE: [&str; 2] = ["--source", "synthetic:0"];
-
-fn categories(document: &Value) -> Vec<String> {
-    let categories = document["categories"].as_array().unwrap().iter();
-    let names = categories.filter_map(|category| category["category"].as_str());
-    names.map(str::to_owned).collect()
-}
-
-fn names(daemon: &Daemon<'_>) -> Vec<String> {
-    categories(&daemon.ask(&["categories"]))
-}
 
 /// JSON document of `tabula` without a daemon.
 fn offline(sandbox: &Sandbox, arguments: &[&str]) -> Value {
