@@ -2,7 +2,7 @@
 
 use crate::world_report::word;
 use message::control::{Command, EventReport, LearningReport};
-use working_memory::{ActionOutcome, Event, EventKind, TeachingEvent, TeachingKind};
+use working_memory::{Event, EventKind, Lesson, LessonKind, Outcome};
 
 /// World-model event as a wire report.
 pub(crate) fn event(event: &Event) -> EventReport {
@@ -12,7 +12,7 @@ pub(crate) fn event(event: &Event) -> EventReport {
         task_id,
         label,
         sentence,
-    } = EventText::of(&event.happening);
+    } = EventText::of(&event.kind);
     EventReport {
         sequence: event.sequence,
         wall_ns: event.wall_ns,
@@ -26,18 +26,16 @@ pub(crate) fn event(event: &Event) -> EventReport {
 
 /// Learning event of a command, once it is answered; `None` for a command that changes no
 /// label.
-pub(crate) fn lesson(
-    command: &Command,
-) -> Option<impl FnOnce(&LearningReport) -> TeachingEvent + use<>> {
+pub(crate) fn lesson(command: &Command) -> Option<impl FnOnce(&LearningReport) -> Lesson + use<>> {
     let (lesson, track_id, author) = match command {
-        Command::Teach(label) => (TeachingKind::Taught, Some(label.track_id), &label.author),
-        Command::Correct(label) => (TeachingKind::Corrected, Some(label.track_id), &label.author),
-        Command::Forget { author, .. } => (TeachingKind::Forgot, None, author),
+        Command::Teach(label) => (LessonKind::Taught, Some(label.track_id), &label.author),
+        Command::Correct(label) => (LessonKind::Corrected, Some(label.track_id), &label.author),
+        Command::Forget { author, .. } => (LessonKind::Forgot, None, author),
         _ => return None,
     };
     let author = author.clone();
-    Some(move |report: &LearningReport| TeachingEvent {
-        lesson,
+    Some(move |report: &LearningReport| Lesson {
+        kind: lesson,
         category: report.category.clone(),
         track_id,
         author,
@@ -55,9 +53,9 @@ struct EventText {
 }
 
 impl EventText {
-    fn of(happening: &EventKind) -> Self {
-        match happening {
-            EventKind::TeachingEvent(learned) => Self::of_lesson(learned),
+    fn of(kind: &EventKind) -> Self {
+        match kind {
+            EventKind::Lesson(learned) => Self::of_lesson(learned),
             EventKind::ActionEnded {
                 command_id,
                 outcome,
@@ -91,18 +89,18 @@ impl EventText {
         }
     }
 
-    fn of_lesson(learned: &TeachingEvent) -> Self {
-        let TeachingEvent {
+    fn of_lesson(learned: &Lesson) -> Self {
+        let Lesson {
             category,
             track_id,
             author,
             ..
         } = learned;
         let track = track_id.map_or_else(String::new, |track| format!(" track {track} as"));
-        let (event, did) = match learned.lesson {
-            TeachingKind::Taught => ("taught", "taught"),
-            TeachingKind::Corrected => ("corrected", "corrected"),
-            TeachingKind::Forgot => ("forgot", "had forgotten"),
+        let (event, did) = match learned.kind {
+            LessonKind::Taught => ("taught", "taught"),
+            LessonKind::Corrected => ("corrected", "corrected"),
+            LessonKind::Forgot => ("forgot", "had forgotten"),
         };
         Self {
             event: event.to_owned(),
@@ -113,8 +111,8 @@ impl EventText {
         }
     }
 
-    fn of_object(happening: &EventKind) -> Self {
-        let (event, track_id, label, sentence) = match happening {
+    fn of_object(kind: &EventKind) -> Self {
+        let (event, track_id, label, sentence) = match kind {
             EventKind::Appeared {
                 track_id,
                 label,
@@ -172,11 +170,11 @@ fn called(label: Option<&String>) -> &str {
     label.map_or("unknown", String::as_str)
 }
 
-fn ended(outcome: ActionOutcome) -> &'static str {
+fn ended(outcome: Outcome) -> &'static str {
     match outcome {
-        ActionOutcome::Succeeded => "succeeded",
-        ActionOutcome::Failed => "failed",
-        ActionOutcome::Cancelled => "was cancelled",
+        Outcome::Succeeded => "succeeded",
+        Outcome::Failed => "failed",
+        Outcome::Cancelled => "was cancelled",
     }
 }
 
@@ -199,11 +197,11 @@ mod tests {
 
     #[test]
     fn events_have_sentences() {
-        let check = |happening, expected: (&str, &str)| {
+        let check = |kind, expected: (&str, &str)| {
             let event = event(&Event {
                 sequence: 1,
                 wall_ns: 2,
-                happening,
+                kind,
             });
             assert_eq!((event.event.as_str(), event.sentence.as_str()), expected);
         };
@@ -218,23 +216,23 @@ mod tests {
         );
         let failed = EventKind::ActionEnded {
             command_id: 4,
-            outcome: ActionOutcome::Failed,
+            outcome: Outcome::Failed,
             note: "out of reach".into(),
         };
         let sentence = "the arm's command 4 failed: out of reach";
         check(failed, ("action_failed", sentence));
         let learned = |lesson, track_id| {
-            EventKind::TeachingEvent(TeachingEvent {
-                lesson,
+            EventKind::Lesson(Lesson {
+                kind: lesson,
                 category: "mug".into(),
                 track_id,
                 author: "anna".into(),
                 history: 9,
             })
         };
-        let forgot = learned(TeachingKind::Forgot, None);
+        let forgot = learned(LessonKind::Forgot, None);
         check(forgot, ("forgot", "anna had forgotten mug"));
-        let taught = learned(TeachingKind::Taught, Some(7));
+        let taught = learned(LessonKind::Taught, Some(7));
         check(taught, ("taught", "anna taught track 7 as mug"));
         check(EventKind::Started, ("started", "the memory started"));
     }

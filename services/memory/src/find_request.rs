@@ -15,7 +15,7 @@ use referring_expression::{
 };
 use std::path::Path;
 use std::sync::Arc;
-use working_memory::{EventKind, ObjectRecord, TeachingKind, WorldModel};
+use working_memory::{EventKind, LessonKind, ObjectRecord, WorldModel};
 
 /// Folder of the Debian package `wordnet-base`.
 const WORDNET: &str = "/usr/share/wordnet";
@@ -163,8 +163,8 @@ fn certain(scene: &ObjectsReport) -> impl Iterator<Item = &ObjectReport> {
 
 /// Newest lessons of the working memory.
 fn lessons(model: &WorldModel) -> Vec<Lesson> {
-    let lesson = |event: &working_memory::Event| match &event.happening {
-        EventKind::TeachingEvent(taught) if taught.lesson != TeachingKind::Forgot => Some(Lesson {
+    let lesson = |event: &working_memory::Event| match &event.kind {
+        EventKind::Lesson(taught) if taught.kind != LessonKind::Forgot => Some(Lesson {
             track_id: taught.track_id,
             category: taught.category.clone(),
             author: taught.author.clone(),

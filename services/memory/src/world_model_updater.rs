@@ -12,7 +12,7 @@ use message::{
 use service::{Stopwatch, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use working_memory::{ActionOutcome, BoxPose, RobotSighting, Sighting, WorldModel};
+use working_memory::{BoxPose, Outcome, RobotSighting, Sighting, WorldModel};
 
 /// Time without arm states after which the arm counts as absent. Chosen.
 const ARM_SILENCE: Duration = Duration::from_secs(5);
@@ -155,9 +155,9 @@ fn robot(arm: &ArmState) -> Option<RobotSighting<'_>> {
         return None;
     }
     let outcome = match activity {
-        ArmActivity::Idle => Some(ActionOutcome::Succeeded),
-        ArmActivity::Failed => Some(ActionOutcome::Failed),
-        ArmActivity::Stopped => Some(ActionOutcome::Cancelled),
+        ArmActivity::Idle => Some(Outcome::Succeeded),
+        ArmActivity::Failed => Some(Outcome::Failed),
+        ArmActivity::Stopped => Some(Outcome::Cancelled),
         ArmActivity::Moving | ArmActivity::Opening | ArmActivity::Closing => None,
     };
     Some(RobotSighting {
@@ -228,12 +228,9 @@ mod tests {
         };
         let outcome = |activity| robot(&arm(activity)).unwrap().outcome;
         assert_eq!(outcome(ArmActivity::Moving), None);
-        assert_eq!(outcome(ArmActivity::Idle), Some(ActionOutcome::Succeeded));
-        assert_eq!(outcome(ArmActivity::Failed), Some(ActionOutcome::Failed));
-        assert_eq!(
-            outcome(ArmActivity::Stopped),
-            Some(ActionOutcome::Cancelled)
-        );
+        assert_eq!(outcome(ArmActivity::Idle), Some(Outcome::Succeeded));
+        assert_eq!(outcome(ArmActivity::Failed), Some(Outcome::Failed));
+        assert_eq!(outcome(ArmActivity::Stopped), Some(Outcome::Cancelled));
         let broken = ArmState {
             opening_m: f64::NAN,
             ..arm(ArmActivity::Idle)

@@ -6,8 +6,8 @@ use message::control::{
 };
 use message::{SceneTime, TrackState};
 use working_memory::{
-    ActionOutcome, BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Property, Region, Robot,
-    Subject, Task, TaskRefusal, TaskState, Value, Window, WorldModel,
+    BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Outcome, Property, Region, Robot, Subject,
+    Task, TaskRefusal, TaskState, Value, Window, WorldModel,
 };
 
 /// Freshness of the newest scene at the time of a report; all `None` before the first scene.
@@ -56,7 +56,7 @@ fn stale(object: WorldObjectReport) -> WorldObjectReport {
 }
 
 fn object(model: &WorldModel, object: &ObjectRecord) -> WorldObjectReport {
-    let since_ns = |property| model.since_ns(Subject::ObjectRecord(object.track_id), property);
+    let since_ns = |property| model.since_ns(Subject::Object(object.track_id), property);
     WorldObjectReport {
         track_id: object.track_id,
         state: object.state.clone(),
@@ -64,7 +64,7 @@ fn object(model: &WorldModel, object: &ObjectRecord) -> WorldObjectReport {
         label: object.label.clone(),
         label_since_ns: since_ns(Property::Label),
         place: place(&object.place),
-        place_since_ns: since_ns(Property::BoxPose).unwrap_or(object.first_seen_ns),
+        place_since_ns: since_ns(Property::Place).unwrap_or(object.first_seen_ns),
         first_seen_ns: object.first_seen_ns,
         last_seen_ns: object.last_seen_ns,
     }
@@ -106,7 +106,7 @@ pub(crate) fn query(filter: FactFilter) -> Result<FactQuery, Refusal> {
     }
     let region = filter.region.map(region).transpose().map_err(invalid)?;
     Ok(FactQuery {
-        subject: filter.track_id.map(Subject::ObjectRecord),
+        subject: filter.track_id.map(Subject::Object),
         label: filter.label,
         region,
         window: Some(window),
@@ -143,7 +143,7 @@ pub(crate) fn facts(page: &FactPage) -> FactsReport {
 
 fn fact(fact: &Fact) -> FactReport {
     let (subject, track_id, task_id) = match fact.subject {
-        Subject::ObjectRecord(track_id) => ("object", Some(track_id), None),
+        Subject::Object(track_id) => ("object", Some(track_id), None),
         Subject::Robot => ("robot", None, None),
         Subject::Task(task) => ("task", None, Some(task)),
     };
@@ -151,12 +151,12 @@ fn fact(fact: &Fact) -> FactReport {
     let (property, value) = match &fact.value {
         Value::State(state) => ("state", Some(state.clone())),
         Value::Label(label) => ("label", Some(label.clone())),
-        Value::BoxPose(_) => ("place", None),
+        Value::Place(_) => ("place", None),
         Value::Activity(activity) => ("activity", Some(activity.clone())),
         Value::Holding(is_holding) => ("holding", Some(word(*is_holding).to_owned())),
     };
     let place = match &fact.value {
-        Value::BoxPose(known) => Some(place(known)),
+        Value::Place(known) => Some(place(known)),
         _ => None,
     };
     FactReport {
@@ -195,20 +195,20 @@ pub(crate) fn task(task: &Task) -> TaskReport {
     }
 }
 
-pub(crate) fn word(outcome: ActionOutcome) -> &'static str {
+pub(crate) fn word(outcome: Outcome) -> &'static str {
     match outcome {
-        ActionOutcome::Succeeded => "succeeded",
-        ActionOutcome::Failed => "failed",
-        ActionOutcome::Cancelled => "cancelled",
+        Outcome::Succeeded => "succeeded",
+        Outcome::Failed => "failed",
+        Outcome::Cancelled => "cancelled",
     }
 }
 
 /// Outcome of a task in the working memory's own type.
-pub(crate) fn outcome(outcome: TaskOutcome) -> ActionOutcome {
+pub(crate) fn outcome(outcome: TaskOutcome) -> Outcome {
     match outcome {
-        TaskOutcome::Succeeded => ActionOutcome::Succeeded,
-        TaskOutcome::Failed => ActionOutcome::Failed,
-        TaskOutcome::Cancelled => ActionOutcome::Cancelled,
+        TaskOutcome::Succeeded => Outcome::Succeeded,
+        TaskOutcome::Failed => Outcome::Failed,
+        TaskOutcome::Cancelled => Outcome::Cancelled,
     }
 }
 

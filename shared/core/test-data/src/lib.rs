@@ -1,4 +1,4 @@
-//! Development data for tests and benchmarks: recorded scenes, views and models.
+//! Data of tests and benchmarks: recorded scenes, views and models, and golden files.
 //!
 //! The data are in the folder named by the environment variable `TABULA_DATA`, by default
 //! `../shared/data` beside the workspace. A test that needs them is marked
@@ -11,6 +11,8 @@
 //! ```
 //! assert!(test_data::find("no-such-folder").is_none());
 //! ```
+
+pub mod golden;
 
 use std::path::{Path, PathBuf};
 

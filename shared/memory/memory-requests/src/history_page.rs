@@ -149,7 +149,7 @@ fn with_operation(mut report: HistoryReport, operation: &Operation) -> HistoryRe
 
 fn set_target(report: &mut HistoryReport, target: &Target) {
     match target {
-        Target::CapturedView(view) => report.view = Some(translate::view_id(*view)),
+        Target::View(view) => report.view = Some(translate::view_id(*view)),
         Target::Track(track_id) => report.track_id = Some(*track_id),
         Target::Category(name) => report.category = Some(name.to_string()),
     }

@@ -16,7 +16,7 @@ pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Re
             format!("track {track_id}"),
         ),
         RevisionChange::ForgetView { view } => {
-            let target = Target::CapturedView(translate::local_id(view));
+            let target = Target::View(translate::local_id(view));
             let about = target.to_string();
             (StoreChange::Forget(target), about)
         }
@@ -25,7 +25,7 @@ pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Re
             category: name,
             is_new,
         } => {
-            let target = Target::CapturedView(translate::local_id(view));
+            let target = Target::View(translate::local_id(view));
             let category = category(&name)?;
             let change = StoreChange::Correct { target, category };
             (allowing_alike(is_new, change), name)

@@ -184,7 +184,7 @@ fn forget(index: &StoreIndex, target: &Target) -> Result<Decision, StoreRefusal>
     let after = match target {
         // Only the label is removed: the views stay and can be taught again.
         Target::Category(_) => LabelStatus::Unnamed,
-        Target::Track(_) | Target::CapturedView(_) => LabelStatus::Forgotten,
+        Target::Track(_) | Target::View(_) => LabelStatus::Forgotten,
     };
     let operation = Operation::Forget {
         target: target.clone(),
@@ -250,7 +250,7 @@ fn of_target<'a>(index: &'a StoreIndex, target: &Target) -> Result<Views<'a>, St
             }
             .into(),
         ),
-        Target::CapturedView(view) => {
+        Target::View(view) => {
             let entry = index.get(*view);
             let entry = entry.filter(|entry| entry.register.standing != LabelStatus::Forgotten);
             (

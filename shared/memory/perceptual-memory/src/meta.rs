@@ -19,8 +19,8 @@ pub struct StoreId(pub u128);
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Meta {
     pub(crate) schema: u32,
-    store_id: ByteArray<16>,
-    memory_id: ByteArray<16>,
+    pub(crate) store_id: ByteArray<16>,
+    pub(crate) memory_id: ByteArray<16>,
     /// Track-id counter: first id that was never leased. Ids begin at one.
     pub(crate) next_track_id: u64,
     /// Sequence number of the last history entry.

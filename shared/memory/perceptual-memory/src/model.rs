@@ -17,7 +17,8 @@ use crate::label_status::{DecisionStamp, LabelStatus};
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// One view, by its id.
-    CapturedView(ViewId),
+    #[serde(rename = "captured_view")]
+    View(ViewId),
     /// All views of a track, by its track-id.
     Track(u64),
     /// All views of a category.
@@ -27,7 +28,7 @@ pub enum Target {
 impl fmt::Display for Target {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::CapturedView(view) => write!(f, "{}", crate::view_phrase::view_phrase(*view)),
+            Self::View(view) => write!(f, "{}", crate::view_phrase::view_phrase(*view)),
             Self::Track(track_id) => write!(f, "track {track_id}"),
             Self::Category(name) => write!(f, "the category {name}"),
         }

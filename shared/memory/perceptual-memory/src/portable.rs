@@ -247,7 +247,7 @@ pub struct PortableReader<R> {
 }
 
 enum PortableItem {
-    CapturedView(ForeignView),
+    View(ForeignView),
     Document(ForeignDocument),
 }
 
@@ -301,7 +301,7 @@ impl<R: Read> PortableReader<R> {
             && n_bytes < MAX_BATCH_BYTES / 4
         {
             match self.item()? {
-                Some(PortableItem::CapturedView(view)) => {
+                Some(PortableItem::View(view)) => {
                     n_bytes += view.n_large_bytes();
                     batch.views.push(view);
                 }
@@ -330,12 +330,12 @@ impl<R: Read> PortableReader<R> {
             VIEW => {
                 self.counts.n_views += 1;
                 let view = view_of(decode(&body).map_err(damaged)?).map_err(damaged)?;
-                Ok(Some(PortableItem::CapturedView(view)))
+                Ok(Some(PortableItem::View(view)))
             }
             FORGOTTEN => {
                 self.counts.n_forgotten += 1;
                 let ForgottenBody { identity, decided } = decode(&body).map_err(damaged)?;
-                Ok(Some(PortableItem::CapturedView(ForeignView::Forgotten {
+                Ok(Some(PortableItem::View(ForeignView::Forgotten {
                     identity,
                     decided,
                 })))

@@ -30,7 +30,7 @@ impl SizeRecord {
         last.is_none_or(|(ns, _)| !(*ns..ns.saturating_add(PERIOD_NS)).contains(&wall_ns))
     }
 
-    fn add(&mut self, wall_ns: u64, n_bytes: u64) {
+    pub(crate) fn add(&mut self, wall_ns: u64, n_bytes: u64) {
         // Samples from the future are those of a clock that was wrong.
         self.samples.retain(|(ns, _)| *ns < wall_ns);
         self.samples.push((wall_ns, n_bytes));

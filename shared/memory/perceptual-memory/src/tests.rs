@@ -1,5 +1,6 @@
-//! Tests of the whole crate under power cuts and write errors.
+//! Tests of the whole crate: power cuts, write errors, stored bytes.
 
 mod fuzz_records;
+mod golden;
 mod power_loss;
 mod read_only;

@@ -69,7 +69,7 @@ impl PerceptualMemory {
         };
         let is_meant = |view: ViewId, entry: &IndexedView| match of {
             None => true,
-            Some(Target::CapturedView(meant)) => view == *meant,
+            Some(Target::View(meant)) => view == *meant,
             Some(Target::Track(track_id)) => view.track_id == *track_id,
             Some(Target::Category(_)) => entry.register.standing.category() == category,
         };

@@ -10,7 +10,8 @@ pub struct Event {
     /// Time at which the event was detected, nanoseconds since 1970.
     pub wall_ns: u64,
     /// Kind and details of the event.
-    pub happening: EventKind,
+    #[serde(rename = "happening")]
+    pub kind: EventKind,
 }
 
 /// Kinds of events in the world model.
@@ -63,13 +64,15 @@ pub enum EventKind {
         sentence: String,
     },
     /// Teaching event: a label was taught, corrected or forgotten.
-    TeachingEvent(TeachingEvent),
+    /// Lesson: a label was taught, corrected or forgotten.
+    #[serde(rename = "TeachingEvent")]
+    Lesson(Lesson),
     /// End of an action of the robot arm.
     ActionEnded {
         /// Number of the robot command that ended.
         command_id: u64,
         /// Outcome of the robot action.
-        outcome: ActionOutcome,
+        outcome: Outcome,
         /// Reason of a failure; empty on success.
         note: String,
     },
@@ -87,17 +90,18 @@ pub enum EventKind {
         /// Kind of the ended task.
         kind: String,
         /// Outcome of the task.
-        outcome: ActionOutcome,
+        outcome: Outcome,
         /// Reason for the task's outcome.
         reason: String,
     },
 }
 
-/// Details of a teaching event.
+/// Lesson of a person: the label of an object or a category changed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct TeachingEvent {
-    /// Kind of the teaching event.
-    pub lesson: TeachingKind,
+pub struct Lesson {
+    /// Kind of the lesson.
+    #[serde(rename = "lesson")]
+    pub kind: LessonKind,
     /// Category that was taught, corrected or forgotten.
     pub category: String,
     /// Track-id; `None` if a whole category was forgotten.
@@ -108,9 +112,9 @@ pub struct TeachingEvent {
     pub history: u64,
 }
 
-/// Kinds of teaching events.
+/// Kinds of lessons.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum TeachingKind {
+pub enum LessonKind {
     /// Label taught to an object.
     Taught,
     /// Label of an object corrected.
@@ -121,7 +125,7 @@ pub enum TeachingKind {
 
 /// Result of an action or a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum ActionOutcome {
+pub enum Outcome {
     /// Action or task succeeded.
     Succeeded,
     /// Action or task failed.

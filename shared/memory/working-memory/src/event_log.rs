@@ -17,11 +17,11 @@ pub(crate) struct EventLog {
 }
 
 impl EventLog {
-    pub(crate) fn add(&mut self, happening: EventKind, now_ns: u64, dirty: &mut DirtySet) {
+    pub(crate) fn add(&mut self, kind: EventKind, now_ns: u64, dirty: &mut DirtySet) {
         let event = Event {
             sequence: self.newest + 1,
             wall_ns: now_ns,
-            happening,
+            kind,
         };
         dirty.add(RecordKey::Event(event.sequence));
         dirty.add(RecordKey::Meta);

@@ -9,7 +9,8 @@ use crate::world_config::WorldConfig;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Subject {
     /// Object as the subject, by its track-id.
-    ObjectRecord(u64),
+    #[serde(rename = "ObjectRecord")]
+    Object(u64),
     /// Robot as the subject.
     Robot,
     /// Task as the subject, by its number.
@@ -24,7 +25,7 @@ pub enum Property {
     /// Label of an object; there is no such fact while the object is unknown.
     Label,
     /// Pose and size of an object's box.
-    BoxPose,
+    Place,
     /// Activity of the robot.
     Activity,
     /// Gripper state of the robot: holding something or not.
@@ -38,8 +39,9 @@ pub enum Value {
     State(String),
     /// Value of [`Property::Label`].
     Label(String),
-    /// Value of [`Property::BoxPose`].
-    BoxPose(BoxPose),
+    /// Value of [`Property::Place`].
+    #[serde(rename = "BoxPose")]
+    Place(BoxPose),
     /// Value of [`Property::Activity`].
     Activity(String),
     /// Value of [`Property::Holding`].
@@ -51,7 +53,7 @@ pub enum Value {
 pub(crate) enum ValueRef<'a> {
     State(&'a str),
     Label(&'a str),
-    BoxPose(&'a BoxPose),
+    Place(&'a BoxPose),
     Activity(&'a str),
     Holding(bool),
 }
@@ -92,7 +94,7 @@ impl Value {
         match self {
             Self::State(state) => ValueRef::State(state),
             Self::Label(label) => ValueRef::Label(label),
-            Self::BoxPose(place) => ValueRef::BoxPose(place),
+            Self::Place(place) => ValueRef::Place(place),
             Self::Activity(activity) => ValueRef::Activity(activity),
             Self::Holding(is_holding) => ValueRef::Holding(*is_holding),
         }
@@ -104,7 +106,7 @@ impl ValueRef<'_> {
         match self {
             Self::State(_) => Property::State,
             Self::Label(_) => Property::Label,
-            Self::BoxPose(_) => Property::BoxPose,
+            Self::Place(_) => Property::Place,
             Self::Activity(_) => Property::Activity,
             Self::Holding(_) => Property::Holding,
         }
@@ -114,7 +116,7 @@ impl ValueRef<'_> {
         match self {
             Self::State(state) => Value::State(state.to_owned()),
             Self::Label(label) => Value::Label(label.to_owned()),
-            Self::BoxPose(place) => Value::BoxPose(*place),
+            Self::Place(place) => Value::Place(*place),
             Self::Activity(activity) => Value::Activity(activity.to_owned()),
             Self::Holding(is_holding) => Value::Holding(is_holding),
         }
@@ -123,7 +125,7 @@ impl ValueRef<'_> {
     /// `true` if the value equals the known one within the thresholds of the configuration.
     pub(crate) fn matches_value(self, value: &Value, config: &WorldConfig) -> bool {
         match (self, value) {
-            (Self::BoxPose(place), Value::BoxPose(known)) => {
+            (Self::Place(place), Value::Place(known)) => {
                 !place.has_moved_from(known, config) && !place.has_other_size_than(known, config)
             }
             _ => self == value.as_value_ref(),
@@ -179,9 +181,8 @@ mod tests {
             seen_period_ns: 0,
             write_buffer_bytes: 4 << 20,
         };
-        let known = Value::BoxPose(place(0.0, 0.0, 0.1));
-        let matches_value =
-            |place: BoxPose| ValueRef::BoxPose(&place).matches_value(&known, &config);
+        let known = Value::Place(place(0.0, 0.0, 0.1));
+        let matches_value = |place: BoxPose| ValueRef::Place(&place).matches_value(&known, &config);
         assert!(matches_value(place(0.019, 0.29, 0.119)));
         assert!(!matches_value(place(0.021, 0.0, 0.1)));
         assert!(!matches_value(place(0.0, -0.31, 0.1)));

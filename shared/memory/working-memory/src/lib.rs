@@ -76,11 +76,13 @@ mod world_model;
 mod world_thread;
 
 #[cfg(test)]
+mod golden_tests;
+#[cfg(test)]
 mod tests;
 
 pub use durable_leveldb::{MutationId, WRITE_BUFFER_BYTES};
 pub use error::{Error, StorageError};
-pub use event::{ActionOutcome, Event, EventKind, TeachingEvent, TeachingKind};
+pub use event::{Event, EventKind, Lesson, LessonKind, Outcome};
 pub use fact::{BoxPose, Fact, Property, Subject, Value};
 pub use object::{ObjectRecord, Sighting};
 pub use query::{FactPage, FactQuery, Region, Window};

@@ -141,7 +141,7 @@ fn wanted_intervals(table: &FactTable, query: &FactQuery, subject: Subject) -> V
         wanted = common(&wanted, &when(&is_called));
     }
     if let Some(region) = &query.region {
-        let is_there = |value: &Value| matches!(value, Value::BoxPose(place) if region.contains(&place.position_m));
+        let is_there = |value: &Value| matches!(value, Value::Place(place) if region.contains(&place.position_m));
         wanted = common(&wanted, &when(&is_there));
     }
     wanted

@@ -9,7 +9,7 @@ pub(crate) enum RecordKey {
     /// Robot record: `r`.
     Robot,
     /// Object record: `o`, track-id.
-    ObjectRecord(u64),
+    Object(u64),
     /// Fact record: `f`, number.
     Fact(u64),
     /// Event record: `e`, sequence number.
@@ -23,7 +23,7 @@ impl RecordKey {
         let (table, number) = match self {
             Self::Meta => return vec![b'm'],
             Self::Robot => return vec![b'r'],
-            Self::ObjectRecord(number) => (b'o', number),
+            Self::Object(number) => (b'o', number),
             Self::Fact(number) => (b'f', number),
             Self::Event(number) => (b'e', number),
             Self::Task(number) => (b't', number),
@@ -45,7 +45,7 @@ impl RecordKey {
         }
         let number = u64::from_be_bytes(number.try_into().ok()?);
         match table {
-            b'o' => Some(Self::ObjectRecord(number)),
+            b'o' => Some(Self::Object(number)),
             b'f' => Some(Self::Fact(number)),
             b'e' => Some(Self::Event(number)),
             b't' => Some(Self::Task(number)),
@@ -70,7 +70,7 @@ mod tests {
     proptest! {
         #[test]
         fn keys_keep_content_and_order(a in any::<u64>(), b in any::<u64>()) {
-            for entry in [RecordKey::ObjectRecord(a), RecordKey::Fact(a), RecordKey::Event(a), RecordKey::Task(a)] {
+            for entry in [RecordKey::Object(a), RecordKey::Fact(a), RecordKey::Event(a), RecordKey::Task(a)] {
                 prop_assert_eq!(RecordKey::of(&entry.key()), Some(entry));
             }
             prop_assert_eq!(RecordKey::Fact(a).key().cmp(&RecordKey::Fact(b).key()), a.cmp(&b));

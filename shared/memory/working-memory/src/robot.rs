@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::event::ActionOutcome;
+use crate::event::Outcome;
 
 /// State report of the robot arm.
 #[derive(Debug, Clone, Copy)]
@@ -10,7 +10,7 @@ pub struct RobotSighting<'a> {
     /// Present activity of the arm.
     pub activity: &'a str,
     /// Result of the last command; `None` while it runs.
-    pub outcome: Option<ActionOutcome>,
+    pub outcome: Option<Outcome>,
     /// Number of the running or last command; zero before the first.
     pub command_id: u64,
     /// Failure reason of the last command; empty otherwise.
@@ -35,7 +35,7 @@ pub struct Robot {
     /// Number of the running or last command; zero before the first.
     pub command_id: u64,
     /// Result of the last command; `None` while it runs.
-    pub outcome: Option<ActionOutcome>,
+    pub outcome: Option<Outcome>,
     /// Failure reason of the last command; empty otherwise.
     pub note: String,
     /// `true` if the gripper holds something.

@@ -36,7 +36,7 @@ impl WorldModel {
             }
             Some(_) => self.record_changes(sighting, now_ns),
         };
-        let (subject, config) = (Subject::ObjectRecord(track_id), &self.config);
+        let (subject, config) = (Subject::Object(track_id), &self.config);
         let (facts, dirty) = (&mut self.facts, &mut self.dirty);
         facts.assert_fact(
             subject,
@@ -53,7 +53,7 @@ impl WorldModel {
         }
         facts.assert_fact(
             subject,
-            ValueRef::BoxPose(&sighting.place),
+            ValueRef::Place(&sighting.place),
             now_ns,
             config,
             dirty,
@@ -68,7 +68,7 @@ impl WorldModel {
             let unwritten_ns = object.last_seen_ns.abs_diff(object.noted_seen_ns);
             if has_changed || unwritten_ns >= self.config.seen_period_ns {
                 object.noted_seen_ns = object.last_seen_ns;
-                dirty.add(RecordKey::ObjectRecord(track_id));
+                dirty.add(RecordKey::Object(track_id));
             }
         }
     }
@@ -106,10 +106,9 @@ impl WorldModel {
     }
 
     fn record_motion(&mut self, sighting: &Sighting<'_>, now_ns: u64) -> bool {
-        let subject = Subject::ObjectRecord(sighting.track_id);
-        let known = self.facts.holding(subject, Property::BoxPose);
-        let Some((Value::BoxPose(place), start_ns)) =
-            known.map(|fact| (&fact.value, fact.start_ns))
+        let subject = Subject::Object(sighting.track_id);
+        let known = self.facts.holding(subject, Property::Place);
+        let Some((Value::Place(place), start_ns)) = known.map(|fact| (&fact.value, fact.start_ns))
         else {
             return false;
         };
@@ -138,8 +137,8 @@ impl WorldModel {
 
     /// Ends an object and all facts about it.
     pub(crate) fn end_object(&mut self, track_id: u64, end_ns: u64) {
-        for property in [Property::State, Property::Label, Property::BoxPose] {
-            let subject = Subject::ObjectRecord(track_id);
+        for property in [Property::State, Property::Label, Property::Place] {
+            let subject = Subject::Object(track_id);
             self.facts
                 .retract(subject, property, end_ns, &mut self.dirty);
         }
@@ -147,7 +146,7 @@ impl WorldModel {
         if let Some(object) = self.objects.get_mut(&track_id) {
             object.gone_ns = Some(end_ns);
             self.gone.insert(end_ns, track_id);
-            self.dirty.add(RecordKey::ObjectRecord(track_id));
+            self.dirty.add(RecordKey::Object(track_id));
         }
     }
 }

@@ -3,7 +3,7 @@
 use durable_leveldb::MutationId;
 use serde::{Deserialize, Serialize};
 
-use crate::event::ActionOutcome;
+use crate::event::Outcome;
 
 /// Maximum length of a task kind, bytes.
 const MAX_KIND_BYTES: usize = 64;
@@ -33,7 +33,7 @@ pub struct TaskEnd {
     /// Number of the robot task that ends.
     pub task: u64,
     /// Outcome of the robot task.
-    pub outcome: ActionOutcome,
+    pub outcome: Outcome,
     /// Reason for the outcome, at most 2048 bytes.
     pub reason: String,
 }
@@ -64,7 +64,7 @@ pub enum TaskState {
     /// Task has ended.
     Ended {
         /// Outcome of the ended task.
-        outcome: ActionOutcome,
+        outcome: Outcome,
         /// Reason for the task's outcome.
         reason: String,
         /// End time, nanoseconds since 1970, not before the start.

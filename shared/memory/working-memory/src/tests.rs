@@ -122,17 +122,17 @@ impl NaiveModel {
 
     fn scene(&mut self, seen: &[ObservedObject], is_whole: bool, now_ns: u64) {
         for &(track, state, label, x) in seen {
-            let subject = Subject::ObjectRecord(track);
+            let subject = Subject::Object(track);
             self.set(subject, Value::State(STATES[state].to_owned()), now_ns);
             match LABELS[label] {
                 Some(label) => self.set(subject, Value::Label(label.to_owned()), now_ns),
                 None => self.end(subject, Property::Label, now_ns),
             }
-            self.set(subject, Value::BoxPose(place(x)), now_ns);
+            self.set(subject, Value::Place(place(x)), now_ns);
         }
         for track in (1..4).filter(|track| is_whole && seen.iter().all(|seen| seen.0 != *track)) {
-            for property in [Property::State, Property::Label, Property::BoxPose] {
-                self.end(Subject::ObjectRecord(track), property, now_ns);
+            for property in [Property::State, Property::Label, Property::Place] {
+                self.end(Subject::Object(track), property, now_ns);
             }
         }
     }
@@ -214,7 +214,7 @@ impl NaiveModel {
         let there: Vec<&Fact> = match &query.region {
             None => vec![fact],
             Some(region) => {
-                let so = |fact: &&Fact| matches!(&fact.value, Value::BoxPose(place) if region.contains(&place.position_m));
+                let so = |fact: &&Fact| matches!(&fact.value, Value::Place(place) if region.contains(&place.position_m));
                 self.facts.iter().filter(of_subject).filter(so).collect()
             }
         };
@@ -294,7 +294,7 @@ fn play(steps: &[WorldStep]) -> (WorldModel, NaiveModel, u64) {
                 let end = TaskEnd {
                     id: MutationId(*id),
                     task: *task,
-                    outcome: ActionOutcome::Failed,
+                    outcome: Outcome::Failed,
                     reason: String::new(),
                 };
                 let has_ended = model.end_task(&end, now_ns).is_ok();
@@ -311,7 +311,7 @@ fn play(steps: &[WorldStep]) -> (WorldModel, NaiveModel, u64) {
 fn queries() -> impl Strategy<Value = FactQuery> {
     let subject = prop_oneof![
         3 => Just(None),
-        2 => (1..4_u64).prop_map(|track| Some(Subject::ObjectRecord(track))),
+        2 => (1..4_u64).prop_map(|track| Some(Subject::Object(track))),
         1 => Just(Some(Subject::Robot)),
     ];
     let label = prop::option::of(prop_oneof![Just("mug".to_owned()), Just("bowl".to_owned())]);
@@ -396,7 +396,7 @@ proptest! {
 fn kinds(model: &WorldModel, since: u64) -> Vec<EventKind> {
     model
         .events_since(since)
-        .map(|event| event.happening.clone())
+        .map(|event| event.kind.clone())
         .collect()
 }
 
@@ -469,7 +469,7 @@ fn action_end_is_one_event() {
         model.observe_robot(&sighting, SECOND);
         kinds(&model, newest)
     };
-    let succeeded = Some(ActionOutcome::Succeeded);
+    let succeeded = Some(Outcome::Succeeded);
     assert_eq!(tell(3, succeeded), [], "it was over before");
     assert_eq!(tell(4, None), []);
     let ended = |command_id, outcome| {
@@ -479,20 +479,17 @@ fn action_end_is_one_event() {
             note: String::new(),
         }]
     };
-    assert_eq!(tell(4, succeeded), ended(4, ActionOutcome::Succeeded));
+    assert_eq!(tell(4, succeeded), ended(4, Outcome::Succeeded));
     assert_eq!(tell(4, succeeded), []);
     // Too short to be seen at work.
-    assert_eq!(
-        tell(5, Some(ActionOutcome::Failed)),
-        ended(5, ActionOutcome::Failed)
-    );
+    assert_eq!(tell(5, Some(Outcome::Failed)), ended(5, Outcome::Failed));
 }
 
 #[test]
 fn teaching_is_one_event() {
     let mut model = WorldModel::new(CONFIG);
-    let learned = |history| TeachingEvent {
-        lesson: TeachingKind::Taught,
+    let learned = |history| Lesson {
+        kind: LessonKind::Taught,
         category: "mug".to_owned(),
         track_id: Some(7),
         author: "anna".to_owned(),
@@ -503,7 +500,7 @@ fn teaching_is_one_event() {
     }
     assert_eq!(
         kinds(&model, 0),
-        [1, 2].map(|history| EventKind::TeachingEvent(learned(history)))
+        [1, 2].map(|history| EventKind::Lesson(learned(history)))
     );
 }
 

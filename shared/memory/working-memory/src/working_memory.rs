@@ -22,11 +22,11 @@ const BATCH_RECORDS: usize = 2048;
 
 /// Metadata record: schema and last used numbers, which are never reused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-struct WorkingMeta {
-    schema: u32,
-    newest_fact: u64,
-    newest_event: u64,
-    newest_task: u64,
+pub(crate) struct WorkingMeta {
+    pub(crate) schema: u32,
+    pub(crate) newest_fact: u64,
+    pub(crate) newest_event: u64,
+    pub(crate) newest_task: u64,
 }
 
 /// Database of the working memory, open in one process. After an error it is closed and opened
@@ -260,7 +260,7 @@ impl ModelLoader {
         match RecordKey::of(key).ok_or("its key is none")? {
             RecordKey::Meta => self.meta = Some(unseal(key, record)?),
             RecordKey::Robot => self.model.robot = Some(unseal(key, record)?),
-            RecordKey::ObjectRecord(_) => self.model.insert_object(unseal(key, record)?),
+            RecordKey::Object(_) => self.model.insert_object(unseal(key, record)?),
             RecordKey::Fact(_) => self.model.facts.insert(unseal(key, record)?),
             RecordKey::Event(_) => self.model.events.insert(unseal(key, record)?),
             RecordKey::Task(_) => self.model.tasks.insert(unseal(key, record)?),
@@ -325,7 +325,7 @@ impl WorldModel {
                 Some(seal(key, &meta))
             }
             RecordKey::Robot => self.robot.as_ref().map(|robot| seal(key, robot)),
-            RecordKey::ObjectRecord(id) => self.objects.get(&id).map(|object| seal(key, object)),
+            RecordKey::Object(id) => self.objects.get(&id).map(|object| seal(key, object)),
             RecordKey::Fact(number) => self.facts.get(number).map(|fact| seal(key, fact)),
             RecordKey::Event(sequence) => self.events.get(sequence).map(|event| seal(key, event)),
             RecordKey::Task(number) => self.tasks.get(number).map(|task| seal(key, task)),
@@ -342,7 +342,7 @@ impl WorldModel {
     }
 
     fn entries(&self) -> impl Iterator<Item = RecordKey> {
-        let objects = self.objects.keys().map(|id| RecordKey::ObjectRecord(*id));
+        let objects = self.objects.keys().map(|id| RecordKey::Object(*id));
         let facts = self.facts.all().map(|fact| RecordKey::Fact(fact.number));
         let events = self
             .events

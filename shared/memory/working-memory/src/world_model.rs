@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::dirty_set::DirtySet;
-use crate::event::{Event, EventKind, TeachingEvent};
+use crate::event::{Event, EventKind, Lesson};
 use crate::event_log::EventLog;
 use crate::expiry_queue::ExpiryQueue;
 use crate::fact::{Property, Subject};
@@ -64,13 +64,13 @@ impl WorldModel {
     }
 
     /// Records a teaching event, once per history entry of the perceptual memory.
-    pub fn record_teaching(&mut self, learned: TeachingEvent, now_ns: u64) {
-        let is_this = |event: &Event| match &event.happening {
-            EventKind::TeachingEvent(known) => known.history == learned.history,
+    pub fn record_teaching(&mut self, learned: Lesson, now_ns: u64) {
+        let is_this = |event: &Event| match &event.kind {
+            EventKind::Lesson(known) => known.history == learned.history,
             _ => false,
         };
         if !self.events.all().rev().any(is_this) {
-            let learned = EventKind::TeachingEvent(learned);
+            let learned = EventKind::Lesson(learned);
             self.events.add(learned, now_ns, &mut self.dirty);
         }
     }
@@ -101,7 +101,7 @@ impl WorldModel {
         let (keep_ns, n_most) = (config.keep_ns, config.n_kept_most);
         if let Some(track_id) = self.gone.take(now_ns, keep_ns, n_most) {
             self.objects.remove(&track_id);
-            dirty.add(RecordKey::ObjectRecord(track_id));
+            dirty.add(RecordKey::Object(track_id));
             return true;
         }
         self.facts.expire(now_ns, config, dirty)
@@ -164,7 +164,7 @@ impl WorldModel {
     /// before the end.
     pub(crate) fn mark_present_dirty(&mut self) {
         for track_id in &self.present {
-            self.dirty.add(RecordKey::ObjectRecord(*track_id));
+            self.dirty.add(RecordKey::Object(*track_id));
         }
         if self.robot.is_some() {
             self.dirty.add(RecordKey::Robot);

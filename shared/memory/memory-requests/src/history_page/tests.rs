@@ -63,7 +63,7 @@ fn history_report_has_the_fields_of_its_operation() {
         track_id: 3,
         view_id: 7,
     };
-    let target = Target::CapturedView(view);
+    let target = Target::View(view);
     let forgotten = empty(4, &Operation::Forget { target });
     assert_eq!(forgotten.view, Some(translate::view_id(view)));
     let undo = |redone| Operation::Undo {

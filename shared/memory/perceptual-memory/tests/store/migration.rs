@@ -13,14 +13,20 @@ use tempfile::TempDir;
 
 use crate::builders::{NOW_NS, apply, counts, fast_folder, name_of, open, store, teach, view};
 
+/// Sum of the digests in the history of the fixture of schema 3.
+const DIGESTS_OF_SCHEMA_3: u128 = 0x99b7_1f82_8880_bfdd_1644_cf9e_5e18_0424;
+
 fn fixture(schema: &str) -> TempDir {
     let folder = fast_folder();
     let source = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("tests/fixtures")
         .join(schema);
-    fs::create_dir(folder.path().join("database")).unwrap();
-    for sub in ["", "database"] {
-        for entry in fs::read_dir(source.join(sub)).unwrap().flatten() {
+    for sub in ["", "database", "history"] {
+        let Ok(entries) = fs::read_dir(source.join(sub)) else {
+            continue;
+        };
+        fs::create_dir_all(folder.path().join(sub)).unwrap();
+        for entry in entries.flatten() {
             if entry.file_type().unwrap().is_file() {
                 let to = folder.path().join(sub).join(entry.file_name());
                 fs::copy(entry.path(), to).unwrap();
@@ -95,18 +101,10 @@ fn migration_of_schema_2_is_complete() {
     let is_migrated = matches!(report.condition, Condition::Migrated { schema: 2, .. });
     assert!(is_migrated, "{report}");
     for reopened in [false, true] {
-        let stored = |memory: &mut PerceptualMemory, track| {
-            let stored = memory.views_of_track(track).unwrap();
-            stored
-                .iter()
-                .map(name_of)
-                .map(|n| n.map(str::to_owned))
-                .collect::<Vec<_>>()
-        };
         let cup = Some("Cup".to_owned());
-        assert_eq!(stored(&mut memory, 4), [cup.clone(), cup.clone(), None]);
+        assert_eq!(names(&mut memory, 4), [cup.clone(), cup.clone(), None]);
         assert_eq!(
-            stored(&mut memory, 5),
+            names(&mut memory, 5),
             [cup.clone(), cup],
             "one view was purged"
         );
@@ -130,4 +128,50 @@ fn migration_of_schema_2_is_complete() {
         }
     }
     assert_eq!(apply(&mut memory, &[teach(2, 1, "Mug")])[0].sequence, 2);
+}
+
+/// Names of the views of a track.
+fn names(memory: &mut PerceptualMemory, track: u64) -> Vec<Option<String>> {
+    let stored = memory.views_of_track(track).unwrap();
+    let names = stored.iter().map(name_of);
+    names.map(|name| name.map(str::to_owned)).collect()
+}
+
+#[test]
+fn store_of_schema_3_opens_with_nothing_lost() {
+    let folder = fixture("schema-3");
+    for _ in 0..2 {
+        let (mut memory, report) = open(&folder);
+        assert_eq!(report.condition, Condition::Sound, "{report}");
+        let mug = || Some("Mug".to_owned());
+        assert_eq!(names(&mut memory, 1), [mug(), mug()], "corrected");
+        assert_eq!(names(&mut memory, 2), [mug(), mug()], "taught");
+        assert_eq!(names(&mut memory, 3), [Some("Bowl".to_owned()), None]);
+        assert_eq!(names(&mut memory, 4), [mug()], "merged; one was purged");
+        for track in 1..=4 {
+            for stored in memory.views_of_track(track).unwrap() {
+                let id = stored.view.id;
+                assert_eq!(stored.view, view(track, id.view_id, id.view_id));
+            }
+        }
+        let documents = memory.documents();
+        assert_eq!(documents.len(), 1, "of two versions, and a removed one");
+        assert_eq!(
+            memory.document(&documents[0].key).unwrap().content,
+            b"second"
+        );
+        // Twelve of the entries are in the archive.
+        let history = memory.history(1, 100).unwrap();
+        assert_eq!(history.len(), 21);
+        let digests = history.iter().map(|entry| entry.previous.0);
+        let of_digests = digests.fold(0, u128::wrapping_add);
+        assert_eq!(of_digests, DIGESTS_OF_SCHEMA_3, "{of_digests:#x}");
+        let stats = memory.stats().unwrap();
+        assert_eq!((stats.n_archived_entries, stats.n_tombstones), (12, 1));
+        assert_eq!(stats.next_track_id, 5);
+        let found = memory.checkpoint().unwrap().open().unwrap();
+        assert_eq!(found.verify(|_| {}).unwrap().findings, [""; 0]);
+        // What was asked then is answered.
+        assert_eq!(apply(&mut memory, &[teach(5, 1, "Cup")])[0].sequence, 5);
+    }
 }

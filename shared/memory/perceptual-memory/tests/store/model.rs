@@ -370,7 +370,7 @@ impl ModelState {
     /// Views of a target; `None` if there are none.
     fn of(&self, target: &Target) -> Option<Vec<ViewId>> {
         let is_meant = |view: &ViewId, name: &Option<String>| match target {
-            Target::CapturedView(meant) => view == meant,
+            Target::View(meant) => view == meant,
             Target::Track(track_id) => view.track_id == *track_id,
             Target::Category(meant) => name.as_deref() == Some(meant.as_str()),
         };
@@ -415,12 +415,12 @@ fn asked_for(operation: &ModelOperation, id: u128, asked: &[Mutation], n: u64) -
         ModelOperation::Undo(back) => return Some(undo(id, n.saturating_sub(*back))),
         ModelOperation::Repeat(back) => return asked.iter().rev().nth(*back).cloned(),
         ModelOperation::CorrectView(track, view, category) => StoreChange::Correct {
-            target: Target::CapturedView(key(*track, *view)),
+            target: Target::View(key(*track, *view)),
             category: name(NAMES[*category]),
         },
         ModelOperation::ForgetTrack(track) => StoreChange::Forget(Target::Track(*track)),
         ModelOperation::ForgetView(track, view) => {
-            StoreChange::Forget(Target::CapturedView(key(*track, *view)))
+            StoreChange::Forget(Target::View(key(*track, *view)))
         }
         ModelOperation::Rename(from, to) => StoreChange::Rename {
             from: name(NAMES[*from]),

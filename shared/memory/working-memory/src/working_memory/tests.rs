@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::tests::{CONFIG, place, sighting};
-use crate::{ActionOutcome, EventKind, FactQuery, NewTask, Subject, TaskEnd, Value};
+use crate::{EventKind, FactQuery, NewTask, Outcome, Subject, TaskEnd, Value};
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -61,7 +61,7 @@ fn facts_end_at_their_last_observation_after_a_restart() {
     assert_eq!(report.condition, WorldCondition::Sound, "{report}");
     let mut expected = before.clone();
     for fact in &mut expected {
-        if fact.end_ns.is_none() && fact.subject == Subject::ObjectRecord(7) {
+        if fact.end_ns.is_none() && fact.subject == Subject::Object(7) {
             fact.end_ns = Some(19 * SECOND);
         }
     }
@@ -70,11 +70,11 @@ fn facts_end_at_their_last_observation_after_a_restart() {
     assert_eq!(model.objects().count(), 0);
     let place_then = expected
         .iter()
-        .find(|fact| matches!(fact.value, Value::BoxPose(_)));
-    assert_eq!(place_then.unwrap().value, Value::BoxPose(place(19)));
+        .find(|fact| matches!(fact.value, Value::Place(_)));
+    assert_eq!(place_then.unwrap().value, Value::Place(place(19)));
     let started = model.events_since(0).last().unwrap();
     assert_eq!(
-        (&started.happening, started.wall_ns),
+        (&started.kind, started.wall_ns),
         (&EventKind::Started, 100 * SECOND)
     );
 }
@@ -87,7 +87,7 @@ fn task_continues_after_a_restart_and_a_retry_is_answered() {
     let end = TaskEnd {
         id: MutationId(5),
         task: 1,
-        outcome: ActionOutcome::Succeeded,
+        outcome: Outcome::Succeeded,
         reason: String::new(),
     };
     for now_s in [30, 40] {
@@ -201,7 +201,7 @@ fn check_damaged(files: &[(String, Vec<u8>)], whole: &[crate::Fact]) -> bool {
     assert!(
         all_facts(&model)
             .iter()
-            .any(|fact| fact.subject == Subject::ObjectRecord(9))
+            .any(|fact| fact.subject == Subject::Object(9))
     );
     report.is_loss()
 }

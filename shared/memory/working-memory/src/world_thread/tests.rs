@@ -48,7 +48,7 @@ fn wait_until_written(versions: &Receiver<u64>, version: u64) {
 
 fn is_known(handle: &WorldHandle, track_id: u64) -> bool {
     let query = FactQuery {
-        subject: Some(Subject::ObjectRecord(track_id)),
+        subject: Some(Subject::Object(track_id)),
         label: None,
         region: None,
         window: None,

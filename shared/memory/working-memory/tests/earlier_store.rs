@@ -1,0 +1,147 @@
+//! Stores of earlier versions open with nothing lost.
+//!
+//! The fixture was written by the first version that pinned its records, by the steps of
+//! [`fill`]. It must hold what the same steps give today.
+
+#![expect(clippy::unwrap_used, reason = "the helpers of tests fail as tests do")]
+
+use std::fs;
+use std::path::Path;
+
+use working_memory::{
+    BoxPose, Event, Fact, FactQuery, Lesson, LessonKind, MutationId, NewTask, ObjectRecord,
+    Outcome, Robot, RobotSighting, Sighting, Task, TaskEnd, WRITE_BUFFER_BYTES, WorkingMemory,
+    WorldCondition, WorldConfig, WorldModel,
+};
+
+const SECOND: u64 = 1_000_000_000;
+const CONFIG: WorldConfig = WorldConfig {
+    move_min_m: 0.02,
+    turn_min_rad: 0.3,
+    keep_ns: 1000 * SECOND,
+    n_kept_most: 1000,
+    seen_period_ns: 10 * SECOND,
+    write_buffer_bytes: WRITE_BUFFER_BYTES,
+};
+
+fn sighting(track_id: u64, label: Option<&'static str>, x_m: f64, now_s: u64) -> Sighting<'static> {
+    Sighting {
+        track_id,
+        state: "tracked",
+        label,
+        place: BoxPose {
+            position_m: [x_m, 0.0, 0.7],
+            orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+            size_m: [0.1; 3],
+        },
+        first_seen_ns: SECOND,
+        last_seen_ns: now_s * SECOND,
+    }
+}
+
+/// Two objects of which one is moved and named and the other leaves, an action of the arm, two
+/// tasks of which one fails, and a lesson.
+fn fill(model: &mut WorldModel) {
+    let (unknown, bowl, mug) = (None, Some("bowl"), Some("mug"));
+    let scenes = [
+        vec![sighting(7, unknown, 0.1, 2), sighting(8, mug, 0.5, 2)],
+        vec![sighting(7, bowl, 0.4, 3), sighting(8, mug, 0.5, 3)],
+        vec![sighting(7, bowl, 0.4, 4)],
+    ];
+    for (now_s, scene) in (2..).zip(scenes) {
+        model.observe(scene, true, now_s * SECOND);
+    }
+    let robot = |outcome, activity| RobotSighting {
+        activity,
+        outcome,
+        command_id: 3,
+        note: "",
+        is_holding: activity == "idle",
+        opening_m: 0.05,
+        joint_angles_rad: &[0.5; 6],
+        position_m: [0.5, 0.25, 1.0],
+        orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
+    };
+    model.observe_robot(&robot(None, "moving"), 5 * SECOND);
+    model.observe_robot(&robot(Some(Outcome::Succeeded), "idle"), 6 * SECOND);
+    for (id, kind) in [(1, "clear"), (2, "find")] {
+        let task = NewTask {
+            id: MutationId(id),
+            kind: kind.to_owned(),
+            parameters: "all".to_owned(),
+            author: "anna".to_owned(),
+        };
+        let now_ns = (6 + id as u64) * SECOND;
+        model.start_task(&task, now_ns).unwrap();
+    }
+    let end = TaskEnd {
+        id: MutationId(3),
+        task: 1,
+        outcome: Outcome::Failed,
+        reason: "dropped".to_owned(),
+    };
+    model.end_task(&end, 9 * SECOND).unwrap();
+    let lesson = Lesson {
+        kind: LessonKind::Taught,
+        category: "bowl".to_owned(),
+        track_id: Some(7),
+        author: "anna".to_owned(),
+        history: 4,
+    };
+    model.record_teaching(lesson, 10 * SECOND);
+}
+
+/// All that a store holds.
+type Content = (
+    Vec<Fact>,
+    Vec<Event>,
+    Vec<Task>,
+    Vec<ObjectRecord>,
+    Option<Robot>,
+);
+
+/// Opens a store after the downtime, and reads everything.
+fn content(folder: &Path) -> Content {
+    let (memory, model, report) = WorkingMemory::open(folder, CONFIG, 100 * SECOND).unwrap();
+    assert_eq!(report.condition, WorldCondition::Sound, "{report}");
+    memory.close().unwrap();
+    let all = FactQuery {
+        subject: None,
+        label: None,
+        region: None,
+        window: None,
+        before: None,
+        n_most: 100,
+    };
+    (
+        model.facts(&all).facts,
+        model.events_since(0).cloned().collect(),
+        model.tasks_before(u64::MAX).cloned().collect(),
+        model.past_objects().cloned().collect(),
+        model.robot().cloned(),
+    )
+}
+
+#[test]
+fn store_of_schema_1_opens_with_nothing_lost() {
+    let earlier = tempfile::tempdir().unwrap();
+    let database = earlier.path().join("database");
+    fs::create_dir(&database).unwrap();
+    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/schema-1/database");
+    for file in fs::read_dir(fixture).unwrap().flatten() {
+        fs::copy(file.path(), database.join(file.file_name())).unwrap();
+    }
+    let today = tempfile::tempdir().unwrap();
+    let (mut memory, mut model, _) = WorkingMemory::open(today.path(), CONFIG, SECOND).unwrap();
+    fill(&mut model);
+    memory.write_changes(&mut model).unwrap();
+    memory.close().unwrap();
+    let (facts, events, tasks, objects, robot) = content(earlier.path());
+    assert_eq!((facts.len(), tasks.len(), objects.len()), (13, 2, 2));
+    assert_eq!(events.len(), 12, "eleven, and the start of the memory");
+    assert!(robot.is_some());
+    assert_eq!(
+        (facts, events, tasks, objects, robot),
+        content(today.path())
+    );
+}
