@@ -5,10 +5,10 @@ use crate::skeleton::{id, place_of, wait_for_all};
 use channel::control::SocketClient;
 use message::ProcessKind;
 use message::control::{
-    Command, EventsReport, MutationId, RefusalKind, Reply, TaskOutcome, TaskReport, WorldCommand,
-    WorldReply,
+    Command, MutationId, RefusalKind, Reply, TaskOutcome, WorldCommand, WorldReply,
 };
 use rustix::process::{Pid, Signal, kill_process};
+use scene_document::{EventsDocument, TaskDocument};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
@@ -213,7 +213,7 @@ fn connect(sandbox: &Sandbox) -> SocketClient {
     SocketClient::connect(&sandbox.domain, &[sandbox.run_folder()], WATCHDOG).unwrap()
 }
 
-fn task(client: &mut SocketClient, command: WorldCommand) -> Result<TaskReport, RefusalKind> {
+fn task(client: &mut SocketClient, command: WorldCommand) -> Result<TaskDocument, RefusalKind> {
     match client.call(Command::World(command)).unwrap() {
         Reply::World(reply) => match *reply {
             WorldReply::Task(task) => Ok(task),
@@ -242,7 +242,7 @@ fn end_task(id: u128, task_id: u64) -> WorldCommand {
     }
 }
 
-fn events_since(client: &mut SocketClient, since: u64, wait_ms: u64) -> EventsReport {
+fn events_since(client: &mut SocketClient, since: u64, wait_ms: u64) -> EventsDocument {
     match client.call(Command::World(WorldCommand::Events { since, wait_ms })) {
         Ok(Reply::World(reply)) => match *reply {
             WorldReply::Events(events) => events,

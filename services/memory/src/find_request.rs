@@ -4,8 +4,7 @@
 use crate::working_memory::{WorkingMemory, now_ns};
 use geometry::RigidTransform;
 use message::control::{
-    CategoryReport, FindQuery, FindReport, FoundObjectReport, ObjectReport, ObjectsReport, Refusal,
-    RefusalKind, WordUseReport,
+    FindQuery, FindReport, FoundObjectReport, Refusal, RefusalKind, WordUseReport,
 };
 use message::{TrackState, WirePose};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -13,6 +12,7 @@ use parking_lot::Mutex;
 use referring_expression::{
     Answer, ColorTerm, Lesson, Lexicon, Match, QueryWorld, Viewpoint, WordNet, WorldObject, find,
 };
+use scene_document::{CategoryDocument, ObjectDocument, SceneDocument};
 use std::path::Path;
 use std::sync::Arc;
 use working_memory::{EventKind, LessonKind, ObjectRecord, WorldModel};
@@ -45,7 +45,7 @@ impl Synonyms {
 
 /// Everything that a query is about.
 pub(crate) struct KnownWorld {
-    scene: ObjectsReport,
+    scene: SceneDocument,
     live: Vec<WorldObject>,
     gone: Vec<WorldObject>,
     viewpoint: Option<Viewpoint>,
@@ -56,14 +56,14 @@ pub(crate) struct KnownWorld {
 impl KnownWorld {
     /// World of the newest scene, the categories and the working memory.
     pub(crate) fn new(
-        scene: ObjectsReport,
-        categories: Vec<CategoryReport>,
+        scene: SceneDocument,
+        categories: Vec<CategoryDocument>,
         memory: &WorkingMemory,
     ) -> Self {
         let (lessons, gone) = memory.with(|model| (lessons(model), gone(model)));
         let upright = upright_from_world(&scene);
         let now_ns = now_ns() as i64;
-        let object = |object: &ObjectReport| live_object(object, &upright, &lessons, now_ns);
+        let object = |object: &ObjectDocument| live_object(object, &upright, &lessons, now_ns);
         Self {
             live: certain(&scene).map(object).collect(),
             viewpoint: viewpoint(&scene, &upright),
@@ -156,8 +156,8 @@ impl KnownWorld {
 }
 
 /// Objects of the scene that are no mere tentative tracks.
-fn certain(scene: &ObjectsReport) -> impl Iterator<Item = &ObjectReport> {
-    let is_certain = |object: &&ObjectReport| object.state != TrackState::Tentative.word();
+fn certain(scene: &SceneDocument) -> impl Iterator<Item = &ObjectDocument> {
+    let is_certain = |object: &&ObjectDocument| object.state != TrackState::Tentative.word();
     scene.objects.iter().filter(is_certain)
 }
 
@@ -201,7 +201,7 @@ fn gone(model: &WorldModel) -> Vec<WorldObject> {
 }
 
 /// Rotation of the world that points its up direction along z; the identity without one.
-fn upright_from_world(scene: &ObjectsReport) -> UnitQuaternion<f64> {
+fn upright_from_world(scene: &SceneDocument) -> UnitQuaternion<f64> {
     let up = scene.up.map_or_else(Vector3::z, Vector3::from);
     UnitQuaternion::rotation_between(&up, &Vector3::z()).unwrap_or_else(|| {
         // Up is straight down: any half turn about a horizontal axis.
@@ -210,7 +210,7 @@ fn upright_from_world(scene: &ObjectsReport) -> UnitQuaternion<f64> {
 }
 
 /// Viewpoint of the camera; `None` without its pose.
-fn viewpoint(scene: &ObjectsReport, upright: &UnitQuaternion<f64>) -> Option<Viewpoint> {
+fn viewpoint(scene: &SceneDocument, upright: &UnitQuaternion<f64>) -> Option<Viewpoint> {
     let camera = scene.camera.as_ref()?;
     scene.up?;
     let world_from_camera = WirePose {
@@ -224,7 +224,7 @@ fn viewpoint(scene: &ObjectsReport, upright: &UnitQuaternion<f64>) -> Option<Vie
 
 /// Object of the scene for a query, in a world whose z axis points up.
 fn live_object(
-    object: &ObjectReport,
+    object: &ObjectDocument,
     upright: &UnitQuaternion<f64>,
     lessons: &[Lesson],
     now_ns: i64,
@@ -256,7 +256,7 @@ fn live_object(
 }
 
 /// Categories with their probabilities, the label first.
-fn names(object: &ObjectReport) -> Vec<(String, f64)> {
+fn names(object: &ObjectDocument) -> Vec<(String, f64)> {
     let probable = object.categories.iter();
     let probable = probable.map(|near| (near.label.clone(), near.probability));
     let label = object.label.clone();
@@ -266,7 +266,7 @@ fn names(object: &ObjectReport) -> Vec<(String, f64)> {
     names
 }
 
-fn color_shares(object: &ObjectReport) -> [f32; ColorTerm::ALL.len()] {
+fn color_shares(object: &ObjectDocument) -> [f32; ColorTerm::ALL.len()] {
     ColorTerm::ALL.map(|term| {
         let mut shares = object.colors.iter();
         let named = shares.find(|share| share.color == term.word());

@@ -2,9 +2,9 @@
 
 use channel::topic::ProcessHealth;
 use channel::{Domain, Error, Received, Subscriber};
-use message::control::ProcessReport;
 use message::{Health, ProcessKind};
 use parking_lot::Mutex;
+use scene_document::HealthDocument;
 use service::monotonic_ns;
 use std::collections::BTreeMap;
 
@@ -49,7 +49,7 @@ impl ProcessTable {
     }
 
     /// Reports of all processes that are alive.
-    pub(crate) fn reports(&self) -> Vec<ProcessReport> {
+    pub(crate) fn reports(&self) -> Vec<HealthDocument> {
         self.refresh();
         let inner = self.0.lock();
         let now_ns = monotonic_ns();
@@ -58,7 +58,7 @@ impl ProcessTable {
             .latest
             .values()
             .filter(is_recent)
-            .filter_map(ProcessReport::new)
+            .filter_map(message::document::health)
             .collect()
     }
 }

@@ -10,10 +10,10 @@ use channel::control::{Client, Peer};
 use memory_requests::MemoryRequestHandler;
 use message::ProcessKind;
 use message::control::{
-    Command, FindQuery, ObjectsReport, QuestionReport, QuestionsReport, Refusal, RefusalKind,
-    Reply, UserRole,
+    Command, FindQuery, QuestionReport, QuestionsReport, Refusal, RefusalKind, Reply, UserRole,
 };
 use perceptual_memory::{Position, Requester};
+use scene_document::SceneDocument;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -68,10 +68,10 @@ impl RequestRouter {
     }
 
     /// Scene with the newest labels.
-    async fn scene(&self) -> Result<ObjectsReport, Refusal> {
+    async fn scene(&self) -> Result<SceneDocument, Refusal> {
         let objects = read_after(*self.position.borrow(), Command::Objects);
         match ask(&self.perception, objects).await? {
-            Reply::Objects(scene) => Ok(scene),
+            Reply::Objects(scene) => Ok(*scene),
             Reply::Refused(refusal) => Err(refusal),
             other => Err(unexpected(&other)),
         }

@@ -4,10 +4,11 @@ use crate::event_report::event;
 use crate::working_memory::{WorkingMemory, now_ns};
 use crate::world_report::{self as report, SceneFreshness};
 use message::control::{
-    EventsReport, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_TASKS, Refusal, RefusalKind, Reply,
-    TaskReport, TasksReport, WorldCommand, WorldReply,
+    MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_TASKS, Refusal, RefusalKind, Reply, WorldCommand,
+    WorldReply,
 };
 use perceptual_memory::MutationId;
+use scene_document::{EventsDocument, TaskDocument, TasksDocument};
 use service::monotonic_ns;
 use std::time::Duration;
 use tokio::time::{Instant, timeout, timeout_at};
@@ -80,7 +81,7 @@ impl WorkingMemory {
     }
 
     /// Long poll: the events after a sequence number, or none after the time limit.
-    async fn events_after(&self, since: u64, wait_ms: u64) -> EventsReport {
+    async fn events_after(&self, since: u64, wait_ms: u64) -> EventsDocument {
         let deadline = Instant::now() + Duration::from_millis(wait_ms.min(MAX_EVENT_WAIT_MS));
         let mut news = self.events();
         loop {
@@ -100,7 +101,7 @@ impl WorkingMemory {
     async fn note_task(
         &self,
         note: impl FnOnce(&mut WorldModel) -> Result<&Task, TaskRefusal>,
-    ) -> Result<TaskReport, Refusal> {
+    ) -> Result<TaskDocument, Refusal> {
         let (noted, version) = self.with(|model| {
             let noted = note(model).map(report::task);
             (noted, model.version())
@@ -121,18 +122,18 @@ impl WorkingMemory {
     }
 }
 
-fn events(model: &WorldModel, since: u64) -> EventsReport {
+fn events(model: &WorldModel, since: u64) -> EventsDocument {
     let events = model.events_since(since).take(MAX_PAGE_EVENTS);
-    EventsReport {
+    EventsDocument {
         events: events.map(event).collect(),
         newest: model.newest_event(),
     }
 }
 
-fn tasks(model: &WorldModel, before: Option<u64>, n_most: usize) -> TasksReport {
+fn tasks(model: &WorldModel, before: Option<u64>, n_most: usize) -> TasksDocument {
     let mut known = model.tasks_before(before.unwrap_or(u64::MAX));
-    let tasks: Vec<TaskReport> = known.by_ref().take(n_most).map(report::task).collect();
+    let tasks: Vec<TaskDocument> = known.by_ref().take(n_most).map(report::task).collect();
     let has_more = known.next().is_some();
     let next = tasks.last().map(|task| task.task_id).filter(|_| has_more);
-    TasksReport { tasks, next }
+    TasksDocument { tasks, next }
 }

@@ -5,10 +5,11 @@ use crate::question_asker::QuestionAsker;
 use crate::working_memory::{WorkingMemory, now_ns};
 use channel::topic::{ArmStates, Scene};
 use channel::{Domain, Error, SharedMessage, Subscriber};
-use message::control::{ObjectReport, QuestionReport};
+use message::control::QuestionReport;
 use message::{
     ArmActivity, ArmState, SceneObject, SceneSummary, Span, Stage, TrackState, frame_flag,
 };
+use scene_document::ObjectDocument;
 use service::{Stopwatch, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -92,8 +93,10 @@ impl WorldModelUpdater {
         let unasked = objects
             .iter()
             .filter(|object| !asked.contains(&object.track_id));
-        let reports: Vec<ObjectReport> = unasked
-            .map(|object| ObjectReport::new(object, scene.time(), scene.stamps.published_ns))
+        let reports: Vec<ObjectDocument> = unasked
+            .map(|object| {
+                message::document::object(object, scene.time(), scene.stamps.published_ns)
+            })
             .collect();
         let question = QuestionReport::most_useful(&reports);
         if self

@@ -1,10 +1,13 @@
 //! Conversion between the working memory's types and the control protocol.
 
 use message::control::{
-    FactFilter, FactReport, FactsReport, MAX_PAGE_FACTS, PlaceReport, Refusal, RefusalKind,
-    TaskOutcome, TaskReport, WorldObjectReport, WorldRegion, WorldReport, WorldRobotReport,
+    FactFilter, MAX_PAGE_FACTS, Refusal, RefusalKind, TaskOutcome, WorldRegion,
 };
 use message::{SceneTime, TrackState};
+use scene_document::{
+    FactDocument, FactsDocument, PlaceDocument, RobotDocument, TaskDocument, WorldDocument,
+    WorldObjectDocument,
+};
 use working_memory::{
     BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Outcome, Property, Region, Robot, Subject,
     Task, TaskRefusal, TaskState, Value, Window, WorldModel,
@@ -29,9 +32,9 @@ impl SceneFreshness {
 }
 
 /// Report of the current objects and of the robot.
-pub(crate) fn world(model: &WorldModel, scene: &SceneFreshness, now_ns: u64) -> WorldReport {
+pub(crate) fn world(model: &WorldModel, scene: &SceneFreshness, now_ns: u64) -> WorldDocument {
     let objects = model.objects().map(|one| object(model, one));
-    WorldReport {
+    WorldDocument {
         now_ns,
         scene_age_s: scene.age_s,
         capture_stamp_ns: scene.capture_stamp_ns,
@@ -47,17 +50,17 @@ pub(crate) fn world(model: &WorldModel, scene: &SceneFreshness, now_ns: u64) -> 
 }
 
 /// Object whose state is not known since it was seen last.
-fn stale(object: WorldObjectReport) -> WorldObjectReport {
-    WorldObjectReport {
+fn stale(object: WorldObjectDocument) -> WorldObjectDocument {
+    WorldObjectDocument {
         state: TrackState::STALE_WORD.to_owned(),
         state_since_ns: object.last_seen_ns,
         ..object
     }
 }
 
-fn object(model: &WorldModel, object: &ObjectRecord) -> WorldObjectReport {
+fn object(model: &WorldModel, object: &ObjectRecord) -> WorldObjectDocument {
     let since_ns = |property| model.since_ns(Subject::Object(object.track_id), property);
-    WorldObjectReport {
+    WorldObjectDocument {
         track_id: object.track_id,
         state: object.state.clone(),
         state_since_ns: since_ns(Property::State).unwrap_or(object.first_seen_ns),
@@ -70,16 +73,16 @@ fn object(model: &WorldModel, object: &ObjectRecord) -> WorldObjectReport {
     }
 }
 
-fn place(place: &BoxPose) -> PlaceReport {
-    PlaceReport {
+fn place(place: &BoxPose) -> PlaceDocument {
+    PlaceDocument {
         position_m: place.position_m,
         orientation_xyzw: place.orientation_xyzw,
         size_m: place.size_m,
     }
 }
 
-fn robot(robot: &Robot) -> WorldRobotReport {
-    WorldRobotReport {
+fn robot(robot: &Robot) -> RobotDocument {
+    RobotDocument {
         activity: robot.activity.clone(),
         is_holding: robot.is_holding,
         note: robot.note.clone(),
@@ -134,14 +137,14 @@ fn region(region: WorldRegion) -> Result<Region, &'static str> {
 }
 
 /// Page of facts as a wire report.
-pub(crate) fn facts(page: &FactPage) -> FactsReport {
-    FactsReport {
+pub(crate) fn facts(page: &FactPage) -> FactsDocument {
+    FactsDocument {
         facts: page.facts.iter().map(fact).collect(),
         next: page.next,
     }
 }
 
-fn fact(fact: &Fact) -> FactReport {
+fn fact(fact: &Fact) -> FactDocument {
     let (subject, track_id, task_id) = match fact.subject {
         Subject::Object(track_id) => ("object", Some(track_id), None),
         Subject::Robot => ("robot", None, None),
@@ -159,7 +162,7 @@ fn fact(fact: &Fact) -> FactReport {
         Value::Place(known) => Some(place(known)),
         _ => None,
     };
-    FactReport {
+    FactDocument {
         fact: fact.number,
         subject: subject.to_owned(),
         track_id,
@@ -173,7 +176,7 @@ fn fact(fact: &Fact) -> FactReport {
 }
 
 /// Task as a wire report.
-pub(crate) fn task(task: &Task) -> TaskReport {
+pub(crate) fn task(task: &Task) -> TaskDocument {
     let (state, ended_ns, reason) = match &task.state {
         TaskState::Running => ("running", None, ""),
         TaskState::Ended {
@@ -183,12 +186,15 @@ pub(crate) fn task(task: &Task) -> TaskReport {
             ..
         } => (word(*outcome), Some(*ended_ns), reason.as_str()),
     };
-    TaskReport {
+    TaskDocument {
         task_id: task.number,
         kind: task.kind.clone(),
         parameters: task.parameters.clone(),
         author: task.author.clone(),
         state: state.to_owned(),
+        phase: String::new(),
+        plan: Vec::new(),
+        track_ids: Vec::new(),
         started_ns: task.started_ns,
         ended_ns,
         reason: reason.to_owned(),
@@ -245,13 +251,13 @@ mod tests {
 
     #[test]
     fn state_of_a_stale_object_is_unknown_since_it_was_seen_last() {
-        let object = WorldObjectReport {
+        let object = WorldObjectDocument {
             track_id: 7,
             state: "tracked".into(),
             state_since_ns: 3,
             label: None,
             label_since_ns: None,
-            place: PlaceReport {
+            place: PlaceDocument {
                 position_m: [0.0; 3],
                 orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
                 size_m: [0.1; 3],

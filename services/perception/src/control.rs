@@ -4,7 +4,8 @@ use crate::latest_scene::LatestScene;
 use crate::memory_replica::{HistoryPosition, SyncBarrier};
 use channel::control::{AnswerFuture, Handler};
 use message::ProcessState;
-use message::control::{Command, ObjectsReport, Refusal, RefusalKind, Reply};
+use message::control::{Command, Refusal, RefusalKind, Reply};
+use scene_document::SceneDocument;
 use service::{HealthCounters, monotonic_ns};
 use std::sync::Arc;
 use std::time::Duration;
@@ -70,13 +71,13 @@ async fn labelled_after(
 fn answer(scene: &LatestScene, health: &HealthCounters, command: &Command) -> Reply {
     let now_ns = monotonic_ns();
     match command {
-        Command::Objects => {
-            Reply::Objects(scene.objects(now_ns).unwrap_or_else(|| ObjectsReport {
+        Command::Objects => Reply::Objects(Box::new(scene.objects(now_ns).unwrap_or_else(|| {
+            SceneDocument {
                 is_stale: true,
                 note: no_scene(health),
-                ..ObjectsReport::default()
-            }))
-        }
+                ..SceneDocument::default()
+            }
+        }))),
         Command::DepthNoise => Reply::DepthNoise(scene.depth_noise()),
         Command::Ask { track_id } => match scene.object(*track_id, now_ns) {
             Some(object) => Reply::Object(Box::new(object)),

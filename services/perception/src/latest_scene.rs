@@ -1,9 +1,10 @@
 //! Latest scene, its labels and the measured depth noise, for the answers to clients.
 
 use crate::memory_replica::HistoryPosition;
-use message::control::{DepthNoiseReport, ObjectReport, ObjectsReport};
+use message::control::DepthNoiseReport;
 use message::{SceneObject, SceneSummary};
 use parking_lot::Mutex;
+use scene_document::{ObjectDocument, SceneDocument};
 use tokio::sync::watch;
 
 /// The latest scene, and the position in the memory's history that its labels include.
@@ -84,18 +85,18 @@ impl LatestScene {
 
     /// Report of all objects of the newest scene at a time of the monotonic clock; `None`
     /// before the first frame.
-    pub(crate) fn objects(&self, now_ns: u64) -> Option<ObjectsReport> {
+    pub(crate) fn objects(&self, now_ns: u64) -> Option<SceneDocument> {
         let held = self.scene.lock();
         let (summary, objects) = held.as_ref()?;
-        Some(ObjectsReport::new(summary, objects, now_ns))
+        Some(message::document::scene(summary, objects, now_ns))
     }
 
     /// Report of one object at a time of the monotonic clock; `None` when the track is not
     /// live.
-    pub(crate) fn object(&self, track_id: u64, now_ns: u64) -> Option<ObjectReport> {
+    pub(crate) fn object(&self, track_id: u64, now_ns: u64) -> Option<ObjectDocument> {
         let held = self.scene.lock();
         let (summary, objects) = held.as_ref()?;
         let object = objects.iter().find(|object| object.track_id == track_id)?;
-        Some(ObjectReport::new(object, summary.time(), now_ns))
+        Some(message::document::object(object, summary.time(), now_ns))
     }
 }

@@ -154,15 +154,15 @@ fn text(document: &InfoDocument) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use recording::documents::HealthDocument;
     use recording::{MessageTime, RecordingWriter};
+    use scene_document::HealthDocument;
 
     #[test]
     fn info_has_no_rate_of_messages_that_came_together_once() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.mcap");
         let mut writer = RecordingWriter::new(File::create(&path).unwrap(), "kitchen").unwrap();
-        let health = HealthDocument::from(&message::Health::default());
+        let health = HealthDocument::default();
         let topics = [
             ("a", &[0, 10_000_000_000][..]),
             ("b", &[1, 2, 3]),
@@ -186,7 +186,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.mcap");
         let mut writer = RecordingWriter::new(File::create(&path).unwrap(), "kitchen").unwrap();
-        let health = HealthDocument::from(&message::Health::default());
+        let health = HealthDocument::default();
         for ms in [0, 500, 1000] {
             let time = MessageTime::at(ms * 1_000_000);
             writer.write_document("health", time, &health).unwrap();

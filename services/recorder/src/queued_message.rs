@@ -7,13 +7,13 @@ use message::service_name::{
 };
 use message::{
     ActorEvent, ArmState, Health, MemoryChange, ObjectViewHeader, PersonBody, SceneObject,
-    SceneSummary, WireCapsule,
+    SceneSummary, WireCapsule, document,
 };
 use recording::documents::{
-    ActorEventDocument, ArmDocument, HealthDocument, MemoryChangeDocument, ObjectViewDocument,
-    PersonDocument, SceneDocument,
+    ActorEventDocument, ArmDocument, MemoryChangeDocument, ObjectViewDocument, PersonDocument,
 };
 use recording::{ChannelSpec, Error, MessageTime, RecordingWriter, frame_channel};
+use scene_document::{HealthDocument, SceneDocument};
 use std::io::Write;
 
 /// Message with the time of its reception, wall clock, nanoseconds.
@@ -72,9 +72,11 @@ pub(crate) fn write_document<W: Write>(
         Content::Person(body, capsules) => {
             writer.write_document(PERSON_BODY, time, &PersonDocument::new(body, capsules))
         }
-        Content::Scene(scene, objects) => {
-            writer.write_document(SCENE, time, &SceneDocument::new(scene, objects))
-        }
+        Content::Scene(scene, objects) => writer.write_document(
+            SCENE,
+            time,
+            &document::scene(scene, objects, scene.stamps.published_ns),
+        ),
         Content::View(view, descriptor) => {
             let document = ObjectViewDocument::new(view, descriptor);
             writer.write_document(OBJECT_VIEW, time, &document)
@@ -86,8 +88,8 @@ pub(crate) fn write_document<W: Write>(
             let document = MemoryChangeDocument::from(change);
             writer.write_document(MEMORY_CHANGE, time, &document)
         }
-        Content::Health(health) => {
-            writer.write_document(HEALTH, time, &HealthDocument::from(&**health))
-        }
+        Content::Health(health) => document::health(health).map_or(Ok(()), |health| {
+            writer.write_document(HEALTH, time, &health)
+        }),
     }
 }

@@ -212,7 +212,7 @@ mod tests {
     fn recording() -> Vec<u8> {
         let mut file = Vec::new();
         let mut writer = recording::RecordingWriter::new(&mut file, "test").unwrap();
-        let health = recording::documents::HealthDocument::from(&message::Health::default());
+        let health = scene_document::HealthDocument::default();
         let time = recording::MessageTime::at(1);
         writer.write_document("health", time, &health).unwrap();
         writer.finish().unwrap();

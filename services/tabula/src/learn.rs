@@ -8,8 +8,9 @@ use control_client::{
     MemoryClient, TrackScope, author_or_user, call, change, connect, mutation_id, unexpected_reply,
 };
 use message::control::{
-    CategoryReport, Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
+    Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
 };
+use scene_document::CategoryDocument;
 use serde::Serialize;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
@@ -124,7 +125,7 @@ pub(crate) fn revise(
 
 #[derive(Serialize)]
 struct CategoriesDocument {
-    categories: Vec<CategoryReport>,
+    categories: Vec<CategoryDocument>,
 }
 
 /// Runs `tabula categories`.
@@ -138,11 +139,11 @@ pub(crate) fn categories(common: &CommonArguments, output: &Output) -> Result<Ex
     Ok(ExitCode::SUCCESS)
 }
 
-fn categories_text(categories: &[CategoryReport]) -> String {
+fn categories_text(categories: &[CategoryDocument]) -> String {
     if categories.is_empty() {
         return "nothing has been taught yet; teach with: tabula teach TRACK NAME".into();
     }
-    let row = |report: &CategoryReport| {
+    let row = |report: &CategoryDocument| {
         vec![
             report.category.clone(),
             report.n_views.to_string(),

@@ -4,9 +4,8 @@ use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table};
 use control_client::{TrackReference, TrackScope, call, connect, unexpected_reply};
 use message::TrackState;
-use message::control::{
-    Command, ObjectReport, ObjectsReport, QuestionsReport, RejectedCandidateReport, Reply,
-};
+use message::control::{Command, QuestionsReport, Reply};
+use scene_document::{ObjectDocument, RejectedDocument, SceneDocument};
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -29,9 +28,9 @@ pub(crate) fn objects(
     Ok(ExitCode::SUCCESS)
 }
 
-fn ask_objects(client: &mut SocketClient) -> Result<ObjectsReport, Failure> {
+fn ask_objects(client: &mut SocketClient) -> Result<SceneDocument, Failure> {
     match call(client, Command::Objects)? {
-        Reply::Objects(report) => Ok(report),
+        Reply::Objects(report) => Ok(*report),
         other => Err(unexpected_reply(&other)),
     }
 }
@@ -80,7 +79,7 @@ const HEADING: [&str; 12] = [
     "state",
 ];
 
-fn objects_text(report: &ObjectsReport) -> String {
+fn objects_text(report: &SceneDocument) -> String {
     let rows: Vec<_> = report.objects.iter().map(row).collect();
     let objects = match rows.as_slice() {
         [] if report.scene_age_s.is_none() => return report.note.clone(),
@@ -121,7 +120,7 @@ fn age_text(scene_age_s: Option<f64>) -> String {
     scene_age_s.map_or_else(|| "?".into(), |age_s| format!("{age_s:.1} s"))
 }
 
-fn ignored_line(ignored: &RejectedCandidateReport) -> String {
+fn ignored_line(ignored: &RejectedDocument) -> String {
     let why = match ignored.why.as_slice() {
         [] => "no reason is available".to_owned(),
         why => why.join("; "),
@@ -138,17 +137,17 @@ pub(crate) fn metres(values: [f64; 3]) -> String {
 }
 
 /// Root mean square of the position's standard deviations along the axes, millimetres.
-fn deviation_mm(object: &ObjectReport) -> Option<f64> {
+fn deviation_mm(object: &ObjectDocument) -> Option<f64> {
     let [xx, _, _, yy, _, zz] = object.covariance.as_ref()?.position_m2;
     Some(1e3 * ((xx + yy + zz) / 3.0).sqrt())
 }
 
-fn speed_m_s(object: &ObjectReport) -> Option<f64> {
+fn speed_m_s(object: &ObjectDocument) -> Option<f64> {
     let [x, y, z] = object.velocity_m_s?;
     Some((x * x + y * y + z * z).sqrt())
 }
 
-fn row(object: &ObjectReport) -> Vec<String> {
+fn row(object: &ObjectDocument) -> Vec<String> {
     vec![
         object.track_id.to_string(),
         object.label.clone().unwrap_or_else(|| "unknown".into()),
@@ -213,7 +212,7 @@ fn question_text(report: &QuestionsReport) -> String {
     }
 }
 
-fn answer_text(object: &ObjectReport) -> String {
+fn answer_text(object: &ObjectDocument) -> String {
     let answer = label_text(object);
     if object.state == TrackState::STALE_WORD {
         let age = age_text(object.scene_age_s);
@@ -224,7 +223,7 @@ fn answer_text(object: &ObjectReport) -> String {
     answer
 }
 
-fn label_text(object: &ObjectReport) -> String {
+fn label_text(object: &ObjectDocument) -> String {
     let track_id = object.track_id;
     let probable: Vec<String> = object
         .categories
@@ -263,8 +262,8 @@ fn label_text(object: &ObjectReport) -> String {
 mod tests {
     use super::*;
 
-    fn report() -> ObjectsReport {
-        let ignored = RejectedCandidateReport {
+    fn report() -> SceneDocument {
+        let ignored = RejectedDocument {
             position_m: [0.1, -0.25, 0.8],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1; 3],
@@ -273,7 +272,7 @@ mod tests {
             why: vec!["it is the robot's arm (87 % of its points within 3 cm of a link)".into()],
             findings: vec![],
         };
-        ObjectsReport {
+        SceneDocument {
             scene_age_s: Some(0.04),
             frame_sequence: 7,
             source_name: "simulation".into(),
@@ -281,7 +280,7 @@ mod tests {
             has_world_pose: true,
             rule: "C_table".into(),
             ignored: vec![ignored],
-            ..ObjectsReport::default()
+            ..SceneDocument::default()
         }
     }
 
@@ -293,7 +292,7 @@ mod tests {
             "{fresh}"
         );
         assert!(!fresh.contains("STALE"), "{fresh}");
-        let stale = objects_text(&ObjectsReport {
+        let stale = objects_text(&SceneDocument {
             scene_age_s: Some(12.34),
             is_stale: true,
             note: "no frame was processed for 12.3 s".into(),
@@ -308,10 +307,10 @@ mod tests {
 
     #[test]
     fn text_before_the_first_frame_is_the_reason() {
-        let starting = ObjectsReport {
+        let starting = SceneDocument {
             is_stale: true,
             note: "perception is starting: it waits for the memory".into(),
-            ..ObjectsReport::default()
+            ..SceneDocument::default()
         };
         assert_eq!(objects_text(&starting), starting.note);
     }

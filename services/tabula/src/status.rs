@@ -4,7 +4,8 @@ use crate::supervision::{ProcessRecord, RecordedState, read_records};
 use command_line::{Output, format_table};
 use control_client::{call_once, unexpected_reply};
 use message::ProcessKind;
-use message::control::{Command, ProcessReport, Reply};
+use message::control::{Command, Reply};
+use scene_document::HealthDocument;
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -13,7 +14,7 @@ use std::process::ExitCode;
 #[derive(Serialize)]
 struct StatusDocument {
     /// Reports of the processes.
-    processes: Vec<ProcessReport>,
+    processes: Vec<HealthDocument>,
     /// Processes that should run in the domain; empty when neither `tabula run` nor systemd runs
     /// it.
     expected: Vec<ExpectedProcess>,
@@ -50,7 +51,7 @@ pub(crate) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode,
     }))
 }
 
-fn reports(common: &CommonArguments) -> Result<Vec<ProcessReport>, Failure> {
+fn reports(common: &CommonArguments) -> Result<Vec<HealthDocument>, Failure> {
     match call_once(common, &Command::Health)? {
         Reply::Health(processes) => Ok(processes),
         other => Err(unexpected_reply(&other)),
@@ -61,7 +62,7 @@ fn reports(common: &CommonArguments) -> Result<Vec<ProcessReport>, Failure> {
 /// all, so without its answer only the record of the parent is known of the others.
 pub(crate) fn expected_processes(
     records: &[ProcessRecord],
-    reports: &Result<Vec<ProcessReport>, Failure>,
+    reports: &Result<Vec<HealthDocument>, Failure>,
 ) -> Vec<ExpectedProcess> {
     let silent = |record: &ProcessRecord| match reports {
         Ok(reports) => {
@@ -116,7 +117,7 @@ fn status_text(document: &StatusDocument) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-fn row(process: &ProcessReport) -> Vec<String> {
+fn row(process: &HealthDocument) -> Vec<String> {
     vec![
         process.process.clone(),
         process.pid.to_string(),
@@ -170,8 +171,10 @@ mod tests {
         }
     }
 
-    fn report(process: &str, pid: u32) -> ProcessReport {
-        ProcessReport {
+    fn report(process: &str, pid: u32) -> HealthDocument {
+        HealthDocument {
+            stamp_ns: 0,
+            started_ns: 0,
             process: process.into(),
             pid,
             state: "ready".into(),
@@ -191,7 +194,7 @@ mod tests {
 
     fn troubles(
         records: &[ProcessRecord],
-        reports: &Result<Vec<ProcessReport>, Failure>,
+        reports: &Result<Vec<HealthDocument>, Failure>,
     ) -> Vec<String> {
         let expected = expected_processes(records, reports).into_iter();
         expected.map(|one| one.trouble).collect()

@@ -5,10 +5,10 @@ use crate::objects::metres;
 use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table};
 use control_client::{TrackScope, call, connect, unexpected_reply};
-use message::control::{
-    Command, EventReport, EventsReport, FactFilter, FactReport, FactsReport, Reply, TaskReport,
-    TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,
-    WorldRobotReport,
+use message::control::{Command, FactFilter, Reply, WorldCommand, WorldRegion, WorldReply};
+use scene_document::{
+    EventDocument, EventsDocument, FactDocument, FactsDocument, RobotDocument, TaskDocument,
+    TasksDocument, WorldDocument, WorldObjectDocument,
 };
 use service::{CommonArguments, Failure, wall_clock_ns};
 use std::process::ExitCode;
@@ -67,7 +67,7 @@ fn unexpected_answer(reply: WorldReply) -> Failure {
     unexpected_reply(&Reply::World(Box::new(reply)))
 }
 
-fn now(client: &mut SocketClient) -> Result<WorldReport, Failure> {
+fn now(client: &mut SocketClient) -> Result<WorldDocument, Failure> {
     match ask(client, WorldCommand::Now)? {
         WorldReply::Now(report) => Ok(report),
         other => Err(unexpected_answer(other)),
@@ -79,7 +79,7 @@ fn history(
     client: &mut SocketClient,
     wanted: &HistoryArguments,
     track_id: Option<u64>,
-) -> Result<FactsReport, Failure> {
+) -> Result<FactsDocument, Failure> {
     let mut filter = filter(wanted, track_id, now_ns());
     let mut facts = Vec::new();
     loop {
@@ -92,7 +92,7 @@ fn history(
         filter.limit = wanted.limit - (facts.len() as u32).min(wanted.limit);
         if page.next.is_none() || filter.limit == 0 {
             let next = page.next;
-            return Ok(FactsReport { facts, next });
+            return Ok(FactsDocument { facts, next });
         }
     }
 }
@@ -116,7 +116,7 @@ fn events_page(
     client: &mut SocketClient,
     since: u64,
     wait_ms: u64,
-) -> Result<EventsReport, Failure> {
+) -> Result<EventsDocument, Failure> {
     match ask(client, WorldCommand::Events { since, wait_ms })? {
         WorldReply::Events(page) => Ok(page),
         other => Err(unexpected_answer(other)),
@@ -124,7 +124,7 @@ fn events_page(
 }
 
 /// Prints events, read page by page.
-fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsReport, Failure> {
+fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsDocument, Failure> {
     let mut since = wanted.since.unwrap_or(0);
     let mut events = Vec::new();
     loop {
@@ -136,7 +136,7 @@ fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsR
         events.extend(page.events);
         if last >= page.newest {
             let newest = page.newest;
-            return Ok(EventsReport { events, newest });
+            return Ok(EventsDocument { events, newest });
         }
         since = last;
     }
@@ -181,7 +181,7 @@ fn follow(
 }
 
 /// Tasks, read page by page up to the limit.
-fn tasks(client: &mut SocketClient, wanted: u32) -> Result<TasksReport, Failure> {
+fn tasks(client: &mut SocketClient, wanted: u32) -> Result<TasksDocument, Failure> {
     let mut tasks = Vec::new();
     let (mut before, mut limit) = (None, wanted);
     loop {
@@ -193,7 +193,7 @@ fn tasks(client: &mut SocketClient, wanted: u32) -> Result<TasksReport, Failure>
         before = page.next;
         limit = wanted - (tasks.len() as u32).min(wanted);
         if before.is_none() || limit == 0 {
-            return Ok(TasksReport {
+            return Ok(TasksDocument {
                 tasks,
                 next: before,
             });
@@ -201,9 +201,9 @@ fn tasks(client: &mut SocketClient, wanted: u32) -> Result<TasksReport, Failure>
     }
 }
 
-fn world_text(report: &WorldReport) -> String {
+fn world_text(report: &WorldDocument) -> String {
     let now_ns = report.now_ns;
-    let row = |object: &WorldObjectReport| {
+    let row = |object: &WorldObjectDocument| {
         vec![
             object.track_id.to_string(),
             object.label.clone().unwrap_or_else(|| "unknown".into()),
@@ -253,7 +253,7 @@ fn stale_line(scene_age_s: Option<f64>) -> String {
     }
 }
 
-fn robot_line(robot: &WorldRobotReport, now_ns: u64) -> String {
+fn robot_line(robot: &RobotDocument, now_ns: u64) -> String {
     let hand = if robot.is_holding {
         "holding something"
     } else {
@@ -273,8 +273,8 @@ fn robot_line(robot: &WorldRobotReport, now_ns: u64) -> String {
     )
 }
 
-fn history_text(report: &FactsReport, now_ns: u64) -> String {
-    let row = |fact: &FactReport| {
+fn history_text(report: &FactsDocument, now_ns: u64) -> String {
+    let row = |fact: &FactDocument| {
         let of = match (fact.track_id, fact.task_id) {
             (Some(id), _) | (None, Some(id)) => format!("{} {id}", fact.subject),
             (None, None) => fact.subject.clone(),
@@ -302,7 +302,7 @@ fn history_text(report: &FactsReport, now_ns: u64) -> String {
     format!("{}{more}", format_table(&heading, &rows))
 }
 
-fn value_text(fact: &FactReport) -> String {
+fn value_text(fact: &FactDocument) -> String {
     match (&fact.place, &fact.value) {
         (Some(place), _) => format!("({}) m", metres(place.position_m)),
         (None, Some(value)) => value.clone(),
@@ -310,7 +310,7 @@ fn value_text(fact: &FactReport) -> String {
     }
 }
 
-fn events_text(events: &[EventReport], now_ns: u64) -> String {
+fn events_text(events: &[EventDocument], now_ns: u64) -> String {
     if events.is_empty() {
         return "nothing happened".into();
     }
@@ -318,13 +318,13 @@ fn events_text(events: &[EventReport], now_ns: u64) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-fn event_line(event: &EventReport, now_ns: u64) -> String {
+fn event_line(event: &EventDocument, now_ns: u64) -> String {
     let when = ago(event.wall_ns, now_ns);
     format!("{} {when} ago: {}", event.sequence, event.sentence)
 }
 
-fn tasks_text(report: &TasksReport, now_ns: u64) -> String {
-    let row = |task: &TaskReport| {
+fn tasks_text(report: &TasksDocument, now_ns: u64) -> String {
+    let row = |task: &TaskDocument| {
         vec![
             task.task_id.to_string(),
             task.kind.clone(),
@@ -387,7 +387,7 @@ mod tests {
 
     #[test]
     fn text_tells_that_the_world_is_stale() {
-        let report = |scene_age_s, is_stale| WorldReport {
+        let report = |scene_age_s, is_stale| WorldDocument {
             now_ns: 0,
             scene_age_s,
             capture_stamp_ns: None,

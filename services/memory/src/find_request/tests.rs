@@ -1,9 +1,9 @@
 use super::*;
-use message::control::{CameraPoseReport, ColorShareReport, NearCategoryReport};
+use scene_document::{CameraPoseDocument, ColorShareDocument, NearCategoryDocument};
 
-fn object(track_id: u64, label: Option<&str>, position_m: [f64; 3], color: &str) -> ObjectReport {
-    ObjectReport {
-        colors: vec![ColorShareReport {
+fn object(track_id: u64, label: Option<&str>, position_m: [f64; 3], color: &str) -> ObjectDocument {
+    ObjectDocument {
+        colors: vec![ColorShareDocument {
             color: color.into(),
             share: 0.9,
         }],
@@ -14,13 +14,13 @@ fn object(track_id: u64, label: Option<&str>, position_m: [f64; 3], color: &str)
         position_m,
         orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
         size_m: [0.1; 3],
-        ..ObjectReport::default()
+        ..ObjectDocument::default()
     }
 }
 
-fn known(scene: ObjectsReport) -> KnownWorld {
+fn known(scene: SceneDocument) -> KnownWorld {
     let upright = upright_from_world(&scene);
-    let object = |object: &ObjectReport| live_object(object, &upright, &[], 0);
+    let object = |object: &ObjectDocument| live_object(object, &upright, &[], 0);
     KnownWorld {
         live: scene.objects.iter().map(object).collect(),
         viewpoint: viewpoint(&scene, &upright),
@@ -42,9 +42,9 @@ fn found(world: &KnownWorld, words: &str) -> Vec<u64> {
 }
 
 /// Two mugs and a box in front of a camera without a pose: the world is the camera frame.
-fn scene_of_a_camera() -> ObjectsReport {
+fn scene_of_a_camera() -> SceneDocument {
     let up = Vector3::new(0.0, -1.0, -1.0).normalize();
-    ObjectsReport {
+    SceneDocument {
         objects: vec![
             object(1, Some("mug"), [-0.3, 0.1, 1.0], "red"),
             object(2, Some("mug"), [0.3, 0.1, 1.0], "blue"),
@@ -52,11 +52,11 @@ fn scene_of_a_camera() -> ObjectsReport {
         ],
         has_table: true,
         up: Some(up.into()),
-        camera: Some(CameraPoseReport {
+        camera: Some(CameraPoseDocument {
             position_m: [0.0; 3],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
         }),
-        ..ObjectsReport::default()
+        ..SceneDocument::default()
     }
 }
 
@@ -70,7 +70,7 @@ fn find_knows_left_and_right_without_a_camera_pose() {
 
 #[test]
 fn find_without_a_table_and_a_pose_has_no_viewpoint() {
-    let scene = ObjectsReport {
+    let scene = SceneDocument {
         up: None,
         ..scene_of_a_camera()
     };
@@ -79,13 +79,13 @@ fn find_without_a_table_and_a_pose_has_no_viewpoint() {
 
 #[test]
 fn find_uses_the_image_when_the_camera_looks_straight_down() {
-    let scene = ObjectsReport {
+    let scene = SceneDocument {
         up: Some([0.0, 0.0, -1.0]),
         ..scene_of_a_camera()
     };
     let viewpoint = known(scene).viewpoint.unwrap();
     let right = Vector3::from(viewpoint.right_in_world);
-    let of_camera = upright_from_world(&ObjectsReport {
+    let of_camera = upright_from_world(&SceneDocument {
         up: Some([0.0, 0.0, -1.0]),
         ..scene_of_a_camera()
     }) * Vector3::x();
@@ -129,13 +129,13 @@ fn find_refuses_a_query_without_words() {
 #[test]
 fn find_takes_the_label_before_the_probable_categories() {
     let mut unknown = object(4, None, [0.0; 3], "red");
-    unknown.categories = vec![NearCategoryReport {
+    unknown.categories = vec![NearCategoryDocument {
         label: "mug".into(),
         distance: 0.5,
         probability: 0.3,
     }];
     assert_eq!(names(&unknown), [("mug".to_owned(), 0.3)]);
-    let labelled = ObjectReport {
+    let labelled = ObjectDocument {
         label: Some("box".into()),
         ..unknown
     };

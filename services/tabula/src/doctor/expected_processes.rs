@@ -4,7 +4,8 @@ use super::checks::Asked;
 use super::{Finding, Severity};
 use crate::status::expected_processes;
 use crate::supervision::{ProcessRecord, read_records};
-use message::control::{ProcessReport, Reply};
+use message::control::Reply;
+use scene_document::HealthDocument;
 use service::{CommonArguments, Failure};
 
 const NAME: &str = "processes";
@@ -21,7 +22,7 @@ pub(super) fn finding(common: &CommonArguments, health: &Asked) -> Finding {
     }
 }
 
-fn compare(records: &[ProcessRecord], reports: &Result<Vec<ProcessReport>, Failure>) -> Finding {
+fn compare(records: &[ProcessRecord], reports: &Result<Vec<HealthDocument>, Failure>) -> Finding {
     let troubles: Vec<String> = expected_processes(records, reports)
         .into_iter()
         .map(|process| process.trouble)
@@ -35,7 +36,7 @@ fn compare(records: &[ProcessRecord], reports: &Result<Vec<ProcessReport>, Failu
     Finding::new(NAME, Severity::Failure, troubles.join("; "))
 }
 
-fn reports(health: &Asked) -> Result<Vec<ProcessReport>, Failure> {
+fn reports(health: &Asked) -> Result<Vec<HealthDocument>, Failure> {
     match health {
         Ok(Ok(Reply::Health(reports))) => Ok(reports.clone()),
         Ok(Ok(other)) => Err(Failure::general(format!("it answers {other:?}"))),

@@ -6,45 +6,17 @@ use command_line::{Output, format_table};
 use control_client::MemoryClient;
 use message::control::{DocumentReport, DocumentVersionReport};
 use object_model::{ModelView, ObjectModel, RefusedView};
+use scene_document::{ModelDocument, ModelViewDocument, RefusedViewDocument};
 use serde::Serialize;
 use service::Failure;
 use std::process::ExitCode;
 
-/// JSON document of a model.
+/// Model with its versions, as a JSON document.
 #[derive(Serialize)]
-struct ModelDocument {
-    name: String,
-    bytes: u64,
-    author: String,
-    decided_ns: u64,
-    sequence: u64,
-    extents_m: [f64; 3],
-    n_vertices: usize,
-    n_triangles: usize,
-    is_closed_loop: bool,
-    completeness: f64,
-    missing: Vec<String>,
-    unseen_directions: Vec<[f32; 3]>,
-    views: Vec<ViewDocument>,
-    refused: Vec<RefusedDocument>,
+struct ShownModel {
+    #[serde(flatten)]
+    model: ModelDocument,
     versions: Vec<DocumentVersionReport>,
-}
-
-/// View that was fused into the model.
-#[derive(Serialize)]
-struct ViewDocument {
-    captured_ns: u64,
-    n_points: u32,
-    new_surface_share: f32,
-    position_m: [f64; 3],
-    orientation_xyzw: [f64; 4],
-}
-
-/// View that was not fused.
-#[derive(Serialize)]
-struct RefusedDocument {
-    captured_ns: u64,
-    reason: String,
 }
 
 /// Runs `tabula model show`.
@@ -55,64 +27,73 @@ pub(super) fn show(
 ) -> Result<ExitCode, Failure> {
     let (model, report) = read(memory, name)?;
     let versions = memory.document_versions(&document(name))?;
-    let shown = ModelDocument::new(&model, report, versions);
+    let shown = ShownModel {
+        model: model_document(&model, report),
+        versions,
+    };
     output.answer(&shown, || shown.text());
     Ok(ExitCode::SUCCESS)
 }
 
-impl ModelDocument {
-    fn new(
-        model: &ObjectModel,
-        report: DocumentReport,
-        versions: Vec<DocumentVersionReport>,
-    ) -> Self {
-        let summary = model.summary();
-        let unseen = model.unseen.directions().into_iter();
-        Self {
-            name: report.document.name,
-            bytes: report.bytes,
-            author: report.author,
-            decided_ns: report.decided_ns,
-            sequence: report.sequence,
-            extents_m: summary.extents_m,
-            n_vertices: summary.n_vertices,
-            n_triangles: summary.n_triangles,
-            is_closed_loop: model.is_closed_loop,
-            completeness: summary.completeness,
-            missing: model.unseen.in_words(),
-            unseen_directions: unseen.map(Into::into).collect(),
-            views: model.views.iter().map(ViewDocument::of).collect(),
-            refused: model.refused.iter().map(RefusedDocument::of).collect(),
-            versions,
-        }
+fn model_document(model: &ObjectModel, report: DocumentReport) -> ModelDocument {
+    let summary = model.summary();
+    let unseen = model.unseen.directions().into_iter();
+    ModelDocument {
+        name: report.document.name,
+        bytes: report.bytes,
+        author: report.author,
+        decided_ns: report.decided_ns,
+        sequence: report.sequence,
+        extents_m: summary.extents_m,
+        n_vertices: summary.n_vertices,
+        n_triangles: summary.n_triangles,
+        is_closed_loop: model.is_closed_loop,
+        completeness: summary.completeness,
+        missing: model.unseen.in_words(),
+        unseen_directions: unseen.map(Into::into).collect(),
+        views: model.views.iter().map(view_document).collect(),
+        refused: model.refused.iter().map(refused_document).collect(),
     }
+}
 
+fn view_document(view: &ModelView) -> ModelViewDocument {
+    let pose = view.object_from_camera;
+    ModelViewDocument {
+        captured_ns: view.captured_ns,
+        n_points: view.n_points,
+        new_surface_share: view.new_surface_share,
+        position_m: pose.translation.vector.into(),
+        orientation_xyzw: pose.rotation.coords.into(),
+    }
+}
+
+impl ShownModel {
     /// The model in sentences and tables.
     fn text(&self) -> String {
-        let [x, y, z] = self.extents_m.map(|extent_m| 1000.0 * extent_m);
+        let [x, y, z] = self.model.extents_m.map(|extent_m| 1000.0 * extent_m);
         let mut lines = vec![
             format!(
                 "the model {:?}: {x:.0} x {y:.0} x {z:.0} mm, {} vertices, {} triangles, {} bytes",
-                self.name, self.n_vertices, self.n_triangles, self.bytes
+                self.model.name, self.model.n_vertices, self.model.n_triangles, self.model.bytes
             ),
             self.views_sentence(),
             self.missing_sentence(),
             format!(
                 "stored by {}, {}, history {}",
-                self.author,
-                utc(self.decided_ns),
-                self.sequence
+                self.model.author,
+                utc(self.model.decided_ns),
+                self.model.sequence
             ),
         ];
-        if !self.views.is_empty() {
-            let rows: Vec<_> = self.views.iter().map(ViewDocument::row).collect();
+        if !self.model.views.is_empty() {
+            let rows: Vec<_> = self.model.views.iter().map(view_row).collect();
             let columns = ["view captured", "points", "new surface"];
             lines.push(format_table(&columns, &rows));
         }
-        for RefusedDocument {
+        for RefusedViewDocument {
             captured_ns,
             reason,
-        } in &self.refused
+        } in &self.model.refused
         {
             lines.push(format!(
                 "refused the view of {}: {reason}",
@@ -124,21 +105,21 @@ impl ModelDocument {
     }
 
     fn views_sentence(&self) -> String {
-        let how = if self.is_closed_loop {
+        let how = if self.model.is_closed_loop {
             "in a closed loop around it"
         } else {
             "not in a closed loop around it"
         };
-        let (n_views, n_refused) = (self.views.len(), self.refused.len());
+        let (n_views, n_refused) = (self.model.views.len(), self.model.refused.len());
         format!("fused from {n_views} view(s), {how}; {n_refused} view(s) were refused")
     }
 
     fn missing_sentence(&self) -> String {
-        let percent = 100.0 * self.completeness;
-        if self.missing.is_empty() {
+        let percent = 100.0 * self.model.completeness;
+        if self.model.missing.is_empty() {
             return "seen from all directions; nothing is missing".to_owned();
         }
-        let missing = self.missing.join(", ");
+        let missing = self.model.missing.join(", ");
         let angles = if missing.contains('°') {
             " (from x towards y of its frame)"
         } else {
@@ -148,7 +129,7 @@ impl ModelDocument {
     }
 
     fn versions_text(&self) -> String {
-        let present = self.sequence;
+        let present = self.model.sequence;
         let row = |version: &DocumentVersionReport| {
             let mark = if version.sequence == present {
                 "present"
@@ -176,32 +157,17 @@ impl ModelDocument {
     }
 }
 
-impl ViewDocument {
-    fn of(view: &ModelView) -> Self {
-        let pose = view.object_from_camera;
-        Self {
-            captured_ns: view.captured_ns,
-            n_points: view.n_points,
-            new_surface_share: view.new_surface_share,
-            position_m: pose.translation.vector.into(),
-            orientation_xyzw: pose.rotation.coords.into(),
-        }
-    }
-
-    fn row(&self) -> Vec<String> {
-        vec![
-            utc(self.captured_ns),
-            self.n_points.to_string(),
-            format!("{:.0} %", 100.0 * self.new_surface_share),
-        ]
+fn refused_document(view: &RefusedView) -> RefusedViewDocument {
+    RefusedViewDocument {
+        captured_ns: view.captured_ns,
+        reason: view.reason.clone(),
     }
 }
 
-impl RefusedDocument {
-    fn of(view: &RefusedView) -> Self {
-        Self {
-            captured_ns: view.captured_ns,
-            reason: view.reason.clone(),
-        }
-    }
+fn view_row(view: &ModelViewDocument) -> Vec<String> {
+    vec![
+        utc(view.captured_ns),
+        view.n_points.to_string(),
+        format!("{:.0} %", 100.0 * view.new_surface_share),
+    ]
 }

@@ -23,10 +23,8 @@ mod memory;
 mod packed_cloud;
 mod question;
 mod refusal;
-mod rejected;
 mod reload;
 mod report;
-mod rounding;
 mod user_role;
 mod world;
 
@@ -48,22 +46,16 @@ pub use memory::{
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};
 pub use question::{QuestionKind, QuestionReport, QuestionsReport};
 pub use refusal::{Refusal, RefusalKind};
-pub use rejected::{AssumptionReport, FindingReport, RejectedCandidateReport};
 pub use reload::{KeyChange, ReloadReport};
-pub use report::{
-    ActorStampsReport, CameraPoseReport, CategoryReport, ColorShareReport, CovarianceReport,
-    DepthNoiseReport, LearningReport, NearCategoryReport, ObjectReport, ObjectsReport,
-    ProcessReport,
-};
+pub use report::{DepthNoiseReport, LearningReport};
 pub use user_role::UserRole;
 pub use world::{
-    EventReport, EventsReport, FactFilter, FactReport, FactsReport, MAX_EVENT_WAIT_MS,
-    MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_TASKS, PlaceReport, TaskOutcome, TaskReport,
-    TasksReport, WorldCommand, WorldObjectReport, WorldRegion, WorldReply, WorldReport,
-    WorldRobotReport,
+    FactFilter, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_TASKS, TaskOutcome,
+    WorldCommand, WorldRegion, WorldReply,
 };
 
 use crate::ProcessKind;
+use scene_document::{CategoryDocument, HealthDocument, ObjectDocument, SceneDocument};
 use serde::{Deserialize, Serialize};
 
 /// Version of the control protocol: requests and replies.
@@ -202,15 +194,15 @@ pub struct Labelling {
 #[non_exhaustive]
 pub enum Reply {
     /// Reply to [`Command::Objects`].
-    Objects(ObjectsReport),
+    Objects(Box<SceneDocument>),
     /// Reply to [`Command::Ask`].
-    Object(Box<ObjectReport>),
+    Object(Box<ObjectDocument>),
     /// Reply to [`Command::Question`].
     Question(QuestionsReport),
     /// Reply to [`Command::Find`].
     Found(Box<FindReport>),
     /// Reply to [`Command::Health`].
-    Health(Vec<ProcessReport>),
+    Health(Vec<HealthDocument>),
     /// Reply to [`Command::DepthNoise`].
     DepthNoise(DepthNoiseReport),
     /// Reply to [`Command::ReloadConfiguration`]: the outcome in each process.
@@ -228,7 +220,7 @@ pub enum Reply {
         bytes: Vec<u8>,
     },
     /// Reply to [`Command::Categories`].
-    Categories(Vec<CategoryReport>),
+    Categories(Vec<CategoryDocument>),
     /// Reply to [`Command::Arm`]: state of the arm after it accepted the command.
     Arm(ArmReport),
     /// Reply to [`Command::World`].

@@ -30,6 +30,7 @@ mod actor_event;
 mod camera_images;
 pub mod control;
 mod descriptor_bytes;
+pub mod document;
 mod frame;
 mod ground_truth;
 mod health;

@@ -95,6 +95,6 @@ fn fuzz_scenes_views_and_events() {
         let _ = (event.kind(), event.frame());
     });
     fuzz_messages(|health: &Health| {
-        let _ = message::control::ProcessReport::new(health);
+        let _ = message::document::health(health);
     });
 }

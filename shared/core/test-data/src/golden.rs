@@ -50,7 +50,7 @@ pub fn check<T: Debug + PartialEq>(
         let bytes = encode(value);
         let known = pinned.iter().find(|(pinned, _)| pinned == name);
         if known.is_none_or(|(_, pinned)| *pinned != bytes) {
-            let _ = writeln!(wrong, "{name} = {}", bytes.escape_ascii());
+            let _ = writeln!(wrong, "{name} = {}", escaped(&bytes));
         }
     }
     assert!(
@@ -68,7 +68,13 @@ pub fn check<T: Debug + PartialEq>(
     }
 }
 
-/// Bytes of the escapes of [`u8::escape_ascii`].
+/// Bytes as in a byte string of Rust, but with plain quotation marks.
+fn escaped(bytes: &[u8]) -> String {
+    let escaped = bytes.escape_ascii().to_string();
+    escaped.replace("\\\"", "\"").replace("\\'", "'")
+}
+
+/// Bytes of [`escaped`].
 fn unescaped(text: &str) -> Option<Vec<u8>> {
     let mut rest = text.bytes();
     let byte = |first: u8, rest: &mut std::str::Bytes<'_>| {
@@ -96,8 +102,7 @@ mod tests {
     #[test]
     fn bytes_of_a_golden_file_are_those_that_were_escaped() {
         let all: Vec<u8> = (0..=255).collect();
-        let escaped = all.escape_ascii().to_string();
-        assert_eq!(unescaped(&escaped), Some(all));
+        assert_eq!(unescaped(&escaped(&all)), Some(all));
         assert_eq!(unescaped("\\x4"), None);
     }
 }

@@ -3,14 +3,15 @@
 use geometry::OrientedBox;
 use learning::{CategoryName, TeachingError as TeachingRefusal, ViewId};
 use message::control::{
-    CategoryReport, ChangesPage, LearnedChange, LearnedView, PackedCloud, Refusal, RefusalKind,
-    SnapshotCursor, SnapshotPage, StoredView, ViewId as WireViewId,
+    ChangesPage, LearnedChange, LearnedView, PackedCloud, Refusal, RefusalKind, SnapshotCursor,
+    SnapshotPage, StoredView, ViewId as WireViewId,
 };
 use message::{DescriptorBytes, WirePose};
 use nalgebra::Vector3;
 use perceptual_memory::{
     CapturedView, Changes, Error, LabelledView, NameChange, StoreChange, StoredDescriptor,
 };
+use scene_document::CategoryDocument;
 
 /// Validated category name.
 pub(crate) fn category(name: &str) -> Result<CategoryName, Refusal> {
@@ -136,8 +137,8 @@ pub(crate) fn changes(since: u64, changes: Changes, max_bytes: usize) -> Changes
 }
 
 /// Wire statistics of a category.
-pub(crate) fn category_report(summary: &perceptual_memory::CategorySummary) -> CategoryReport {
-    CategoryReport {
+pub(crate) fn category_report(summary: &perceptual_memory::CategorySummary) -> CategoryDocument {
+    CategoryDocument {
         category: summary.name.as_str().to_owned(),
         n_views: summary.n_views,
         bytes: summary.n_bytes,

@@ -3,7 +3,8 @@
 use crate::connection::{call, connect, unexpected_reply};
 use crate::memory_client::print_aside;
 use crate::object_search::find_objects;
-use message::control::{Command, FindReport, FoundObjectReport, ObjectReport, Reply};
+use message::control::{Command, FindReport, FoundObjectReport, Reply};
+use scene_document::ObjectDocument;
 use service::{CommonArguments, Failure, exit_code};
 use std::str::FromStr;
 
@@ -138,9 +139,9 @@ fn definite(words: &str) -> String {
 }
 
 /// Live object with this label, in this case if there is one; `None` when no object has it.
-fn labelled(words: &str, live: &[ObjectReport]) -> Option<Result<u64, String>> {
-    let with = |is_label: &dyn Fn(&str) -> bool| -> Vec<&ObjectReport> {
-        let has_label = |object: &&ObjectReport| object.label.as_deref().is_some_and(is_label);
+fn labelled(words: &str, live: &[ObjectDocument]) -> Option<Result<u64, String>> {
+    let with = |is_label: &dyn Fn(&str) -> bool| -> Vec<&ObjectDocument> {
+        let has_label = |object: &&ObjectDocument| object.label.as_deref().is_some_and(is_label);
         live.iter().filter(has_label).collect()
     };
     let exact = with(&|label| label == words);
@@ -163,7 +164,7 @@ fn labelled(words: &str, live: &[ObjectReport]) -> Option<Result<u64, String>> {
 fn described<'a>(
     words: &str,
     found: &'a FindReport,
-    live: &[ObjectReport],
+    live: &[ObjectDocument],
     scope: TrackScope,
 ) -> Result<&'a FoundObjectReport, String> {
     let is_meant = |one: &&FoundObjectReport| scope.has_gone_objects || one.state != GONE;
@@ -194,7 +195,7 @@ struct NamedTrack<'a> {
 }
 
 impl<'a> NamedTrack<'a> {
-    fn of_live(object: &'a ObjectReport) -> Self {
+    fn of_live(object: &'a ObjectDocument) -> Self {
         Self {
             track_id: object.track_id,
             label: object.label.as_deref(),
@@ -238,7 +239,7 @@ fn ambiguous<'a>(words: &str, candidates: impl Iterator<Item = NamedTrack<'a>>) 
     )
 }
 
-fn nothing(found: &FindReport, live: &[ObjectReport]) -> String {
+fn nothing(found: &FindReport, live: &[ObjectDocument]) -> String {
     // Without a live match the sentence is about objects that are gone.
     let answer = found.sentence.trim_end_matches('.');
     let gone = if found.matches.is_empty() {

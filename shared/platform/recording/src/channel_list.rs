@@ -1,6 +1,6 @@
 //! Channels of a recording: topic, schema and encoding of each.
 
-use crate::Document;
+use scene_document::{Document, schema};
 
 /// Encoding of a channel's messages, as named in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl ChannelSpec {
         Self {
             topic: topic.to_owned(),
             schema_name: D::NAME.to_owned(),
-            schema: D::schema().to_string().into_bytes(),
+            schema: schema::<D>().as_value().to_string().into_bytes(),
             encoding: MessageEncoding::Json,
         }
     }

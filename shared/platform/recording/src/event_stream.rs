@@ -1,8 +1,11 @@
 //! Canonical stream of events of a replay, with a digest: two replays are equal when their
 //! digests are.
 
-use crate::documents::{ObjectDocument, RejectedDocument, SceneDocument};
-use message::{SceneObject, SceneSummary};
+use message::{SceneObject, SceneSummary, document};
+use scene_document::{
+    ActorStampsDocument, AssumptionDocument, ObjectDocument, RejectedDocument, SceneDocument,
+    SurfaceDocument,
+};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -27,14 +30,14 @@ struct ReplayEvent<T> {
 /// Deterministic part of a scene without its objects.
 #[derive(Debug, Serialize)]
 struct SceneContent {
-    capture_ns: u64,
+    capture_stamp_ns: Option<u64>,
     frames_dropped: u64,
     n_late: u32,
     has_table: bool,
-    table_plane: [f64; 4],
-    assumptions: u32,
-    n_rejected: u32,
-    rejected: Vec<RejectedDocument>,
+    surfaces: Vec<SurfaceDocument>,
+    assumptions: Vec<AssumptionDocument>,
+    ignored: Vec<RejectedDocument>,
+    n_more_ignored: u32,
 }
 
 /// Digest of an event stream.
@@ -53,7 +56,7 @@ pub struct EventDigest {
 pub struct EventStream {
     hasher: blake3::Hasher,
     /// Labels of the live tracks.
-    labels: BTreeMap<u64, String>,
+    labels: BTreeMap<u64, Option<String>>,
     n_frames: u64,
     n_events: u64,
 }
@@ -73,7 +76,8 @@ impl EventStream {
         scene: &SceneSummary,
         objects: &[SceneObject],
     ) -> Result<String, serde_json::Error> {
-        let document = SceneDocument::new(scene, objects);
+        // As of the capture, so that the time of processing does not count.
+        let document = document::scene(scene, objects, scene.stamps.capture_ns);
         let mut lines = self.lines(document)?;
         lines.sort_by_key(|(key, _)| *key);
         let mut text = String::new();
@@ -98,7 +102,7 @@ impl EventStream {
 
     /// Lines of a scene, each with its track-id and kind.
     fn lines(&mut self, scene: SceneDocument) -> Result<Vec<EventLine>, serde_json::Error> {
-        let frame = scene.sequence;
+        let frame = scene.frame_sequence;
         let mut lines = Vec::new();
         let before = std::mem::take(&mut self.labels);
         for object in scene.objects {
@@ -107,14 +111,17 @@ impl EventStream {
             if old_label.is_none() {
                 lines.push(line::<()>(frame, track_id, STARTED, None)?);
             }
-            if old_label.map_or("", String::as_str) != label {
+            if old_label.unwrap_or(&None) != &label {
                 lines.push(line(frame, track_id, LABEL, Some(&label))?);
             }
             lines.push(line::<ObjectDocument>(
                 frame,
                 track_id,
                 OBJECT,
-                Some(object),
+                Some(ObjectDocument {
+                    stamps: ActorStampsDocument::default(),
+                    ..object
+                }),
             )?);
             self.labels.insert(track_id, label);
         }
@@ -122,14 +129,14 @@ impl EventStream {
             lines.push(line::<()>(frame, track_id, ENDED, None)?);
         }
         let content = SceneContent {
-            capture_ns: scene.capture_ns,
+            capture_stamp_ns: scene.capture_stamp_ns,
             frames_dropped: scene.frames_dropped,
             n_late: scene.n_late,
             has_table: scene.has_table,
-            table_plane: scene.table_plane,
+            surfaces: scene.surfaces,
             assumptions: scene.assumptions,
-            n_rejected: scene.n_rejected,
-            rejected: scene.rejected,
+            ignored: scene.ignored,
+            n_more_ignored: scene.n_more_ignored,
         };
         lines.push(line(frame, 0, SCENE, Some(content))?);
         Ok(lines)

@@ -44,7 +44,6 @@ mod byte_planes;
 mod channel_list;
 mod chunk_records;
 mod definitions;
-mod document;
 pub mod documents;
 mod error;
 mod event_stream;
@@ -62,7 +61,6 @@ mod word_table;
 
 pub use channel_list::{ChannelSpec, MessageEncoding, frame_channel};
 pub use definitions::{RecordedChannel, RecordedSchema};
-pub use document::Document;
 pub use error::{Error, InvalidRecord};
 pub use event_stream::{EventDigest, EventStream};
 pub use frame_codec::{FrameRecord, encode_frame};

@@ -2,13 +2,14 @@
 
 use crate::definitions::{REPEATED_DEFINITIONS, Repetition};
 use crate::{
-    ChannelSpec, Document, Error, FORMAT_VERSION, RecordedChannel, RecordedSchema,
-    RecordingMetadata, frame_channel,
+    ChannelSpec, Error, FORMAT_VERSION, RecordedChannel, RecordedSchema, RecordingMetadata,
+    frame_channel,
 };
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Compression, WriteOptions, Writer};
 use message::service_name::CAMERA_CLOUD;
+use scene_document::Document;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::Arc;

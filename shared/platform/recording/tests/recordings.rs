@@ -4,15 +4,16 @@
 use geometry::PinholeCamera;
 use mcap::records::op;
 use message::{
-    ArmState, CloudPoint, FrameHeader, Health, PersonBody, SceneSummary, WireCapsule, frame_flag,
+    ArmState, CloudPoint, FrameHeader, PersonBody, SceneSummary, WireCapsule, frame_flag,
     service_name,
 };
 use mutation_fuzzing::{assert_sentence, fuzz};
-use recording::documents::{ArmDocument, HealthDocument, PersonDocument, SceneDocument};
+use recording::documents::{ArmDocument, PersonDocument};
 use recording::{
     ChannelSpec, Error, FramePlayer, MessageTime, PlayedFrame, ReadSummary, RecordingInfo,
     RecordingReader, RecordingWriter, encode_frame, recover,
 };
+use scene_document::HealthDocument;
 use std::io::Read;
 
 const N_FRAMES: u64 = 6;
@@ -79,7 +80,7 @@ fn write_frames(writer: &mut RecordingWriter<&mut Vec<u8>>, is_flushed: bool) {
             .unwrap();
         encode_frame(&header, &points(sequence), &mut bytes).unwrap();
         writer.write_frame(time, &bytes).unwrap();
-        let scene = SceneDocument::new(&SceneSummary::default(), &[]);
+        let scene = message::document::scene(&SceneSummary::default(), &[], 0);
         writer
             .write_document(service_name::SCENE, time, &scene)
             .unwrap();
@@ -497,7 +498,7 @@ fn info_counts_messages_by_topic_and_gaps_between_frames() {
         let time = MessageTime::at(sequence * 1_000_000_000);
         writer.write_frame(time, &bytes).unwrap();
     }
-    let health = HealthDocument::from(&Health::default());
+    let health = HealthDocument::default();
     let late = MessageTime::at(11_000_000_000);
     writer
         .write_document(service_name::HEALTH, late, &health)
@@ -523,7 +524,7 @@ fn info_counts_messages_by_topic_and_gaps_between_frames() {
 fn recording_without_frames_has_none() {
     let mut file = Vec::new();
     let mut writer = RecordingWriter::new(&mut file, "test").unwrap();
-    let health = HealthDocument::from(&Health::default());
+    let health = HealthDocument::default();
     writer
         .write_document(service_name::HEALTH, MessageTime::at(1), &health)
         .unwrap();

@@ -1,7 +1,7 @@
 //! Questions to a person about an object, by which a lesson would help most.
 
-use super::{NearCategoryReport, ObjectReport};
 use crate::TrackState;
+use scene_document::{NearCategoryDocument, ObjectDocument};
 use serde::{Deserialize, Serialize};
 
 /// Probability of the best category below which an unknown object is rather a new one than a side
@@ -52,7 +52,7 @@ pub struct QuestionReport {
     /// Probability that the best category is wrong, 0 to 1: the worth of an answer.
     pub uncertainty: f64,
     /// Most probable categories, best first.
-    pub categories: Vec<NearCategoryReport>,
+    pub categories: Vec<NearCategoryDocument>,
     /// Centre of the object's box in the world, metres.
     pub position_m: [f64; 3],
     /// The question as a sentence.
@@ -72,7 +72,7 @@ impl QuestionReport {
     ///
     /// *Source*: uncertainty sampling by least confidence, Lewis and Gale, "A sequential algorithm
     /// for training text classifiers", 1994.
-    pub fn most_useful<'a>(objects: impl IntoIterator<Item = &'a ObjectReport>) -> Option<Self> {
+    pub fn most_useful<'a>(objects: impl IntoIterator<Item = &'a ObjectDocument>) -> Option<Self> {
         let questions = objects.into_iter().filter_map(Self::about);
         questions.max_by(|a, b| {
             let by_uncertainty = a.uncertainty.total_cmp(&b.uncertainty);
@@ -82,7 +82,7 @@ impl QuestionReport {
     }
 
     /// Question about one object; `None` when it is known, or cannot be seen well.
-    fn about(object: &ObjectReport) -> Option<Self> {
+    fn about(object: &ObjectDocument) -> Option<Self> {
         let speed_m_s = object.velocity_m_s.map_or(0.0, |v| {
             v.iter().map(|part| part * part).sum::<f64>().sqrt()
         });
@@ -108,7 +108,7 @@ impl QuestionReport {
     }
 }
 
-fn sentence(object: &ObjectReport, kind: QuestionKind) -> String {
+fn sentence(object: &ObjectDocument, kind: QuestionKind) -> String {
     let track = object.track_id;
     let [x, y, z] = object.position_m;
     let place = format!("track {track} at ({x:.2} {y:.2} {z:.2})");
@@ -132,20 +132,20 @@ fn sentence(object: &ObjectReport, kind: QuestionKind) -> String {
 mod tests {
     use super::*;
 
-    fn object(track_id: u64, label: Option<&str>, probable: &[(&str, f64)]) -> ObjectReport {
-        let near = |&(label, probability): &(&str, f64)| NearCategoryReport {
+    fn object(track_id: u64, label: Option<&str>, probable: &[(&str, f64)]) -> ObjectDocument {
+        let near = |&(label, probability): &(&str, f64)| NearCategoryDocument {
             label: label.to_owned(),
             distance: 0.4,
             probability,
         };
-        ObjectReport {
+        ObjectDocument {
             track_id,
             state: TrackState::Tracked.word().to_owned(),
             label: label.map(str::to_owned),
             position_m: [0.1, 0.2, 0.8],
             n_views: 40,
             categories: probable.iter().map(near).collect(),
-            ..ObjectReport::default()
+            ..ObjectDocument::default()
         }
     }
 
@@ -183,19 +183,19 @@ mod tests {
     fn question_leaves_out_what_is_moving_new_cut_or_out_of_view() {
         let unknown = object(1, None, &[]);
         let hidden = [
-            ObjectReport {
+            ObjectDocument {
                 state: "occluded".into(),
                 ..unknown.clone()
             },
-            ObjectReport {
+            ObjectDocument {
                 cut_by_image: true,
                 ..unknown.clone()
             },
-            ObjectReport {
+            ObjectDocument {
                 n_views: 2,
                 ..unknown.clone()
             },
-            ObjectReport {
+            ObjectDocument {
                 velocity_m_s: Some([0.0, 0.2, 0.0]),
                 ..unknown.clone()
             },

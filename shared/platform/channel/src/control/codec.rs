@@ -84,13 +84,15 @@ mod tests {
     use super::*;
     use constraint::{Constraint, Finding, Findings, Reason, Ternary};
     use message::control::{
-        EventReport, EventsReport, FactFilter, FactReport, FactsReport, MAX_PAGE_EVENTS,
-        MAX_PAGE_FACTS, MAX_PAGE_TASKS, ObjectsReport, PlaceReport, TaskReport, TasksReport,
-        WorldCommand, WorldReply,
+        FactFilter, MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_TASKS, WorldCommand, WorldReply,
     };
     use message::{
         ActorStamps, MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
         RejectedCandidate, SceneObject, SceneSummary, Text,
+    };
+    use scene_document::{
+        EventDocument, EventsDocument, FactDocument, FactsDocument, PlaceDocument, TaskDocument,
+        TasksDocument,
     };
 
     use std::collections::BTreeMap;
@@ -232,21 +234,21 @@ mod tests {
             source_name: Text::truncated(&"x".repeat(Text::CAPACITY)),
             ..SceneSummary::default()
         };
-        let report = ObjectsReport::new(&scene, &vec![object; MAX_SCENE_OBJECTS], u64::MAX);
-        let bytes = encode(&Reply::Objects(report.clone())).unwrap();
-        assert_eq!(decode_reply(&bytes), Reply::Objects(report));
+        let report = message::document::scene(&scene, &vec![object; MAX_SCENE_OBJECTS], u64::MAX);
+        let bytes = encode(&Reply::Objects(Box::new(report.clone()))).unwrap();
+        assert_eq!(decode_reply(&bytes), Reply::Objects(Box::new(report)));
     }
 
     /// The longest pages of the working memory fit, too.
     #[test]
     fn the_longest_pages_of_the_world_fit() {
         let name = "x".repeat(128);
-        let place = PlaceReport {
+        let place = PlaceDocument {
             position_m: [0.123_456_789; 3],
             orientation_xyzw: [0.123_456_789; 4],
             size_m: [0.123_456_789; 3],
         };
-        let fact = FactReport {
+        let fact = FactDocument {
             fact: u64::MAX,
             subject: "object".into(),
             track_id: Some(u64::MAX),
@@ -257,16 +259,19 @@ mod tests {
             start_ns: u64::MAX,
             end_ns: Some(u64::MAX),
         };
-        let event = EventReport {
+        let event = EventDocument {
             sequence: u64::MAX,
             wall_ns: u64::MAX,
             event: "action_succeeded".into(),
             track_id: Some(u64::MAX),
             task_id: Some(u64::MAX),
             label: Some(name.clone()),
+            task_kind: Some("x".repeat(64)),
+            reason: "x".repeat(2048),
             sentence: "x".repeat(2048 + 256),
+            ..EventDocument::default()
         };
-        let task = TaskReport {
+        let task = TaskDocument {
             task_id: u64::MAX,
             kind: "x".repeat(64),
             parameters: "x".repeat(2048),
@@ -275,18 +280,19 @@ mod tests {
             started_ns: u64::MAX,
             ended_ns: Some(u64::MAX),
             reason: "x".repeat(2048),
+            ..TaskDocument::default()
         };
         let next = Some(u64::MAX);
         let replies = [
-            WorldReply::Facts(FactsReport {
+            WorldReply::Facts(FactsDocument {
                 facts: vec![fact; MAX_PAGE_FACTS],
                 next,
             }),
-            WorldReply::Events(EventsReport {
+            WorldReply::Events(EventsDocument {
                 events: vec![event; MAX_PAGE_EVENTS],
                 newest: u64::MAX,
             }),
-            WorldReply::Tasks(TasksReport {
+            WorldReply::Tasks(TasksDocument {
                 tasks: vec![task; MAX_PAGE_TASKS],
                 next,
             }),

@@ -1,11 +1,11 @@
 use super::*;
 
-fn live(track_id: u64, label: Option<&str>) -> ObjectReport {
-    ObjectReport {
+fn live(track_id: u64, label: Option<&str>) -> ObjectDocument {
+    ObjectDocument {
         track_id,
         state: "tracked".to_owned(),
         label: label.map(str::to_owned),
-        ..ObjectReport::default()
+        ..ObjectDocument::default()
     }
 }
 

@@ -1,35 +1,36 @@
 //! Document of a life-cycle event of an object actor.
 
 use super::text;
-use crate::document::document;
 use message::{ActorEvent, ActorEventKind};
+use scene_document::Document;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-document! {
-    /// Life-cycle event of an object actor.
-    ActorEventDocument = "tabula.ActorEvent" {
-        /// Time of the event, monotonic clock, nanoseconds.
-        stamp_ns: u64,
-        /// Kind of the event: started, restarting, stopped, abandoned or escalated.
-        kind: String,
-        /// Track-id of the actor's object.
-        track_id: u64,
-        /// True if a frame was in progress.
-        has_frame: bool,
-        /// Sequence number of the frame in progress.
-        frame: u64,
-        /// Process id of perception.
-        pid: u32,
-        /// Number of live object actors.
-        n_actors: u64,
-        /// Number of restarts so far.
-        n_restarts: u64,
-        /// Number of abandoned actors so far.
-        n_abandoned: u64,
-        /// Delay until the restart, nanoseconds.
-        restart_after_ns: u64,
-        /// Cause of the failure; empty when nothing failed.
-        cause: String,
-    }
+/// Life-cycle event of an object actor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ActorEventDocument {
+    /// Time of the event, monotonic clock, nanoseconds.
+    pub stamp_ns: u64,
+    /// Kind of the event: started, restarting, stopped, abandoned or escalated.
+    pub kind: String,
+    /// Track-id of the actor's object.
+    pub track_id: u64,
+    /// True if a frame was in progress.
+    pub has_frame: bool,
+    /// Sequence number of the frame in progress.
+    pub frame: u64,
+    /// Process id of perception.
+    pub pid: u32,
+    /// Number of live object actors.
+    pub n_actors: u64,
+    /// Number of restarts so far.
+    pub n_restarts: u64,
+    /// Number of abandoned actors so far.
+    pub n_abandoned: u64,
+    /// Delay until the restart, nanoseconds.
+    pub restart_after_ns: u64,
+    /// Cause of the failure; empty when nothing failed.
+    pub cause: String,
 }
 
 impl From<&ActorEvent> for ActorEventDocument {
@@ -48,4 +49,8 @@ impl From<&ActorEvent> for ActorEventDocument {
             cause: text(&event.cause),
         }
     }
+}
+
+impl Document for ActorEventDocument {
+    const NAME: &'static str = "tabula.ActorEvent";
 }

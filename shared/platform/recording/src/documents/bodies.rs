@@ -1,57 +1,56 @@
 //! Documents of the arm and of people, from which the messages can be made again.
 
 use crate::Number;
-use crate::document::document;
 use message::{ARM_JOINTS, ArmState, PersonBody, Text, WireCapsule, WirePose};
+use scene_document::Document;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-document! {
-    /// Capsule: all points within a radius of a line segment, world frame.
-    CapsuleDocument = "tabula.Capsule" {
-        /// First end of the axis, metres.
-        from_m: [Number; 3],
-        /// Second end of the axis, metres.
-        to_m: [Number; 3],
-        /// Radius, metres.
-        radius_m: Number,
-    }
+/// Capsule: all points within a radius of a line segment, world frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CapsuleDocument {
+    /// First end of the axis, metres.
+    pub from_m: [Number; 3],
+    /// Second end of the axis, metres.
+    pub to_m: [Number; 3],
+    /// Radius, metres.
+    pub radius_m: Number,
 }
 
-document! {
-    /// State of the arm.
-    ArmDocument = "tabula.ArmState" {
-        /// Time of the state on the clock of the frames' capture, nanoseconds.
-        stamp_ns: u64,
-        /// Activity of the arm: 1 idle, 2 moving, 3 opening, 4 closing, 5 stopped, 6 failed.
-        activity: u32,
-        /// Joint angles from the base outwards, radians.
-        joint_angles_rad: [Number; ARM_JOINTS],
-        /// Joint velocities, radians per second.
-        joint_velocities_rad_s: [Number; ARM_JOINTS],
-        /// Distance between the fingers, metres.
-        opening_m: Number,
-        /// Position of the gripper, world frame, metres.
-        gripper_position_m: [Number; 3],
-        /// Orientation of the gripper, quaternion x, y, z, w.
-        gripper_orientation_xyzw: [Number; 4],
-        /// Id of the current or last command; 0 before the first.
-        command_id: u64,
-        /// 1 when the fingers hold an object.
-        is_holding: u32,
-        /// Reason for the failure of the last command; empty otherwise.
-        note: String,
-        /// Volumes of the links, world frame.
-        capsules: Vec<CapsuleDocument>,
-    }
+/// State of the arm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ArmDocument {
+    /// Time of the state on the clock of the frames' capture, nanoseconds.
+    pub stamp_ns: u64,
+    /// Activity of the arm: 1 idle, 2 moving, 3 opening, 4 closing, 5 stopped, 6 failed.
+    pub activity: u32,
+    /// Joint angles from the base outwards, radians.
+    pub joint_angles_rad: [Number; ARM_JOINTS],
+    /// Joint velocities, radians per second.
+    pub joint_velocities_rad_s: [Number; ARM_JOINTS],
+    /// Distance between the fingers, metres.
+    pub opening_m: Number,
+    /// Position of the gripper, world frame, metres.
+    pub gripper_position_m: [Number; 3],
+    /// Orientation of the gripper, quaternion x, y, z, w.
+    pub gripper_orientation_xyzw: [Number; 4],
+    /// Id of the current or last command; 0 before the first.
+    pub command_id: u64,
+    /// 1 when the fingers hold an object.
+    pub is_holding: u32,
+    /// Reason for the failure of the last command; empty otherwise.
+    pub note: String,
+    /// Volumes of the links, world frame.
+    pub capsules: Vec<CapsuleDocument>,
 }
 
-document! {
-    /// Volumes occupied by people; none when nobody is there.
-    PersonDocument = "tabula.PersonBody" {
-        /// Time of the observation on the clock of the frames' capture, nanoseconds.
-        stamp_ns: u64,
-        /// Volumes of the bodies, world frame.
-        capsules: Vec<CapsuleDocument>,
-    }
+/// Volumes occupied by people; none when nobody is there.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PersonDocument {
+    /// Time of the observation on the clock of the frames' capture, nanoseconds.
+    pub stamp_ns: u64,
+    /// Volumes of the bodies, world frame.
+    pub capsules: Vec<CapsuleDocument>,
 }
 
 impl From<&WireCapsule> for CapsuleDocument {
@@ -134,6 +133,14 @@ impl PersonDocument {
         };
         (body, capsules(&self.capsules))
     }
+}
+
+impl Document for ArmDocument {
+    const NAME: &'static str = "tabula.ArmState";
+}
+
+impl Document for PersonDocument {
+    const NAME: &'static str = "tabula.PersonBody";
 }
 
 #[cfg(test)]

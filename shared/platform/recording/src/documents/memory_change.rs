@@ -1,16 +1,17 @@
 //! Document of a change of the perceptual memory.
 
-use crate::document::document;
 use message::MemoryChange;
+use scene_document::Document;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-document! {
-    /// Durable change of the learned views.
-    MemoryChangeDocument = "tabula.MemoryChange" {
-        /// Identity of the store, 32 hexadecimal digits.
-        store_id: String,
-        /// Sequence number of the newest history entry.
-        sequence: u64,
-    }
+/// Durable change of the learned views.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MemoryChangeDocument {
+    /// Identity of the store, 32 hexadecimal digits.
+    pub store_id: String,
+    /// Sequence number of the newest history entry.
+    pub sequence: u64,
 }
 
 impl From<&MemoryChange> for MemoryChangeDocument {
@@ -21,4 +22,8 @@ impl From<&MemoryChange> for MemoryChangeDocument {
             sequence: change.sequence,
         }
     }
+}
+
+impl Document for MemoryChangeDocument {
+    const NAME: &'static str = "tabula.MemoryChange";
 }

@@ -1,5 +1,7 @@
 use super::*;
-use crate::{ActorEvent, NearCategory, ObjectViewHeader, Text};
+use crate::{
+    ActorEvent, ActorStamps, Health, NearCategory, ObjectViewHeader, SceneTime, Text, TrackState,
+};
 use bytemuck::AnyBitPattern;
 
 /// Messages with arbitrary bytes, as torn or hostile shared memory may hold them.
@@ -46,7 +48,7 @@ fn stale_scene_is_told_with_its_age_and_its_objects_are_stale() {
         last_seen_ns: 9 * SECOND,
         ..SceneObject::default()
     };
-    let report = |now_s: u64| ObjectsReport::new(&scene, &[object], now_s * SECOND);
+    let report = |now_s: u64| super::scene(&scene, &[object], now_s * SECOND);
     let fresh = report(11);
     assert!(!fresh.is_stale && fresh.note.is_empty());
     assert_eq!(fresh.objects[0].state, "tracked");
@@ -70,7 +72,7 @@ fn stale_scene_is_told_with_its_age_and_its_objects_are_stale() {
 #[test]
 fn arbitrary_objects_are_reported() {
     for object in of_any_bytes::<SceneObject>() {
-        let report = ObjectReport::new(&object, now(), u64::MAX);
+        let report = super::object(&object, now(), u64::MAX);
         assert!(report.categories.len() <= crate::MAX_NEAR_CATEGORIES);
         assert!(report.view.is_none() == (report.n_views == 0));
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
@@ -103,7 +105,7 @@ fn arbitrary_views_events_and_health_are_read() {
         );
     }
     for health in of_any_bytes::<Health>() {
-        let report = ProcessReport::new(&health);
+        let report = super::health(&health);
         assert!(report.is_none_or(|report| report.note.len() <= Text::CAPACITY));
     }
 }
@@ -137,7 +139,7 @@ fn covariance_and_nearest_categories_are_reported() {
             probability: 0.5,
         };
     }
-    let report = ObjectReport::new(&object, now(), 0);
+    let report = super::object(&object, now(), 0);
     let near: Vec<_> = report
         .categories
         .iter()

@@ -1,0 +1,96 @@
+//! Document of a rejected candidate, with the findings of all constraints.
+
+use super::rounding::rounded;
+use crate::RejectedCandidate;
+use constraint::{Constraint, Finding, Ternary};
+use scene_document::{FindingDocument, RejectedDocument};
+
+/// Document of a rejected candidate.
+pub(super) fn rejected(candidate: &RejectedCandidate) -> RejectedDocument {
+    let decided = candidate
+        .decisive_findings()
+        .map(|(_, finding)| finding.reason.to_string());
+    let verdict = candidate.verdict();
+    let why = match verdict {
+        Some(Ternary::True) => vec!["it is an object, but has no track-id yet".to_owned()],
+        _ => decided.collect(),
+    };
+    RejectedDocument {
+        position_m: candidate.pose.position_m,
+        orientation_xyzw: candidate.pose.orientation_xyzw,
+        size_m: candidate.size_m.map(rounded),
+        n_points: candidate.n_points,
+        verdict: verdict.unwrap_or(Ternary::Unknown).word().into(),
+        why,
+        findings: candidate.findings().map(finding).collect(),
+    }
+}
+
+fn finding((constraint, finding): (Constraint, Finding)) -> FindingDocument {
+    FindingDocument {
+        constraint: constraint.name().into(),
+        truth: finding.value.word().into(),
+        reason: finding.reason.code(),
+        sentence: finding.reason.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{SceneSummary, Text, document};
+    use constraint::{Assumption, Assumptions, Expression, Findings, Reason};
+
+    fn summary() -> SceneSummary {
+        let mut findings = Findings::default();
+        let reason = Reason::AtRim {
+            share: 0.4,
+            distance_m: 0.03,
+        };
+        let truth = Ternary::True;
+        findings.set(
+            Constraint::Edge,
+            Finding {
+                value: truth,
+                reason,
+            },
+        );
+        let rule = Expression::paper();
+        let mut assumptions = Assumptions::default();
+        assumptions.add(Assumption::NoRobotKnown);
+        let mut summary = SceneSummary {
+            n_rejected: 20,
+            n_ignored: 1,
+            rule: Text::truncated(&rule.to_string()),
+            assumptions: assumptions.bits(),
+            ..SceneSummary::default()
+        };
+        summary.ignored[0] = RejectedCandidate {
+            n_points: 320,
+            verdict: rule.evaluate(&findings).code().into(),
+            decisive: rule.decisive(&findings).bits().into(),
+            findings: RejectedCandidate::wire_findings(&findings),
+            ..RejectedCandidate::default()
+        };
+        summary
+    }
+
+    #[test]
+    fn reports_give_the_reason_of_a_rejection() {
+        let report = document::scene(&summary(), &[], 0);
+        assert_eq!(report.rule, Expression::paper().to_string());
+        assert_eq!(report.assumptions[0].name, "no-robot-known");
+        assert!(report.assumptions[0].sentence.contains("arm state"));
+        assert_eq!((report.ignored.len(), report.n_more_ignored), (1, 19));
+        let ignored = &report.ignored[0];
+        assert_eq!((ignored.n_points, ignored.verdict.as_str()), (320, "false"));
+        let sentence = "it is at the table's rim (40 % of its points nearer than 3 cm)";
+        assert_eq!(ignored.why, [sentence]);
+        assert_eq!(ignored.findings.len(), Constraint::N);
+        let edge = &ignored.findings[Constraint::Edge as usize];
+        assert_eq!(
+            (edge.constraint.as_str(), edge.truth.as_str(), edge.reason),
+            ("C_edge", "true", 51)
+        );
+    }
+}
