@@ -98,7 +98,8 @@ impl ProcessState {
     }
 }
 
-/// Health report of one process: state and counters, sent about once per second.
+/// Health report of one process: state and counters, sent every half second and at each change of
+/// state.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.Health.v3")]
 #[repr(C)]
@@ -109,31 +110,33 @@ pub struct Health {
     pub process: u32,
     /// Operating-system process id.
     pub pid: u32,
-    /// Start time of the process, monotonic clock, nanoseconds.
+    /// State of the process: code of a [`ProcessState`].
     pub state: u32,
-    /// Time of this report, monotonic clock, nanoseconds.
+    /// Start time of the process, monotonic clock, nanoseconds.
     pub started_ns: u64,
-    /// Number of frames published (camera), processed (perception) or persisted (memory).
+    /// Time of this report, monotonic clock, nanoseconds.
     pub stamp_ns: u64,
-    /// Number of frames dropped: due but not handled.
+    /// Number of frames published (camera, simulator) or processed (perception), or of scenes
+    /// received (memory).
     pub frames: u64,
-    /// Number of frames published more than a period after their scheduled time.
+    /// Number of frames, of scenes for memory, that were dropped: due but not handled.
     pub frames_dropped: u64,
-    /// Frames published after their scheduled time by more than a period.
+    /// Number of frames published more than a period after their scheduled time (camera,
+    /// simulator).
     pub frames_late: u64,
-    /// Number of heap allocations since the start.
+    /// Heap bytes allocated by the process since its start, freed ones included.
     pub allocated_bytes: u64,
-    /// Heap allocations of the process since its start.
+    /// Number of heap allocations of the process since its start.
     pub allocations: u64,
-    /// Shared memory reserved by the publishers of the process, bytes.
+    /// Resident memory of the process, shared memory included, bytes.
     pub resident_bytes: u64,
-    /// Number of actor restarts within the process.
+    /// Shared memory reserved by the publishers of the process, bytes.
     pub shared_memory_bytes: u64,
-    /// Number of actor restarts inside the process.
+    /// Number of restarts within the process: of actors, and of lost jobs of the worker pool.
     pub restarts: u64,
-    /// Number of worker threads abandoned because they made no progress.
+    /// Number of live object actors.
     pub actors: u64,
-    /// Progress counter for the watchdog; increases with each completed unit of work.
+    /// Number of worker threads abandoned because they made no progress.
     pub abandoned: u64,
     /// Progress counter, incremented by each step of real work and read by the watchdog.
     pub progress: u64,

@@ -37,7 +37,8 @@ pub struct ObjectViewHeader {
     pub frame_location: SegmentLocation,
     /// Index in the frame of the first point that the actor read.
     pub first_point_index: u32,
-    /// Distance in descriptor space to the nearest stored view; NaN when nothing is stored.
+    /// Distance in descriptor space to the nearest stored view of the best category, mean over the
+    /// sides; NaN when nothing is stored.
     pub distance: f32,
     /// Shared memory location from which detection read the frame's points.
     pub detection_location: SegmentLocation,

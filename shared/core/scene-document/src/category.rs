@@ -10,7 +10,7 @@ pub struct CategoryDocument {
     pub category: String,
     /// Number of stored views of the category.
     pub n_views: u64,
-    /// Size of the category's view records, bytes.
+    /// Size of the descriptors and point clouds of its views, bytes.
     pub bytes: u64,
     /// Time of the last teaching, nanoseconds since 1970.
     pub last_taught_ns: i64,

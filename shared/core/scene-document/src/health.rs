@@ -20,7 +20,7 @@ pub struct HealthDocument {
     pub started_ns: u64,
     /// Time since the process started, seconds.
     pub uptime_s: f64,
-    /// Number of frames published, processed or persisted.
+    /// Number of frames published or processed, or of scenes received by the memory.
     pub frames: u64,
     /// Number of frames dropped: due but not handled.
     pub frames_dropped: u64,
@@ -32,7 +32,7 @@ pub struct HealthDocument {
     pub resident_bytes: u64,
     /// Shared memory reserved by the publishers of the process, bytes.
     pub shared_memory_bytes: u64,
-    /// Number of actor restarts within the process.
+    /// Number of restarts within the process: of actors, and of lost jobs of the worker pool.
     pub restarts: u64,
     /// Number of live actors in the process.
     #[serde(default)]

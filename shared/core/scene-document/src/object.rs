@@ -35,7 +35,8 @@ pub struct ObjectDocument {
     /// Answer about the category: `is`, `probably` or `unknown`.
     #[serde(default)]
     pub answer: Answer,
-    /// Distance in descriptor space to the nearest stored view; null when nothing is stored.
+    /// Distance in descriptor space to the nearest stored view of the best category, mean over the
+    /// sides; null when nothing is stored.
     pub distance: Option<f64>,
     /// Probability that the object belongs to the best category; null when nothing is stored.
     pub probability: Option<f64>,

@@ -7,13 +7,13 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 use tokio::sync::Notify;
 
-/// Counters and state of a process, written by its loops and read by the health
-/// report about once a second.
+/// Counters and state of a process, written by its loops and read by the health report every half
+/// second.
 #[derive(Debug)]
 pub struct HealthCounters {
     state: Mutex<(ProcessState, Text)>,
     state_changed: Notify,
-    /// Number of frames published, processed or persisted.
+    /// Number of frames published or processed, or of scenes received.
     pub frames: AtomicU64,
     /// Number of frames that were dropped.
     pub frames_dropped: AtomicU64,
@@ -21,11 +21,11 @@ pub struct HealthCounters {
     pub frames_late: AtomicU64,
     /// Shared memory reserved by the process's publishers, bytes.
     pub shared_memory_bytes: AtomicU64,
-    /// Number of restarts inside the process.
+    /// Number of restarts of actors, and of lost jobs of the worker pool.
     pub restarts: AtomicU64,
     /// Number of live actors now.
     pub actors: AtomicU64,
-    /// Number of abandoned worker threads.
+    /// Number of worker threads abandoned because they made no progress.
     pub abandoned: AtomicU64,
     progress: AtomicU64,
 }
