@@ -15,7 +15,7 @@ const N_FRAMES: usize = 60;
 const CHAIN: [&str; 9] = [
     "source",
     "transport",
-    "surroundings",
+    "gather_priors",
     "detection_queue",
     "detection",
     "detection_answer",
@@ -26,7 +26,7 @@ const CHAIN: [&str; 9] = [
 
 /// Latency stages of every object.
 const OF_OBJECTS: [&str; 7] = [
-    "hand_over",
+    "dispatch",
     "actor_queue",
     "tracking",
     "description",
@@ -80,7 +80,13 @@ fn a_running_daemon_is_measured_and_goes_on() {
         let frames = stages[stage]["count"].as_u64().unwrap() as usize;
         assert!(frames >= N_FRAMES, "{stage}");
     }
-    for off_path in ["making", "release_wait", "sending", "label_hop", "telling"] {
+    for off_path in [
+        "generation",
+        "release_wait",
+        "sending",
+        "label_hop",
+        "trace_publishing",
+    ] {
         assert!(stages[off_path].is_object(), "{off_path}: {report}");
     }
     let sum: f64 = CHAIN.iter().map(|stage| p50(&stages[stage])).sum();

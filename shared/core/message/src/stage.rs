@@ -26,7 +26,7 @@ macro_rules! stages {
             /// All processing stages in pipeline order.
             pub const ALL: &[Self] = &[$(Self::$stage),*];
 
-            /// Name of the stage, for people and scripts.
+            /// Name of the stage, for people and scripts: that of the variant in snake case.
             pub fn word(self) -> &'static str {
                 match self {
                     $(Self::$stage => $word,)*
@@ -47,9 +47,9 @@ stages! {
     /// Preparation of the next frame by the source: opening a file, or advancing simulated time.
     Preparing = 4, "preparing", StageScope::Outside;
     /// Wait before frame generation, so that the frame is generated as late as is safe.
-    GenerationWait = 5, "making_wait", StageScope::Outside;
+    GenerationWait = 5, "generation_wait", StageScope::Outside;
     /// Frame generation by the source: reading the device, or rendering.
-    Generation = 1, "making", StageScope::Outside;
+    Generation = 1, "generation", StageScope::Outside;
     /// Wait of the finished frame for its release time.
     ReleaseWait = 2, "release_wait", StageScope::Outside;
     /// Sending of the frame, including its header.
@@ -60,7 +60,7 @@ stages! {
     /// wake-up and the wait for the previous frame.
     Transport = 11, "transport", StageScope::Frame;
     /// Gathering of priors: prediction of tracks, and poses of people and robot at capture time.
-    GatherPriors = 12, "surroundings", StageScope::Frame;
+    GatherPriors = 12, "gather_priors", StageScope::Frame;
     /// Time in which detection waits for a worker.
     DetectionQueue = 13, "detection_queue", StageScope::Frame;
     /// Detection of table and candidates.
@@ -88,16 +88,16 @@ stages! {
     /// Split and merge of clusters by the tracks expected there.
     Regrouping = 36, "regrouping", StageScope::Within(Stage::Detection);
     /// Growth of clusters down to the table.
-    SupportGrowth = 37, "feet", StageScope::Within(Stage::Detection);
+    SupportGrowth = 37, "support_growth", StageScope::Within(Stage::Detection);
     /// Fitting of oriented bounding boxes to the clusters.
     Boxes = 38, "boxes", StageScope::Within(Stage::Detection);
     /// Evaluation of constraints and rule; output of the candidates.
-    ConstraintEvaluation = 39, "judging", StageScope::Within(Stage::Detection);
+    ConstraintEvaluation = 39, "constraint_evaluation", StageScope::Within(Stage::Detection);
     /// Work of a second worker on one of the preceding steps.
-    ParallelHelp = 40, "helping", StageScope::Within(Stage::Detection);
+    ParallelHelp = 40, "parallel_help", StageScope::Within(Stage::Detection);
     /// Dispatch delay: from the request to the first object until the request to this one, because
     /// the frame loop sends them one after the other.
-    Dispatch = 50, "hand_over", StageScope::Object;
+    Dispatch = 50, "dispatch", StageScope::Object;
     /// Wait of the object's view for its actor and a worker.
     ActorQueue = 51, "actor_queue", StageScope::Object;
     /// Measurement update of the object's motion filter.
@@ -111,7 +111,7 @@ stages! {
     /// Wait of the actor's answer for the frame loop.
     ActorAnswer = 56, "actor_answer", StageScope::Object;
     /// Wait of an answered object for the remaining objects (barrier).
-    Barrier = 57, "others_awaited", StageScope::Object;
+    Barrier = 57, "barrier", StageScope::Object;
     /// Adoption of the posteriors, and hand-over of key views to the outbox.
     Outbox = 70, "outbox", StageScope::Within(Stage::Publishing);
     /// Publication of views and clouds of single objects to subscribers.
@@ -119,7 +119,7 @@ stages! {
     /// Publication of the scene with all labels.
     SceneTopic = 72, "scene_topic", StageScope::Within(Stage::Publishing);
     /// Publication of the previous frame's spans: cost of tracing itself.
-    TracePublishing = 73, "telling", StageScope::Outside;
+    TracePublishing = 73, "trace_publishing", StageScope::Outside;
     /// Delivery delay: from the published label to its receipt by another process.
     LabelHop = 90, "label_hop", StageScope::Outside;
     /// Wait of the scene for the next update of the working memory, a few times per second.
@@ -139,11 +139,27 @@ impl Stage {
         Self::ALL.iter().copied().find(|stage| stage.code() == code)
     }
 
-    /// Stage of a name; `None` for an unknown name.
+    /// Stage of a name, present or earlier; `None` for an unknown name.
     pub fn from_word(word: &str) -> Option<Self> {
+        let earlier = EARLIER_WORDS.iter().find(|(earlier, _)| *earlier == word);
+        let word = earlier.map_or(word, |(_, stage)| stage.word());
         Self::ALL.iter().copied().find(|stage| stage.word() == word)
     }
 }
+
+/// Earlier names of stages, which stand in stored reports and budgets.
+const EARLIER_WORDS: [(&str, Stage); 10] = [
+    ("making_wait", Stage::GenerationWait),
+    ("making", Stage::Generation),
+    ("surroundings", Stage::GatherPriors),
+    ("piles", Stage::Segmentation),
+    ("feet", Stage::SupportGrowth),
+    ("judging", Stage::ConstraintEvaluation),
+    ("helping", Stage::ParallelHelp),
+    ("hand_over", Stage::Dispatch),
+    ("others_awaited", Stage::Barrier),
+    ("telling", Stage::TracePublishing),
+];
 
 #[cfg(test)]
 mod tests {
@@ -160,6 +176,28 @@ mod tests {
         }
         assert_eq!(Stage::from_code(0), None);
         assert_eq!(Stage::from_word(""), None);
+    }
+
+    #[test]
+    fn words_are_the_names_of_the_variants_in_snake_case() {
+        for stage in Stage::ALL {
+            let capitals = |(index, letter): (usize, char)| {
+                let separator = letter.is_uppercase() && index > 0;
+                let letter = letter.to_lowercase();
+                separator.then_some('_').into_iter().chain(letter)
+            };
+            let name = format!("{stage:?}");
+            let word: String = name.chars().enumerate().flat_map(capitals).collect();
+            assert_eq!(stage.word(), word);
+        }
+    }
+
+    #[test]
+    fn earlier_words_name_a_stage_and_are_no_present_ones() {
+        for (word, stage) in EARLIER_WORDS {
+            assert_eq!(Stage::from_word(word), Some(stage));
+            assert!(Stage::ALL.iter().all(|stage| stage.word() != word));
+        }
     }
 
     #[test]

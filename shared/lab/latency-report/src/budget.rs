@@ -1,7 +1,7 @@
 //! Latency budget: limits that a report must keep.
 
 use crate::duration_percentiles::DurationPercentiles;
-use crate::report::LatencyReport;
+use crate::report::{LatencyReport, by_stage_word};
 use message::Stage;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -34,6 +34,7 @@ struct RawBudget {
     total: TotalLimits,
     end_to_end: LatencyLimits,
     object_label: LatencyLimits,
+    #[serde(deserialize_with = "by_stage_word")]
     stages: BTreeMap<String, LatencyLimits>,
 }
 

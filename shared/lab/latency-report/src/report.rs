@@ -7,7 +7,7 @@ use crate::resource_usage::ResourceUsage;
 use crate::slowest_frames::WorstFrame;
 use crate::sum_check::SumCheck;
 use message::Stage;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 /// Conditions of a measurement: version, source, warnings, processes, machine.
@@ -127,6 +127,7 @@ pub struct LatencyReport {
     /// Latency from scheduled capture to the answer of each object's actor.
     pub object_label_ms: DurationPercentiles,
     /// Statistics of the stages, by stage name.
+    #[serde(deserialize_with = "by_stage_word")]
     pub stages: BTreeMap<String, StageReport>,
     /// Consistency check of stage durations against end-to-end latency.
     pub sum_check: SumCheck,
@@ -201,6 +202,20 @@ impl LatencyReport {
     }
 }
 
+/// Entries by the present names of stages; a document may have been written with earlier ones.
+pub(crate) fn by_stage_word<'de, D, V>(document: D) -> Result<BTreeMap<String, V>, D::Error>
+where
+    D: Deserializer<'de>,
+    V: Deserialize<'de>,
+{
+    let written = BTreeMap::<String, V>::deserialize(document)?;
+    let present = |word: String| Stage::from_word(&word).map_or(word, |stage| stage.word().into());
+    Ok(written
+        .into_iter()
+        .map(|(word, entry)| (present(word), entry))
+        .collect())
+}
+
 fn stage_report(stage: &StageSamples, n_frames: usize) -> StageReport {
     let mut durations_ns: Vec<u64> = stage.samples.iter().map(|sample| sample.ns).collect();
     StageReport {
@@ -225,16 +240,16 @@ fn measurement_overhead(
         .values()
         .map(|stage| stage.samples.len())
         .sum();
-    let telling = recorder.stages.get(&Stage::TracePublishing);
-    let telling_ns: u64 = telling.map_or(0, |telling| {
-        telling.samples.iter().map(|sample| sample.ns).sum()
+    let publishing = recorder.stages.get(&Stage::TracePublishing);
+    let publishing_ns: u64 = publishing.map_or(0, |publishing| {
+        publishing.samples.iter().map(|sample| sample.ns).sum()
     });
     let n_worked: u64 = recorder
         .stages
         .values()
         .map(|stage| stage.usage.worked)
         .sum();
-    let cost_ns = n_worked as f64 * overhead.stage_cost_ns + telling_ns as f64;
+    let cost_ns = n_worked as f64 * overhead.stage_cost_ns + publishing_ns as f64;
     let cost_per_frame_ms = cost_ns / n_frames / 1e6;
     MeasurementOverhead {
         spans_per_frame: n_spans as f64 / n_frames,
