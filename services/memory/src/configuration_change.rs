@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// theirs themselves.
 pub(crate) struct ConfigurationChange {
     pub(crate) store: StoreHandle,
-    pub(crate) desk: Arc<MemoryRequestHandler>,
+    pub(crate) handler: Arc<MemoryRequestHandler>,
     pub(crate) world: Arc<WorkingMemory>,
     pub(crate) access: AccessControl,
 }
@@ -23,7 +23,7 @@ impl ConfigurationChange {
         loop {
             let config = live.change().await;
             self.store.set_limits(config.limits);
-            self.desk.set_upload_limits(config.uploads);
+            self.handler.set_upload_limits(config.uploads);
             self.world.set_config(&config);
             self.access.set_groups(&config.groups);
         }

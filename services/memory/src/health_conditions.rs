@@ -81,10 +81,10 @@ impl HealthConditions {
 /// State and explanation of the process; degraded stores come first.
 fn joined(conditions: &[Condition; 2]) -> (ProcessState, String) {
     let is_degraded = conditions.iter().any(|condition| condition.is_degraded);
-    let told = conditions
+    let reported = conditions
         .iter()
         .filter(|condition| condition.is_degraded == is_degraded && !condition.note.is_empty());
-    let notes: Vec<&str> = told.map(|condition| condition.note.as_str()).collect();
+    let notes: Vec<&str> = reported.map(|condition| condition.note.as_str()).collect();
     let state = if is_degraded {
         ProcessState::Degraded
     } else {

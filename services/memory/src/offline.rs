@@ -109,7 +109,7 @@ impl OfflineMemory {
                 None => Err(Refusal::new(RefusalKind::NotFound, "no verification runs")),
             },
             command => {
-                let answer = self.desk()?.answer(command, requester(peer)).await;
+                let answer = self.handler()?.answer(command, requester(peer)).await;
                 answer.unwrap_or_else(|| {
                     Err(Refusal::new(
                         RefusalKind::Unavailable,
@@ -120,12 +120,12 @@ impl OfflineMemory {
         }
     }
 
-    fn desk(&mut self) -> Result<&MemoryRequestHandler, Refusal> {
+    fn handler(&mut self) -> Result<&MemoryRequestHandler, Refusal> {
         if self.opened.is_none() {
             self.opened = Some(self.open()?);
         }
         match &self.opened {
-            Some((desk, _)) => Ok(desk),
+            Some((handler, _)) => Ok(handler),
             None => Err(Refusal::new(
                 RefusalKind::Internal,
                 "the memory is not open",
@@ -157,13 +157,13 @@ impl OfflineMemory {
         })
         .map_err(|error| Refusal::new(RefusalKind::Internal, error.to_string()))?;
         eprintln!("{report}");
-        let (desk, _) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
+        let (handler, _) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
             store,
             scratch: home.path().join("exchange"),
             uploads: UPLOADS,
             descriptor_kind: pipeline::DESCRIPTOR_KIND,
         });
-        Ok((desk, thread))
+        Ok((handler, thread))
     }
 }
 

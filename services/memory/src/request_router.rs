@@ -24,7 +24,7 @@ const DEADLINE: Duration = Duration::from_secs(4);
 /// Router of all control requests, the gateway for clients.
 pub(crate) struct RequestRouter {
     pub(crate) domain: Domain,
-    pub(crate) desk: Arc<MemoryRequestHandler>,
+    pub(crate) handler: Arc<MemoryRequestHandler>,
     pub(crate) perception: Client,
     pub(crate) arm: Client,
     pub(crate) processes: Arc<ProcessTable>,
@@ -106,7 +106,7 @@ impl RequestRouter {
     async fn answer_from_memory(&self, command: Command, peer: Peer) -> Result<Reply, Refusal> {
         let lesson = event_report::lesson(&command);
         let labelled = labelled_track(&command);
-        let answer = self.desk.answer(command, requester(peer)).await;
+        let answer = self.handler.answer(command, requester(peer)).await;
         let answer = answer.unwrap_or_else(|| {
             let sentence = "tabula-memory does not answer this command".to_owned();
             Err(Refusal::new(RefusalKind::Internal, sentence))

@@ -37,18 +37,18 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     let health = Arc::new(HealthConditions::new(context.health.clone()));
     let (threads, store, world) = open_memories(&context, &config, &health)?;
     let world = Arc::new(world);
-    let (desk, positions) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
+    let (handler, positions) = MemoryRequestHandler::new(MemoryRequestHandlerConfig {
         store: store.clone(),
         scratch: context.home.path().join("exchange"),
         uploads: config.uploads,
         descriptor_kind: pipeline::DESCRIPTOR_KIND,
     });
-    let desk = Arc::new(desk);
+    let handler = Arc::new(handler);
     let domain = &context.domain;
     let processes = Arc::new(ProcessTable::new(domain)?);
     let router = RequestRouter {
         domain: domain.clone(),
-        desk: desk.clone(),
+        handler: handler.clone(),
         perception: Client::new(domain, ProcessKind::Perception)?,
         arm: Client::new(domain, ProcessKind::Simulator)?,
         processes: processes.clone(),
@@ -68,7 +68,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     let probe = probe(store.clone(), context.health.clone(), processes);
     let configuration_change = ConfigurationChange {
         store: store.clone(),
-        desk,
+        handler,
         world,
         access: people_server.access_control(),
     };
@@ -128,8 +128,8 @@ fn spawn_upkeep(
     configuration_change: ConfigurationChange,
     live: LiveConfig<Config>,
 ) {
-    let desk = configuration_change.desk.clone();
-    let expiry = async move { desk.expire_jobs().await };
+    let handler = configuration_change.handler.clone();
+    let expiry = async move { handler.expire_jobs().await };
     tasks.spawn("the expiry of jobs", expiry);
     tasks.spawn("the daily purge", daily_purge::run(store, live.clone()));
     let configuration_change = configuration_change.follow(live);

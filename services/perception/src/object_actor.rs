@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Actor that owns the state of one object.
 pub(crate) struct ObjectActor {
     state: ObjectState,
-    tools: ObjectWorkspace,
+    workspace: ObjectWorkspace,
 }
 
 /// Message: one frame's view of the object.
@@ -84,8 +84,8 @@ impl Actor for ObjectActor {
     type Overflow = DropOldest;
 
     fn start(_: &Arc<()>, state: ObjectState) -> Result<Self, Error> {
-        let tools = ObjectWorkspace::new()?;
-        Ok(Self { state, tools })
+        let workspace = ObjectWorkspace::new()?;
+        Ok(Self { state, workspace })
     }
 
     fn handle(&mut self, message: ObserveView, _: &Progress) -> Result<Flow<ObservedView>, Error> {
@@ -125,7 +125,7 @@ impl Actor for ObjectActor {
             &observation,
             &taught.index,
             &config,
-            &mut self.tools,
+            &mut self.workspace,
             stages,
         )?;
         let packed_cloud = if posterior.is_key_view {

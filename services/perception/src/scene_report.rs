@@ -183,8 +183,8 @@ pub(crate) fn add_detection(
     summary.n_rejected = rejected.len() as u32;
     summary.n_ignored = rejected.len().min(MAX_REJECTED_CANDIDATES) as u32;
     let candidates = rejected.iter().filter_map(|&i| detection.candidates.get(i));
-    for (blob, candidate) in summary.ignored.iter_mut().zip(candidates) {
-        *blob = ignored(candidate, &pose);
+    for (rejected, candidate) in summary.ignored.iter_mut().zip(candidates) {
+        *rejected = ignored(candidate, &pose);
     }
 }
 

@@ -111,7 +111,7 @@ impl RejectedCandidate {
 mod tests {
     use super::*;
 
-    fn blob() -> RejectedCandidate {
+    fn candidate() -> RejectedCandidate {
         let mut findings = Findings::default();
         let reason = Reason::Robot {
             share: 0.875,
@@ -135,9 +135,9 @@ mod tests {
 
     #[test]
     fn verdict_and_reasons_survive_the_wire() {
-        let blob = blob();
-        assert_eq!(blob.verdict(), Some(Ternary::False));
-        let why: Vec<_> = blob.decisive_findings().collect();
+        let candidate = candidate();
+        assert_eq!(candidate.verdict(), Some(Ternary::False));
+        let why: Vec<_> = candidate.decisive_findings().collect();
         assert_eq!(why.len(), 1);
         let (constraint, finding) = why[0];
         assert_eq!(
@@ -149,18 +149,18 @@ mod tests {
             "{}",
             finding.reason
         );
-        assert_eq!(blob.findings().count(), Constraint::N);
+        assert_eq!(candidate.findings().count(), Constraint::N);
     }
 
     #[test]
     fn torn_findings_are_skipped() {
-        let mut blob = blob();
-        blob.findings[Constraint::Robot as usize].reason = 9999;
-        blob.findings[0].truth = 7;
-        blob.findings[1].values[0] = f32::NAN;
-        blob.verdict = 0x0001_0000;
-        assert_eq!(blob.verdict(), None);
-        assert_eq!(blob.decisive_findings().count(), 0);
-        assert_eq!(blob.findings().count(), Constraint::N - 3);
+        let mut candidate = candidate();
+        candidate.findings[Constraint::Robot as usize].reason = 9999;
+        candidate.findings[0].truth = 7;
+        candidate.findings[1].values[0] = f32::NAN;
+        candidate.verdict = 0x0001_0000;
+        assert_eq!(candidate.verdict(), None);
+        assert_eq!(candidate.decisive_findings().count(), 0);
+        assert_eq!(candidate.findings().count(), Constraint::N - 3);
     }
 }

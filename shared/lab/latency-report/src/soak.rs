@@ -217,25 +217,25 @@ mod tests {
         (0..40).map(window).collect()
     }
 
-    fn told(change: impl Fn(usize, &mut SoakWindow)) -> Vec<String> {
+    fn changes_found(change: impl Fn(usize, &mut SoakWindow)) -> Vec<String> {
         let grown = find_growth(&windows(change));
         grown.into_iter().map(|growth| growth.sentence).collect()
     }
 
     #[test]
     fn constant_windows_show_no_growth() {
-        assert_eq!(told(|_, _| ()), Vec::<String>::new());
+        assert_eq!(changes_found(|_, _| ()), Vec::<String>::new());
         let warming = |i: usize, w: &mut SoakWindow| {
             w.processes[0].resident_mb = if i < 8 { 20.0 } else { 30.0 };
         };
-        assert_eq!(told(warming), Vec::<String>::new());
+        assert_eq!(changes_found(warming), Vec::<String>::new());
         assert!(find_growth(&[]).is_empty());
     }
 
     #[test]
     fn growth_of_each_kind_is_found() {
         let check = |change: &dyn Fn(usize, &mut SoakWindow), word: &str| {
-            let sentences = told(change);
+            let sentences = changes_found(change);
             assert!(
                 sentences.len() == 1 && sentences[0].contains(word),
                 "{sentences:?}"

@@ -69,14 +69,14 @@ impl MemoryRequestHandler {
             store: config.store,
             position,
         };
-        let desk = Self {
+        let handler = Self {
             documents: DocumentStoring::new(store.clone(), Arc::clone(&jobs)),
             store,
             jobs,
             contents: Arc::default(),
             uploads,
         };
-        (desk, positions)
+        (handler, positions)
     }
 
     /// Replaces the limits of the files of uploads, from the next upload of bytes on.

@@ -323,7 +323,7 @@ impl StoreThread {
             archiving_failed: None,
             pace: ReopeningPace::default(),
             last_error: None,
-            told: None,
+            reported: None,
             position: Arc::clone(&position),
             is_opening: Arc::clone(&is_opening),
             limits: Arc::clone(&limits),
@@ -395,7 +395,7 @@ struct StoreLoop {
     /// Error of the last attempt to open the store, if it failed.
     last_error: Option<Error>,
     /// Last report of trouble; `None` when there is none.
-    told: Option<String>,
+    reported: Option<String>,
     /// Position of the durable history, shared with all handles.
     position: Arc<Mutex<Position>>,
     /// `true` while the store is opened again, shared with all handles.
@@ -673,8 +673,8 @@ impl StoreLoop {
             Err(error) => Some(error.to_string()),
         };
         self.last_error = report.as_ref().err().cloned();
-        let is_news = trouble.is_none() || trouble != self.told;
-        self.told = trouble;
+        let is_news = trouble.is_none() || trouble != self.reported;
+        self.reported = trouble;
         if is_news {
             (self.config.on_reopened)(report);
         }

@@ -13,7 +13,7 @@ use point_cloud::Point;
 use tracking::{MotionFilter, ObservationContext};
 
 /// Ratio of the shorter to the longer footprint side above which an object may be
-/// rotationally symmetric. Chosen; sensitivity: see `tabula-lab sweep`.
+/// rotationally symmetric. Chosen.
 const ROUND_SIDE_RATIO_MIN: f64 = 0.75;
 
 /// Tracking state of one object; small, so that a clone serves as a checkpoint.
@@ -125,7 +125,7 @@ impl ObjectState {
         observation: &Observation<'_>,
         taught: &CategoryIndex,
         config: &Config,
-        tools: &mut ObjectWorkspace,
+        workspace: &mut ObjectWorkspace,
         output: impl Into<ObservationOutput<'a>>,
     ) -> Result<Posterior, Error> {
         let ObservationOutput {
@@ -156,7 +156,7 @@ impl ObjectState {
         .map_err(Error::Tracking)?;
         end_stage(ObservationStage::Tracked);
         let points = ObjectPoints::selected(cloud, indices).map_err(Error::Description)?;
-        let hypotheses = describe(points, measured, &mut tools.appearance)?;
+        let hypotheses = describe(points, measured, &mut workspace.appearance)?;
         end_stage(ObservationStage::Described);
         let pose = observable_pose(&filter.box_in_world());
         let is_whole = !measured.is_truncated && filter.completeness() >= WHOLE_FRACTION_MIN;

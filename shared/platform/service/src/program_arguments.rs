@@ -30,18 +30,22 @@ pub fn parse_arguments<A: Parser>() -> A {
             ),
         }
     }
-    A::try_parse().unwrap_or_else(|told| exit_telling(&told))
+    A::try_parse().unwrap_or_else(|clap_error| exit_telling(&clap_error))
 }
 
 /// Prints the help, the version, or the error of the arguments, and ends the process.
-fn exit_telling(told: &clap::Error) -> ! {
-    let printed = told.print().and_then(|()| std::io::stdout().flush());
+fn exit_telling(clap_error: &clap::Error) -> ! {
+    let printed = clap_error.print().and_then(|()| std::io::stdout().flush());
     match printed {
-        Err(error) if !told.use_stderr() && error.kind() != ErrorKind::BrokenPipe => exit_with(
-            &format!("standard output could not be written: {error}; what it has is incomplete"),
-            exit_code::FAILURE,
-        ),
-        _ => std::process::exit(told.exit_code()),
+        Err(error) if !clap_error.use_stderr() && error.kind() != ErrorKind::BrokenPipe => {
+            exit_with(
+                &format!(
+                    "standard output could not be written: {error}; what it has is incomplete"
+                ),
+                exit_code::FAILURE,
+            )
+        }
+        _ => std::process::exit(clap_error.exit_code()),
     }
 }
 

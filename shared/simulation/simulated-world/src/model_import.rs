@@ -144,9 +144,9 @@ impl ModelImport {
         frame: FileFrame,
     ) -> Result<Vec<String>, String> {
         let mut sentences = Vec::new();
-        let told = self.up.or(frame.up.map(ModelUp::from));
-        turn_upright(mesh, told.unwrap_or(ModelUp::Z));
-        if told.is_none() && frame.may_be_y_up && is_y_up(mesh) {
+        let stated = self.up.or(frame.up.map(ModelUp::from));
+        turn_upright(mesh, stated.unwrap_or(ModelUp::Z));
+        if stated.is_none() && frame.may_be_y_up && is_y_up(mesh) {
             turn_upright(mesh, ModelUp::Y);
             sentences.push(
                 "it was taken to stand along its y axis, where its base is (give the upward axis \

@@ -577,8 +577,8 @@ fn long_full_disk_is_an_error_and_loses_nothing() {
 #[test]
 fn failed_store_is_reopened_by_its_thread() {
     let folder = folder();
-    let told: Arc<Mutex<Vec<Condition>>> = Arc::default();
-    let tell = Arc::clone(&told);
+    let reported: Arc<Mutex<Vec<Condition>>> = Arc::default();
+    let tell = Arc::clone(&reported);
     let config = StoreConfig {
         folder: folder.path().to_owned(),
         queue_capacity: 8,
@@ -605,7 +605,7 @@ fn failed_store_is_reopened_by_its_thread() {
     ));
     // The same again, and there is room now.
     handle.mutate_and_wait(mutation(1, 10)).unwrap();
-    assert_eq!(*told.lock().unwrap(), [Condition::Sound]);
+    assert_eq!(*reported.lock().unwrap(), [Condition::Sound]);
     // Damage is met with a rebuilding.
     let spoil = |memory: &mut PerceptualMemory| {
         memory.engine.note_damage("a test's".to_owned());
@@ -617,7 +617,10 @@ fn failed_store_is_reopened_by_its_thread() {
     ));
     let read = |memory: &mut PerceptualMemory| memory.views_of_track(0);
     assert_eq!(handle.read_and_wait(read).unwrap().len(), 1);
-    assert!(matches!(told.lock().unwrap()[1], Condition::Rebuilt { .. }));
+    assert!(matches!(
+        reported.lock().unwrap()[1],
+        Condition::Rebuilt { .. }
+    ));
     thread.stop().unwrap();
     let names: Vec<PathBuf> = fs::read_dir(folder.path())
         .unwrap()

@@ -219,7 +219,7 @@ mod tests {
             let value = Ternary::Unknown;
             findings.set(constraint, Finding { value, reason });
         }
-        let blob = RejectedCandidate {
+        let candidate = RejectedCandidate {
             decisive: u32::MAX,
             findings: RejectedCandidate::wire_findings(&findings),
             ..RejectedCandidate::default()
@@ -228,7 +228,7 @@ mod tests {
             n_objects_total: u32::MAX,
             n_rejected: u32::MAX,
             n_ignored: MAX_REJECTED_CANDIDATES as u32,
-            ignored: [blob; MAX_REJECTED_CANDIDATES],
+            ignored: [candidate; MAX_REJECTED_CANDIDATES],
             assumptions: u32::MAX,
             rule: Text::truncated(&"x".repeat(Text::CAPACITY)),
             source_name: Text::truncated(&"x".repeat(Text::CAPACITY)),
