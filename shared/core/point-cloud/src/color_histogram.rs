@@ -13,16 +13,13 @@ const N_GREYS: usize = 4;
 
 const N_BINS: usize = N_HUES * N_SATURATIONS + N_GREYS;
 
-/// Chroma, of 255, below which hue is noise. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Chroma, of 255, below which hue is noise. Chosen.
 const CHROMA_MIN: f32 = 12.0;
 
-/// Chroma range, of 255, over which the weight of hue rises to 1. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Chroma range, of 255, over which the weight of hue rises to 1. Chosen.
 const CHROMA_RAMP: f32 = 32.0;
 
-/// Prior mass of each bin, which damps the influence of a few outlier points. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Prior mass of each bin, which damps the influence of a few outlier points. Chosen.
 const BIN_PRIOR: f32 = 0.02 / N_BINS as f32;
 
 /// Normalised colour histogram: 8 x 4 bins of hue and saturation, 4 bins of brightness

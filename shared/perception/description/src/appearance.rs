@@ -47,7 +47,7 @@ const PROFILE_OFFSET: usize = COLOR_OFFSET + N_COLORS;
 const DIMENSION: usize = PROFILE_OFFSET + N_PROFILE_VALUES;
 
 /// Offset added to a side before the logarithm, metres: the thickness that noise gives
-/// to thin objects. Chosen; sensitivity: see `tabula-lab sweep`.
+/// to thin objects. Chosen.
 const SIDE_OFFSET_M: f32 = 0.005;
 
 /// Maximum number of points described; larger objects are thinned evenly. With 1500 the
@@ -70,7 +70,7 @@ pub struct AppearanceWeights {
 }
 
 impl Default for AppearanceWeights {
-    /// Weights of the live system. Chosen; sensitivity: see `tabula-lab sweep`.
+    /// Weights of the live system. Chosen.
     fn default() -> Self {
         Self {
             shape: 1.0,

@@ -5,7 +5,7 @@ use crate::samples::Samples;
 use geometry::RigidTransform;
 use point_cloud::{ColorHistogram, Rgba};
 
-/// Learning rate of the colours of bodies. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Learning rate of the colours of bodies. Chosen.
 const COLOR_LEARNING_RATE: f32 = 0.05;
 
 /// Body map of a subsampled image, as prior of the next frame. Empty when bodies were not

@@ -9,16 +9,15 @@ use crate::upright_box::UprightBox;
 use nalgebra::{Point3, Vector3};
 use point_cloud::OrganizedCloud;
 
-/// Least share of a cluster's points near the table for a standing object. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least share of a cluster's points near the table for a standing object. Chosen.
 const STANDING_SHARE: f64 = 0.005;
 
 /// Greatest ratio of the lowest to the highest point of a standing round object, whose
-/// contact area its own body occludes. Chosen; sensitivity: see `tabula-lab sweep`.
+/// contact area its own body occludes. Chosen.
 const ROUND_GAP_SHARE: f32 = 0.2;
 
 /// Greatest height of the lowest point of a standing round object over the table, metres.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const ROUND_GAP_MAX_M: f32 = 0.05;
 
 /// Object hypothesis: a cluster with statistics, box and support.

@@ -16,13 +16,13 @@ pub(crate) const NO_CLUSTER: u32 = u32::MAX;
 /// Link rule: distance up to which two neighbouring pixels are connected.
 #[derive(Debug, Clone, Copy)]
 struct LinkDistance {
-    /// Link distance at zero depth, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+    /// Link distance at zero depth, metres. Chosen.
     floor_m: f32,
     /// Growth of the link distance with squared depth, 1/metre; one disparity step of a
-    /// Kinect v1 is 2.8 mm at 1 m. Chosen; sensitivity: see `tabula-lab sweep`.
+    /// Kinect v1 is 2.8 mm at 1 m. Chosen.
     per_m2: f32,
     /// Greatest span of a link in the image, pixels. Bridges sensor holes; the distance in
-    /// space must still fit. Chosen; sensitivity: see `tabula-lab sweep`.
+    /// space must still fit. Chosen.
     reach_px: usize,
 }
 

@@ -5,7 +5,7 @@ use sensor_noise::DepthNoise;
 use thiserror::Error;
 
 /// Detection settings as written, not validated. The default fits a Kinect v1 that views a
-/// table from 0.5 to 1.5 m. Numeric defaults: Chosen; sensitivity: see `tabula-lab sweep`.
+/// table from 0.5 to 1.5 m. The numeric defaults are chosen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawConfig {
     /// Least used depth, metres; 0.1 to 10.

@@ -6,12 +6,11 @@ use geometry::RigidTransform;
 use nalgebra::Point3;
 use sensor_noise::DepthNoise;
 
-/// Least age of the image, frames; it is replaced at twice this age. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least age of the image, frames; it is replaced at twice this age. Chosen.
 const AGE_MIN: u16 = 10;
 
 /// Least distance between a point and the surface that was seen behind its place, metres, so that
-/// an error of the camera pose moves nothing. Chosen; sensitivity: see `tabula-lab sweep`.
+/// an error of the camera pose moves nothing. Chosen.
 const FREE_MIN_M: f32 = 0.06;
 
 /// Tolerance of depth, sigmas of the depth noise.

@@ -9,26 +9,23 @@ use crate::table::Table;
 use point_cloud::OrganizedCloud;
 
 /// Greatest depth of a contour that the near limit may cut, as a multiple of the shortest
-/// depth of the frame. Chosen; sensitivity: see `tabula-lab sweep`.
+/// depth of the frame. Chosen.
 const DEPTH_RATIO_MAX: f32 = 1.05;
 
-/// Least length of the contour at the near limit, pixels of the image. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Least length of the contour at the near limit, pixels of the image. Chosen.
 const CONTOUR_PX_MIN: usize = 16;
 
-/// Distance between the probes for depth beyond a contour, pixels. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Distance between the probes for depth beyond a contour, pixels. Chosen.
 const PROBE_STEP_PX: f64 = 4.0;
 
 /// Number of pixels within a probe step of a contour of the least length.
 const N_PIXELS_MIN: usize = CONTOUR_PX_MIN * PROBE_STEP_PX as usize;
 
 /// Least number of probes without depth before the floor: more than the shadow of an object
-/// at the table's rim. Chosen; sensitivity: see `tabula-lab sweep`.
+/// at the table's rim. Chosen.
 const N_PROBES_MIN: usize = 6;
 
-/// Height over the table below which a probe sees past it, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Height over the table below which a probe sees past it, metres. Chosen.
 const PAST_TABLE_M: f32 = -0.05;
 
 /// Near limit of the depth range in a frame, and the direction in the image in which the

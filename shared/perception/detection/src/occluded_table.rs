@@ -9,15 +9,14 @@ use crate::table::FLOOR_GAP_M;
 use geometry::Plane;
 
 /// Least cosine of the angle between a table and the top of an object that leans on
-/// another (20 degrees). Chosen; sensitivity: see `tabula-lab sweep`.
+/// another (20 degrees). Chosen.
 const LEANING_COS_MIN: f64 = 0.94;
 
-/// Greatest share of a top's samples below the table. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Greatest share of a top's samples below the table. Chosen.
 const BELOW_SHARE_MAX: f64 = 0.05;
 
 /// Greatest share of a top's samples as high over the table as a table is over its floor.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const HIGH_SHARE_MAX: f64 = 0.5;
 
 /// Buffers of the occluded-table search.

@@ -29,36 +29,31 @@ use point_cloud::OrganizedCloud;
 use random::Random;
 
 /// Width of the image border zone, pixels: a candidate that reaches it may be cut.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const BORDER_PX: usize = 3;
 
-/// Least height of the base pixels of an object over the table, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least height of the base pixels of an object over the table, metres. Chosen.
 const BASE_HEIGHT_MIN_M: f32 = 0.0035;
 
 /// Least height of base pixels over the table, in sigmas of the depth noise, where
-/// that exceeds [`BASE_HEIGHT_MIN_M`]. Chosen; sensitivity: see `tabula-lab sweep`.
+/// that exceeds [`BASE_HEIGHT_MIN_M`]. Chosen.
 const BASE_SIGMAS: f32 = 1.3;
 
-/// Greatest height of the base pixels of an object over the table, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Greatest height of the base pixels of an object over the table, metres. Chosen.
 const BASE_HEIGHT_MAX_M: f32 = 0.02;
 
 /// Greatest depth step within the base of one object, metres at 1 m, growing with
-/// squared depth. A larger step is the base of an object behind. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// squared depth. A larger step is the base of an object behind. Chosen.
 const BASE_STEP_M: f32 = 0.02;
 
-/// Least share of an object's points above the table's cells. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least share of an object's points above the table's cells. Chosen.
 const OVER_TABLE_SHARE_MIN: f64 = 0.25;
 
 /// Height of the highest point in sigmas of the depth noise up to which a cluster may be noise
-/// of the table. Chosen; sensitivity: see `tabula-lab sweep`.
+/// of the table. Chosen.
 const NOISE_HEIGHT_SIGMAS: f32 = 6.0;
 
-/// Ratio of the least number of points of such a cluster to that of any other. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Ratio of the least number of points of such a cluster to that of any other. Chosen.
 const LOW_POINTS_FACTOR: f64 = 8.0;
 
 /// Buffers of the image path, reused from frame to frame.

@@ -4,8 +4,7 @@ use crate::outline::{Outline, distance_m};
 use crate::table_surface::TableSurface;
 use nalgebra::Point2;
 
-/// Tolerance of the polygon simplification, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Tolerance of the polygon simplification, metres. Chosen.
 const TOLERANCE_M: f64 = 0.03;
 
 /// Contour tracer of the table's cells, with its buffers.

@@ -10,23 +10,20 @@ use random::Random;
 const N_COUNTED_AIMED: usize = 2400;
 
 /// Half side of the window, in samples, from which the second and third point of a
-/// hypothesis are drawn; neighbours share a surface more often than random points. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// hypothesis are drawn; neighbours share a surface more often than random points. Chosen.
 const WINDOW: usize = 32;
 
 /// Least distance of drawn neighbours, in samples; nearer ones give a plane dominated by
-/// noise. Chosen; sensitivity: see `tabula-lab sweep`.
+/// noise. Chosen.
 const WINDOW_MIN: isize = 5;
 
 /// Greatest number of hypotheses for one plane.
 const N_HYPOTHESES_MAX: usize = 240;
 
-/// Accepted probability of drawing no good hypothesis. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Accepted probability of drawing no good hypothesis. Chosen.
 const MISS_CHANCE: f64 = 0.005;
 
-/// Assumed probability that two window neighbours of an inlier are inliers too. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Assumed probability that two window neighbours of an inlier are inliers too. Chosen.
 const NEIGHBOURS_AGREE: f64 = 0.3;
 
 /// Buffers of the plane search.

@@ -6,19 +6,17 @@ use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Point2, Point3, Unit};
 use point_cloud::Moments;
 
-/// Side of an occupancy cell on the plane, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Side of an occupancy cell on the plane, metres. Chosen.
 const CELL_M: f32 = 0.04;
 
 /// Greatest number of cells per side; a larger plane gets larger cells.
 const CELLS_MAX: usize = 256;
 
-/// Least number of samples in an occupied cell. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least number of samples in an occupied cell. Chosen.
 const CELL_SAMPLES_MIN: u32 = 2;
 
 /// Greatest gap bridged within a region, cells: objects on the table occlude parts of it.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const GAP_CELLS: isize = 3;
 
 /// Connected plane region found last, with buffers.

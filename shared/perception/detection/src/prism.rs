@@ -10,8 +10,7 @@ use crate::table_surface::TableSurface;
 use point_cloud::{OrganizedCloud, Point};
 use sensor_noise::DepthNoise;
 
-/// Least height over the table in sigmas of the depth noise. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least height over the table in sigmas of the depth noise. Chosen.
 const NOISE_SIGMAS: f32 = 3.0;
 
 /// Number of points tested together in one vectorised block.

@@ -32,7 +32,7 @@ use scene::{Scene, step_m};
 use sensor_noise::DepthNoise;
 
 /// Least height over the table at which a body enters over the image's border, metres. Lower
-/// components are objects cut by the border. Chosen; sensitivity: see `tabula-lab sweep`.
+/// components are objects cut by the border. Chosen.
 const ENTRY_HEIGHT_M: f32 = 0.10;
 
 /// Least ratio of the samples beside the table to those above it in a component whose lower
@@ -41,7 +41,7 @@ const ENTRY_HEIGHT_M: f32 = 0.10;
 const BESIDE_RATIO_MIN: usize = 1;
 
 /// Greatest number of samples without depth beneath a lower contour: the shadow of the sensor's
-/// projector. Chosen; sensitivity: see `tabula-lab sweep`.
+/// projector. Chosen.
 const SHADOW_SAMPLES: usize = 6;
 
 /// Greatest number of samples between a body and a point that it touches.

@@ -41,8 +41,7 @@ pub(crate) use edge_image::{EdgeImage, NO_EDGE, log_odds_of};
 pub(crate) use region_claims::NO_TRACK;
 pub use training::{EdgeExample, SegmentationExamples};
 
-/// Greatest number of cells without depth between adjacent regions. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Greatest number of cells without depth between adjacent regions. Chosen.
 const GAP_CELLS: usize = 3;
 
 /// Image whose clusters are segmented.

@@ -4,12 +4,10 @@ use crate::affine_form::AffineForm;
 use crate::footprint::Footprint;
 use point_cloud::Point;
 
-/// Longest side above which a cluster may be several objects, metres. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Longest side above which a cluster may be several objects, metres. Chosen.
 const LONGEST_SIDE_M: f64 = 0.17;
 
-/// Footprint area above which a cluster may be several objects, square metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Footprint area above which a cluster may be several objects, square metres. Chosen.
 const FOOTPRINT_M2: f64 = 0.013;
 
 /// Target number of points on which a cluster is measured.

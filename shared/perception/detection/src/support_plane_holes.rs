@@ -8,23 +8,20 @@ use crate::samples::Samples;
 /// Label of samples that are not level with the table.
 const NO_REGION: u32 = 0;
 
-/// Least number of samples of a hole. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least number of samples of a hole. Chosen.
 const SAMPLES_MIN: u32 = 4;
 
-/// Greatest number of samples of a hole; objects may cut a table in two. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Greatest number of samples of a hole; objects may cut a table in two. Chosen.
 const SAMPLES_MAX: u32 = 2_000;
 
 /// Least mean height of a hole over the table, metres; through the handle of a cup the
-/// table itself is visible. Chosen; sensitivity: see `tabula-lab sweep`.
+/// table itself is visible. Chosen.
 const MEAN_HEIGHT_MIN_M: f32 = 0.0025;
 
-/// Least share of a hole's neighbours that are higher than the table. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Least share of a hole's neighbours that are higher than the table. Chosen.
 const RIM_SHARE_MIN: f32 = 0.7;
 
-/// Height range of a hole's points over the table, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Height range of a hole's points over the table, metres. Chosen.
 const HEIGHT_M: std::ops::RangeInclusive<f32> = -0.006..=0.02;
 
 /// Row range that contains no rows.

@@ -11,58 +11,53 @@ use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
 /// Greatest horizontal gap between boxes in contact, metres; the supporting side of the
-/// lower object is often occluded. Chosen; sensitivity: see `tabula-lab sweep`.
+/// lower object is often occluded. Chosen.
 const TOUCH_M: f64 = 0.03;
 
 /// Greatest vertical gap between boxes in contact, metres: an object that overhangs its
-/// support hides the top of it. Chosen; sensitivity: see `tabula-lab sweep`.
+/// support hides the top of it. Chosen.
 const HIDDEN_TOP_M: f64 = 0.06;
 
 /// Greatest height over the table at which an object without depth below it stands on the
-/// table, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// table, metres. Chosen.
 const UNSEEN_BASE_MAX_M: f32 = 0.10;
 
-/// Least depth step of an occlusion, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least depth step of an occlusion, metres. Chosen.
 const OCCLUSION_STEP_M: f32 = 0.02;
 
 /// Least depth step from the table's rim to an object behind it, metres: more than the table
-/// recedes within the first probe. Chosen; sensitivity: see `tabula-lab sweep`.
+/// recedes within the first probe. Chosen.
 const RIM_STEP_M: f32 = 0.04;
 
-/// Distances of the probes below the lower border of a cluster, pixels. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Distances of the probes below the lower border of a cluster, pixels. Chosen.
 const PROBE_PX: [f64; 3] = [2.0, 4.0, 8.0];
 
-/// Least occluded share of the lower border for an occluded support. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Least occluded share of the lower border for an occluded support. Chosen.
 const OCCLUDED_SHARE_MIN: f64 = 0.3;
 
-/// Least share of the lower border without depth below for an unknown support. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least share of the lower border without depth below for an unknown support. Chosen.
 const NO_DEPTH_SHARE_MIN: f64 = 0.5;
 
 /// Heights at which the vertical line below the centre of an object is looked at, as shares of
 /// the height of its lowest point.
 const BELOW_SHARES: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
 
-/// Tolerance of depth within which a place is in view, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Tolerance of depth within which a place is in view, metres. Chosen.
 const IN_VIEW_M: f64 = 0.01;
 
-/// Greatest distance from the table's plane of a surface level with it, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Greatest distance from the table's plane of a surface level with it, metres. Chosen.
 const LEVEL_M: f32 = 0.01;
 
 /// Greatest distance from the table's plane of a surface level with it, in sigmas of the depth
-/// noise, where that exceeds [`LEVEL_M`]. Chosen; sensitivity: see `tabula-lab sweep`.
+/// noise, where that exceeds [`LEVEL_M`]. Chosen.
 const LEVEL_SIGMAS: f32 = 3.0;
 
 /// Least share of the lower border off the table for furniture beside it.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const OFF_TABLE_SHARE_MIN: f64 = 0.3;
 
 /// Distance from the border of the table at which an object stands on the table for certain,
-/// metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// metres. Chosen.
 const BORDER_MARGIN_M: f64 = 0.05;
 
 /// Find the support of each hypothesis that does not stand on the table: a supported

@@ -7,7 +7,7 @@ use sensor_noise::DepthNoise;
 use std::fmt;
 
 /// Least gap between a table and the floor under it, metres; tops of objects are nearer to
-/// their table. Chosen; sensitivity: see `tabula-lab sweep`.
+/// their table. Chosen.
 pub(crate) const FLOOR_GAP_M: f64 = 0.35;
 
 /// Table: the support surface found in a cloud.

@@ -17,14 +17,13 @@ const N_BINS: usize = 128;
 const ONE_SIGMA_SHARE: f32 = 0.683;
 
 /// Greatest depth of a residual under the table's plane, metres; farther points are seen
-/// beside the table or through it. Chosen; sensitivity: see `tabula-lab sweep`.
+/// beside the table or through it. Chosen.
 const RESIDUAL_MAX_M: f32 = 0.03;
 
-/// Least number of residuals for a measurement. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least number of residuals for a measurement. Chosen.
 const N_RESIDUALS_MIN: u32 = 300;
 
-/// Greatest ratio to the law, so that a wrong plane cannot blind detection. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Greatest ratio to the law, so that a wrong plane cannot blind detection. Chosen.
 const RATIO_MAX: f32 = 4.0;
 
 /// Ratio of the depth noise on a table to a law, 1 to 4: a quantile of the residuals of the

@@ -17,31 +17,28 @@ use sensor_noise::DepthNoise;
 /// Greatest number of planes searched in one image.
 const N_PLANES_MAX: usize = 5;
 
-/// Least share of the image's samples on a plane. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least share of the image's samples on a plane. Chosen.
 const SHARE_MIN: f64 = 0.02;
 
 /// Share of the samples in range at which a table ends the search, unless enough is above
-/// it for a table over a floor or below it for a table under the top of an object. Chosen; sensitivity: see `tabula-lab sweep`.
+/// it for a table over a floor or below it for a table under the top of an object. Chosen.
 const DOMINANT_SHARE: f64 = 0.5;
 
 /// Least ratio of samples of the upper to the lower of two parallel planes at which the
-/// upper is a table and not the top of an object. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// upper is a table and not the top of an object. Chosen.
 const TABLE_SHARE_OF_FLOOR: f64 = 0.2;
 
 /// Least component of a table's normal against the image's downward axis, when up is
 /// unknown. Under a camera that looks down, walls have zero or less and a table has the
-/// cosine of the pitch. Chosen; sensitivity: see `tabula-lab sweep`.
+/// cosine of the pitch. Chosen.
 const UPWARD_MIN: f64 = 0.2;
 
 /// Greatest component of a table's normal along the image rows, when up is unknown; a
-/// larger one is a side wall seen by a rolled camera. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// larger one is a side wall seen by a rolled camera. Chosen.
 const SIDEWARD_MAX: f64 = 0.6;
 
 /// Least component of a normal towards the camera for a table seen from above, when up is
-/// unknown. Chosen; sensitivity: see `tabula-lab sweep`.
+/// unknown. Chosen.
 const FROM_ABOVE_MIN: f64 = 0.9;
 
 /// Buffers of the table selection.

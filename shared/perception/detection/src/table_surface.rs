@@ -17,18 +17,17 @@ use occluded_extent::{EXTENT_MAX_M, OccludedExtent};
 use ray_evidence::RayEvidence;
 
 /// Margin by which the polygon is grown, metres: the visible table ends half a sample
-/// before its rim. Chosen; sensitivity: see `tabula-lab sweep`.
+/// before its rim. Chosen.
 const POLYGON_MARGIN_M: f64 = 0.01;
 
 /// Greatest overhang of an object's points beyond the table, metres: objects at the rim
-/// occlude it and extend over it. Chosen; sensitivity: see `tabula-lab sweep`.
+/// occlude it and extend over it. Chosen.
 const OVERHANG_M: f64 = 0.10;
 
 /// Distances beyond a side of the outline at which free space makes it a rim, cells.
 const BEYOND_CELLS: [f64; 3] = [1.5, 2.5, 3.5];
 
-/// Least share of a side with free space beyond it for a rim. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least share of a side with free space beyond it for a rim. Chosen.
 const FREE_SHARE_MIN: f64 = 0.5;
 
 /// Table surface map: cells in the frame of the table. Reused from frame to frame.

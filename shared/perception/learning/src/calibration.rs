@@ -73,11 +73,11 @@ impl DescriptorSymmetries {
 const LEAST_RELATIVE_DISTANCE: f32 = 1e-4;
 
 /// Pseudo-count of the mean over all categories when the spread of one category is
-/// estimated. Chosen; sensitivity: see `tabula-lab sweep`.
+/// estimated. Chosen.
 const GLOBAL_SPREAD_WEIGHT: f64 = 3.0;
 
 /// Pseudo-count of the prior when the mean spread over all categories is estimated.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const PRIOR_SPREAD_WEIGHT: f64 = 10.0;
 
 /// Sum and count of nearest-neighbour distances.

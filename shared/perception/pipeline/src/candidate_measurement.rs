@@ -13,7 +13,7 @@ use tracking::{
 };
 
 /// Number of points, approximately, from which colours and variances are sampled.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const N_SAMPLES: usize = 400;
 
 /// Measurement of one detection candidate: box, appearance and truncation.

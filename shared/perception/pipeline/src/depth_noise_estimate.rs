@@ -4,16 +4,14 @@ use detection::Detection;
 use sensor_noise::DepthNoise;
 
 /// Greatest number of frames with a table in the median: 10 s at 30 Hz, longer than a wrong
-/// table lasts and shorter than a camera takes to warm up. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// table lasts and shorter than a camera takes to warm up. Chosen.
 const N_FRAMES_MAX: usize = 301;
 
-/// Least number of frames with a table for a median: 1 s at 30 Hz. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least number of frames with a table for a median: 1 s at 30 Hz. Chosen.
 const N_FRAMES_MIN: usize = 31;
 
 /// Least ratio at which the configured law no longer holds; below it the difference is within
-/// the error of the measurement, and warp. Chosen; sensitivity: see `tabula-lab sweep`.
+/// the error of the measurement, and warp. Chosen.
 const RATIO_NOTABLE: f32 = 1.3;
 
 /// Depth noise of the camera: the configured law, and its median ratio over the last frames.

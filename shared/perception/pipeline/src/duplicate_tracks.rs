@@ -8,11 +8,11 @@ use crate::track::Track;
 use tracking::{OcclusionState, fraction_inside};
 
 /// Fraction of an unmatched track's box inside another track's measurement above which the
-/// two may be duplicates. Chosen; sensitivity: see `tabula-lab sweep`.
+/// two may be duplicates. Chosen.
 const CONTAINED_FRACTION_MIN: f64 = 0.8;
 
 /// Volume ratio of the containing measurement to the contained track that a duplicate
-/// requires. Chosen; sensitivity: see `tabula-lab sweep`.
+/// requires. Chosen.
 const CONTAINER_VOLUME_RATIO_MIN: f64 = 0.9;
 
 /// Fraction of the smaller box inside the larger one above which two tracks fill the same
@@ -27,8 +27,7 @@ const FRAGMENT_VOLUME_RATIO_MAX: f64 = 0.5;
 /// above it the sizes say nothing, and the older track keeps its id.
 const SIMILAR_VOLUME_RATIO_MIN: f64 = 0.5;
 
-/// Number of frames as a duplicate after which a track ends. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Number of frames as a duplicate after which a track ends. Chosen.
 const N_FRAMES_DUPLICATE_MAX: u32 = 3;
 
 /// Ends the tracks that were repeatedly found to be duplicates of others. `occlusions` holds

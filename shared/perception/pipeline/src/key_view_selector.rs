@@ -6,12 +6,10 @@ use std::sync::Arc;
 use tracking::KeyViewRule;
 
 /// Descriptor distance to every earlier key view above which a view is novel. Two frames
-/// of the same standing object differ by about half of it. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// of the same standing object differ by about half of it. Chosen.
 const NOVELTY_MIN: f32 = 0.45;
 
-/// Number of most recent key views with which a new view is compared. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Number of most recent key views with which a new view is compared. Chosen.
 const N_COMPARED_MAX: usize = 16;
 
 /// Key-view selector: accepts views of the whole object at rest that differ from earlier

@@ -4,28 +4,23 @@ use crate::track::Track;
 use std::collections::VecDeque;
 use tracking::CoarseAppearance;
 
-/// Smallest number of described views of a track that enters the gallery. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Smallest number of described views of a track that enters the gallery. Chosen.
 const N_VIEWS_MIN: u32 = 3;
 
-/// Capacity of the gallery; the oldest entry is replaced. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Capacity of the gallery; the oldest entry is replaced. Chosen.
 const CAPACITY: usize = 32;
 
-/// Retention time of a lost track, nanoseconds (10 minutes). Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Retention time of a lost track, nanoseconds (10 minutes). Chosen.
 const RETENTION_NS: u64 = 600_000_000_000;
 
-/// Colour similarity (Bhattacharyya coefficient) required for re-identification. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Colour similarity (Bhattacharyya coefficient) required for re-identification. Chosen.
 const SIMILARITY_MIN: f64 = 0.88;
 
 /// Lead in colour similarity over the second-best lost track that re-identification
-/// requires. Chosen; sensitivity: see `tabula-lab sweep`.
+/// requires. Chosen.
 const SIMILARITY_MARGIN_MIN: f64 = 0.03;
 
-/// Largest volume ratio of re-identified objects. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Largest volume ratio of re-identified objects. Chosen.
 const VOLUME_RATIO_MAX: f64 = 1.6;
 
 /// Gallery entry of a lost track.

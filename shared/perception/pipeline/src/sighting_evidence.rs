@@ -5,8 +5,7 @@ use detection::Candidate;
 use tracking::{SightingEvidence, fraction_inside};
 
 /// Largest horizontal distance of a candidate's centre from the box of a larger one of which
-/// it may be a part, metres: the outer half of a mug's handle. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// it may be a part, metres: the outer half of a mug's handle. Chosen.
 const PART_DISTANCE_MAX_M: f64 = 0.045;
 
 /// Evidence of a candidate among all candidates of its frame.

@@ -11,17 +11,16 @@ use nalgebra::{Point3, Unit, Vector3};
 
 /// Greatest difference in height between two views of one table, metres. Views of one table
 /// differ by the error of the camera pose, 1 to 3 cm; a dining table (0.72 to 0.75 m) and a
-/// counter (0.9 m, EN 1116) by 15 cm or more, a seat or the floor by more. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// counter (0.9 m, EN 1116) by 15 cm or more, a seat or the floor by more. Chosen.
 const SAME_TABLE_M: f64 = 0.10;
 
 /// Time after which another surface is the table, nanoseconds: it was found at one height all
 /// the time, and no tracked object was in view. A glance aside is shorter, and a robot that has
-/// come to another table stays there longer. Chosen; sensitivity: see `tabula-lab sweep`.
+/// come to another table stays there longer. Chosen.
 const OTHER_TABLE_NS: u64 = 5_000_000_000;
 
 /// Longest time without the other surface after which it still counts as found all the time,
-/// nanoseconds. Chosen; sensitivity: see `tabula-lab sweep`.
+/// nanoseconds. Chosen.
 const GAP_NS: u64 = 1_000_000_000;
 
 /// Place of a table along the up direction, world frame.

@@ -121,18 +121,14 @@ impl Track {
     }
 }
 
-/// Time after hand contact in which an object may still be moved, nanoseconds. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Time after hand contact in which an object may still be moved, nanoseconds. Chosen.
 pub(crate) const MOVED_AFTER_HANDLED_NS: u64 = 1_000_000_000;
 
-/// Visible fraction of the box above which a view shows the whole object. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Visible fraction of the box above which a view shows the whole object. Chosen.
 pub(crate) const WHOLE_FRACTION_MIN: f64 = 0.9;
 
-/// Volume ratio above which two boxes are about equally large. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Volume ratio above which two boxes are about equally large. Chosen.
 const SIMILAR_VOLUME_RATIO_MIN: f64 = 0.8;
 
-/// Learning rate of the remembered colour histogram. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Learning rate of the remembered colour histogram. Chosen.
 const COLOR_LEARNING_RATE: f32 = 0.05;

@@ -7,31 +7,25 @@ use tracking::{
     assign,
 };
 
-/// Upper limit of the speed of a hand-carried object, metres a second. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Upper limit of the speed of a hand-carried object, metres a second. Chosen.
 const CARRIED_SPEED_MAX_M_S: f64 = 0.8;
 
-/// Smallest search radius, metres; it covers the shift of the box centre. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Smallest search radius, metres; it covers the shift of the box centre. Chosen.
 const SEARCH_RADIUS_MIN_M: f64 = 0.08;
 
-/// Largest search radius, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Largest search radius, metres. Chosen.
 const SEARCH_RADIUS_MAX_M: f64 = 0.5;
 
-/// Colour similarity required of a recovered track. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Colour similarity required of a recovered track. Chosen.
 const SIMILARITY_MIN: f64 = 0.75;
 
-/// Speed above which an object counts as carried, metres a second. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Speed above which an object counts as carried, metres a second. Chosen.
 const CARRIED_SPEED_MIN_M_S: f64 = 0.1;
 
-/// Time for which free space does not end a carried track, nanoseconds. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Time for which free space does not end a carried track, nanoseconds. Chosen.
 const CARRIED_GRACE_NS: u64 = 300_000_000;
 
-/// Time after hand contact in which an object may have been moved, nanoseconds. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Time after hand contact in which an object may have been moved, nanoseconds. Chosen.
 const HANDLED_NS: u64 = 1_000_000_000;
 
 /// Occlusion state of a track without a candidate, tested at its predicted and at its

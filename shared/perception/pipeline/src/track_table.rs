@@ -24,40 +24,39 @@ use tracking::{
 };
 
 /// Distance between the spheres around two objects within which a hand that moves one may move
-/// the other, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// the other, metres. Chosen.
 const MOVED_WITHIN_M: f64 = 0.10;
 
 /// Largest error of the camera pose that is looked for, metres. A larger one would reach from
-/// an object to its neighbour. Chosen; sensitivity: see `tabula-lab sweep`.
+/// an object to its neighbour. Chosen.
 const POSE_ERROR_MAX_M: f64 = 0.10;
 
 /// Upper limit of the predicted position uncertainty in the association gate (standard
 /// deviation per axis), metres. A wider gate would reach neighbouring objects and mix
-/// their views. Chosen; sensitivity: see `tabula-lab sweep`.
+/// their views. Chosen.
 const GATE_SIGMA_MAX_M: f64 = 0.04;
 
 /// Volume ratio of measured to predicted box above which a view shows the whole object.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const WHOLE_VOLUME_RATIO_MIN: f64 = 0.7;
 
 /// Time after hand contact in which no new track starts near the handled object,
-/// nanoseconds. Chosen; sensitivity: see `tabula-lab sweep`.
+/// nanoseconds. Chosen.
 const HANDLED_NS: u64 = 500_000_000;
 
 /// Margin around a recently handled object in which no new track starts, metres: the
-/// hand may split the object into parts. Chosen; sensitivity: see `tabula-lab sweep`.
+/// hand may split the object into parts. Chosen.
 const HANDLED_MARGIN_M: f64 = 0.03;
 
-/// Point-count ratio below which a candidate may be a part of a larger one. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Point-count ratio below which a candidate may be a part of a larger one. Chosen.
 const PART_POINTS_RATIO_MAX: f64 = 0.12;
 
 /// Largest horizontal distance of a part's centre from the box of the larger candidate,
-/// metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// metres. Chosen.
 const PART_DISTANCE_MAX_M: f64 = 0.035;
 
 /// Largest Euclidean distance between the mean colours of a part and the larger
-/// candidate, per channel 0 to 255. Chosen; sensitivity: see `tabula-lab sweep`.
+/// candidate, per channel 0 to 255. Chosen.
 const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 
 /// Fraction of a candidate inside a visible track's box, or of that box inside the

@@ -8,28 +8,26 @@ use geometry::OrientedBox;
 use nalgebra::{Matrix3, Point3};
 use point_cloud::ColorHistogram;
 
-/// Tolerance of the containment test, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Tolerance of the containment test, metres. Chosen.
 const PART_MARGIN_M: f64 = 0.012;
 
-/// Sample points per side of a box in the containment test. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Sample points per side of a box in the containment test. Chosen.
 const N_PART_STEPS: usize = 3;
 
 /// Extent of the sample points relative to the half sides; the corners of a box are
-/// rarely filled. Chosen; sensitivity: see `tabula-lab sweep`.
+/// rarely filled. Chosen.
 const PART_SAMPLE_EXTENT: f64 = 0.8;
 
 /// Contained fraction above which a candidate may be the visible part of a track's
-/// object. Chosen; sensitivity: see `tabula-lab sweep`.
+/// object. Chosen.
 const PART_FRACTION_MIN: f64 = 0.85;
 
 /// Overlap of a truncated candidate with the expected box, or of the expected box with
-/// it, that is required for a match. Chosen; sensitivity: see `tabula-lab sweep`.
+/// it, that is required for a match. Chosen.
 const TRUNCATED_FRACTION_MIN: f64 = 0.5;
 
 /// Volume ratio to the track above which a candidate in the space of a body is the body
-/// itself. Chosen; sensitivity: see `tabula-lab sweep`.
+/// itself. Chosen.
 const BODY_VOLUME_RATIO_MAX: f64 = 1.6;
 
 /// Coarse appearance for data association: volume and colour.
@@ -91,8 +89,7 @@ pub struct AssociationConfig {
 }
 
 impl Default for AssociationConfig {
-    /// The chi-squared quantile for the distance; the other values are chosen;
-    /// sensitivity: see `tabula-lab sweep`.
+    /// The chi-squared quantile for the distance; the other values are chosen.
     fn default() -> Self {
         Self {
             distance2_max: 11.34,

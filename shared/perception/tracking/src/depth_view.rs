@@ -6,40 +6,36 @@ use nalgebra::{Point3, Translation3, Vector3};
 use point_cloud::Point;
 use sensor_noise::DepthNoise;
 
-/// Depth tolerance in sigmas of the depth noise. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Depth tolerance in sigmas of the depth noise. Chosen.
 const DEPTH_TOLERANCE_SIGMAS: f64 = 4.0;
 
-/// Smallest depth tolerance, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Smallest depth tolerance, metres. Chosen.
 const DEPTH_TOLERANCE_MIN_M: f64 = 0.012;
 
-/// Sample positions along each side of a box, relative to the half side. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Sample positions along each side of a box, relative to the half side. Chosen.
 const SAMPLE_OFFSETS: [f64; 4] = [-0.8, -0.3, 0.3, 0.8];
 
 /// Tested upper fraction of a box on a table; the foot is too close to the table behind
-/// it. Chosen; sensitivity: see `tabula-lab sweep`.
+/// it. Chosen.
 const UPPER_RATIO: f64 = 0.6;
 
 /// Tested central fraction of the horizontal sides; the corners of round objects are
-/// empty. Chosen; sensitivity: see `tabula-lab sweep`.
+/// empty. Chosen.
 const SIDE_RATIO: f64 = 0.9;
 
-/// Fraction of samples outside the image above which a box is out of view. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Fraction of samples outside the image above which a box is out of view. Chosen.
 const OUT_OF_VIEW_FRACTION: f64 = 0.5;
 
 /// Fraction of observed samples with free space above which a box is empty. It is below
 /// 1 because of noise, and high because any object leaves some surface in its box.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const EMPTY_FRACTION_MIN: f64 = 0.92;
 
 /// Fraction of samples with a depth behind or inside the box that the empty test
-/// requires. Chosen; sensitivity: see `tabula-lab sweep`.
+/// requires. Chosen.
 const OBSERVED_FRACTION_MIN: f64 = 0.25;
 
-/// Fraction of samples behind a nearer surface above which a box is occluded. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Fraction of samples behind a nearer surface above which a box is occluded. Chosen.
 const OCCLUDED_FRACTION_MIN: f64 = 0.3;
 
 /// Depth image for occlusion tests: organised cloud, camera intrinsics, camera pose and depth

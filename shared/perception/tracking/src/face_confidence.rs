@@ -10,33 +10,29 @@ use geometry::OrientedBox;
 use nalgebra::{Translation3, Vector3};
 
 /// Gate, in sigmas, within which the measured and the expected side length agree.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const SIDE_NOISE_SIGMAS: f64 = 3.0;
 
-/// Smallest tolerance between the measured and the expected side length, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Smallest tolerance between the measured and the expected side length, metres. Chosen.
 const SIDE_NOISE_MIN_M: f64 = 0.006;
 
 /// Largest growth of a side between two frames that is accepted at once, metres. A
 /// larger growth means that another body was merged or a hidden part was revealed, and
-/// must persist. Chosen; sensitivity: see `tabula-lab sweep`.
+/// must persist. Chosen.
 const GROWTH_MAX_M: f64 = 0.02;
 
 /// Lateral scale of an occlusion slab relative to the face: only the middle of the face
-/// is tested. Chosen; sensitivity: see `tabula-lab sweep`.
+/// is tested. Chosen.
 const SLAB_RATIO: f64 = 0.85;
 
-/// Smallest half thickness of an occlusion slab, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Smallest half thickness of an occlusion slab, metres. Chosen.
 const SLAB_HALF_MIN_M: f64 = 0.002;
 
-/// Occluded fraction of a slab above which a surface may be present but unseen. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Occluded fraction of a slab above which a surface may be present but unseen. Chosen.
 const OCCLUDED_FRACTION_MAX: f64 = 0.15;
 
 /// Occluded fraction for slabs below the measured box. It is higher because a lifted
-/// object occludes most of the space under itself. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// object occludes most of the space under itself. Chosen.
 const FOOT_OCCLUDED_FRACTION_MAX: f64 = 0.7;
 
 /// Unseen fraction of a slab above which the object may continue there without depth: a

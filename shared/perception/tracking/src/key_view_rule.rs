@@ -3,39 +3,34 @@
 use geometry::RigidTransform;
 use nalgebra::Vector3;
 
-/// Time without motion after which an object is at rest, nanoseconds. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Time without motion after which an object is at rest, nanoseconds. Chosen.
 const REST_NS: u64 = 700_000_000;
 
-/// Smallest number of poses for the rest test. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Smallest number of poses for the rest test. Chosen.
 const N_POSES_MIN: usize = 8;
 
 /// Capacity of the pose ring buffer, whose poses are at least `REST_NS / 24` apart.
 const N_POSES_MAX: usize = 32;
 
-/// Standard deviation of the centre below which an object is at rest, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Standard deviation of the centre below which an object is at rest, metres. Chosen.
 const REST_POSITION_SIGMA_M: f64 = 0.004;
 
 /// Standard deviation of the orientation below which an object is at rest, radians (4
-/// degrees). Chosen; sensitivity: see `tabula-lab sweep`.
+/// degrees). Chosen.
 const REST_ROTATION_SIGMA_RAD: f64 = 0.069_8;
 
-/// Displacement between consecutive poses above which the object moves, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Displacement between consecutive poses above which the object moves, metres. Chosen.
 const STEP_MAX_M: f64 = 0.010;
 
 /// Rotation between consecutive poses above which the object moves, radians (8 degrees).
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const STEP_MAX_RAD: f64 = 0.14;
 
-/// Displacement from the last key view above which the object was moved, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Displacement from the last key view above which the object was moved, metres. Chosen.
 const MOVED_DISTANCE_M: f64 = 0.025;
 
 /// Rotation from the last key view above which the object was moved, radians (15
-/// degrees). Chosen; sensitivity: see `tabula-lab sweep`.
+/// degrees). Chosen.
 const MOVED_ANGLE_RAD: f64 = 0.262;
 
 /// Motion phase of an object.

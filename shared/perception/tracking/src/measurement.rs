@@ -25,20 +25,19 @@ const VARIANCE_MAX_M2: f64 = HALF_SIDE_MAX_M * HALF_SIDE_MAX_M;
 const LATERAL_SIGMA_RAD: f64 = 0.002_1;
 
 /// Additional position noise of a truncated box, as a fraction of its longest side,
-/// because its centre is shifted. Chosen; sensitivity: see `tabula-lab sweep`.
+/// because its centre is shifted. Chosen.
 const TRUNCATED_SIGMA_RATIO: f64 = 0.25;
 
-/// Upper limit of the additional position noise of a truncated box, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Upper limit of the additional position noise of a truncated box, metres. Chosen.
 const TRUNCATED_SIGMA_MAX_M: f64 = 0.08;
 
 /// Standard deviation of the box centre due to segmentation, as a fraction of the longest
 /// side: points at the rim of an object are found in one frame and missed in the next.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const SEGMENTATION_SIGMA_RATIO: f64 = 0.05;
 
 /// Largest gap between the table and the lowest points of an object that stands on it,
-/// metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// metres. Chosen.
 const FOOT_GAP_MAX_M: f64 = 0.03;
 
 /// Measured oriented bounding box with stamp and viewing conditions.

@@ -26,7 +26,7 @@ pub struct MotionConfig {
 }
 
 impl Default for MotionConfig {
-    /// Default noise levels. Chosen; sensitivity: see `tabula-lab sweep`.
+    /// Default noise levels. Chosen.
     fn default() -> Self {
         Self {
             acceleration_sigma_m_s2: 1.5,

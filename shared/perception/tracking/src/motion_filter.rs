@@ -11,68 +11,62 @@ use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
-/// Upper limit of the linear speed of an object on a table, metres a second. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Upper limit of the linear speed of an object on a table, metres a second. Chosen.
 const SPEED_MAX_M_S: f64 = 5.0;
 
-/// Upper limit of the angular speed of an object on a table, radians a second. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Upper limit of the angular speed of an object on a table, radians a second. Chosen.
 const ANGULAR_SPEED_MAX_RAD_S: f64 = 12.0;
 
 /// Longest extrapolation of position and orientation at constant velocity, seconds.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const COAST_MAX_S: f64 = 0.3;
 
-/// Longest time over which the predicted covariance grows, seconds. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Longest time over which the predicted covariance grows, seconds. Chosen.
 const COVARIANCE_GROWTH_MAX_S: f64 = 10.0;
 
-/// Time constant with which the angular velocity decays, seconds. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Time constant with which the angular velocity decays, seconds. Chosen.
 const ANGULAR_DAMPING_S: f64 = 0.3;
 
 /// Time constant with which a velocity decays that is not observed or has no cause, seconds.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const DAMPING_S: f64 = 0.15;
 
 /// Upper limit of the initial rotation uncertainty (standard deviation), radians (3
 /// degrees). The yaw of a rotationally symmetric object is unobservable, so its first
-/// orientation is kept as reference. Chosen; sensitivity: see `tabula-lab sweep`.
+/// orientation is kept as reference. Chosen.
 const INITIAL_ROTATION_SIGMA_MAX_RAD: f64 = 0.05;
 
-/// Initial standard deviation of the angular velocity, radians a second. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Initial standard deviation of the angular velocity, radians a second. Chosen.
 const INITIAL_ANGULAR_SPEED_SIGMA_RAD_S: f64 = 0.05;
 
 /// Yaw noise above which an object counts as rotationally symmetric, radians (8 degrees,
-/// reached by sides in the ratio 5 to 3). Chosen; sensitivity: see `tabula-lab sweep`.
+/// reached by sides in the ratio 5 to 3). Chosen.
 const OBSERVABLE_YAW_SIGMA_MAX_RAD: f64 = 0.14;
 
 /// Ratio of the shorter to the longer footprint side above which an object may be
-/// rotationally symmetric. Chosen; sensitivity: see `tabula-lab sweep`.
+/// rotationally symmetric. Chosen.
 const SQUARE_RATIO: f64 = 0.85;
 
 /// Standard deviation below which the orientation counts as converged, radians (6
-/// degrees). Chosen; sensitivity: see `tabula-lab sweep`.
+/// degrees). Chosen.
 const CONVERGED_ROTATION_SIGMA_RAD: f64 = 0.105;
 
-/// Angular acceleration noise of an untouched object relative to a handled one. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Angular acceleration noise of an untouched object relative to a handled one. Chosen.
 const RESTING_ANGULAR_ACCELERATION_RATIO: f64 = 0.02;
 
-/// Smallest half side of a box, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Smallest half side of a box, metres. Chosen.
 const HALF_SIDE_MIN_M: f64 = 1e-3;
 
 /// Standard deviation of a face measurement that contradicts earlier ones, metres.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const DOUBTFUL_FACE_SIGMA_M: f64 = 0.010;
 
 /// Additional position uncertainty of a truncated box, as a fraction of its longest half
-/// side: at the border of the image its points come and go. Chosen; sensitivity: see `tabula-lab sweep`.
+/// side: at the border of the image its points come and go. Chosen.
 const TRUNCATED_SIGMA_RATIO: f64 = 0.25;
 
 /// Volume ratio of the measured to the expected box below which the measurement shows
-/// only a part of the object. Chosen; sensitivity: see `tabula-lab sweep`.
+/// only a part of the object. Chosen.
 const PARTIAL_VOLUME_RATIO: f64 = 0.8;
 
 /// Volume ratio of the measured to the expected box below which the measurement is a
@@ -80,8 +74,7 @@ const PARTIAL_VOLUME_RATIO: f64 = 0.8;
 /// are hardly those of the object.
 const FRAGMENT_VOLUME_RATIO: f64 = 0.5;
 
-/// Factor on the rotation noise when a side face is not reliable. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Factor on the rotation noise when a side face is not reliable. Chosen.
 const PARTIAL_ROTATION_NOISE_FACTOR: f64 = 3.0;
 
 /// Innovation gate of manoeuvre detection, in sigmas: a larger innovation is attributed
@@ -89,8 +82,7 @@ const PARTIAL_ROTATION_NOISE_FACTOR: f64 = 3.0;
 const MANOEUVRE_SIGMAS: f64 = 3.0;
 
 /// Innovation gate of jump detection, in sigmas of the handled-motion model: a larger
-/// innovation is a relocation, not a motion. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// innovation is a relocation, not a motion. Chosen.
 const JUMP_SIGMAS: f64 = 6.0;
 
 /// Process-noise model of a prediction.

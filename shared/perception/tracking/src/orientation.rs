@@ -5,23 +5,20 @@ use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Ratio of sides at which a quarter turn costs as much as a rotation by 45 degrees.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const QUARTER_TURN_SIDE_RATIO: f64 = 1.65;
 
 /// Yaw noise of an elongated object with all its variance along one axis, radians (5
-/// degrees). Chosen; sensitivity: see `tabula-lab sweep`.
+/// degrees). Chosen.
 const AXIS_SIGMA_RAD: f64 = 0.087;
 
-/// Lower limit of the rotation noise, radians (1.5 degrees). Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Lower limit of the rotation noise, radians (1.5 degrees). Chosen.
 const SIGMA_MIN_RAD: f64 = 0.026;
 
-/// Upper limit of the rotation noise of round objects, radians (20 degrees). Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Upper limit of the rotation noise of round objects, radians (20 degrees). Chosen.
 const SIGMA_MAX_RAD: f64 = 0.35;
 
-/// Saturation of the side mismatch in the symmetry cost. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Saturation of the side mismatch in the symmetry cost. Chosen.
 const SIDE_MISMATCH_MAX: f64 = 2.0;
 
 /// Symmetry-equivalent box nearest to the expected one. A box is unchanged by half a

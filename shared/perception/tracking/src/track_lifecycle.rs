@@ -21,25 +21,24 @@ const EVIDENCE_CONFIRMED: i32 = 30;
 
 /// Number of frames with free space in the place of a confirmed track after which its object
 /// is gone. One frame is not enough: a wrong camera pose or a depth image with motion blur
-/// shows the background beside the object. Chosen; sensitivity: see `tabula-lab sweep`.
+/// shows the background beside the object. Chosen.
 const N_FRAMES_EMPTY_MAX: u32 = 3;
 
 /// Time without a measurement after which a tentative track is lost, nanoseconds.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const TENTATIVE_TIMEOUT_NS: u64 = 300_000_000;
 
 /// Time without a measurement or an explanation of its absence after which a confirmed
 /// track is lost, nanoseconds. Its place is not seen empty, so that the object is probably
-/// there: a flat object or one at the limit of the range is missed for seconds. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// there: a flat object or one at the limit of the range is missed for seconds. Chosen.
 const UNEXPLAINED_TIMEOUT_NS: u64 = 10_000_000_000;
 
 /// Time without a measurement after which an occluded track is lost, nanoseconds.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const OCCLUDED_TIMEOUT_NS: u64 = 10_000_000_000;
 
 /// Time without a measurement after which a track outside the image is lost,
-/// nanoseconds. Chosen; sensitivity: see `tabula-lab sweep`.
+/// nanoseconds. Chosen.
 const OUT_OF_VIEW_TIMEOUT_NS: u64 = 60_000_000_000;
 
 /// Life-cycle phase of a track.

@@ -1,16 +1,12 @@
 //! Lead time: running quantile of the time to make a frame, plus a reserve.
 
-/// Length of the window of recent frames. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Length of the window of recent frames. Chosen.
 const N_RECENT: usize = 64;
-/// Least number of frames for an estimate; before, frames are begun at once. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least number of frames for an estimate; before, frames are begun at once. Chosen.
 const N_KNOWN_MIN: usize = 8;
-/// Quantile of the recent times to make a frame. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Quantile of the recent times to make a frame. Chosen.
 const SHARE_IN_TIME: f64 = 0.9;
-/// Relative reserve for load by other programs. Chosen; sensitivity: see `tabula-lab
-/// sweep`.
+/// Relative reserve for load by other programs. Chosen.
 const RESERVE_SHARE: f64 = 0.25;
 const RESERVE_NS: u64 = 2_000_000;
 

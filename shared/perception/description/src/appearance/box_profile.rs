@@ -25,7 +25,7 @@ const N_LINEARITIES: usize = 8;
 const ROUGHNESS_MAX: f32 = 0.4;
 
 /// Weights of the four histograms. Chosen on views of mesh categories, objects apart, so
-/// that known objects lose nothing; sensitivity: see `tabula-lab sweep`.
+/// that known objects lose nothing.
 const PROFILE_WEIGHT: f32 = 0.79;
 const TILT_WEIGHT: f32 = 0.38;
 const ROUGHNESS_WEIGHT: f32 = 0.47;

@@ -15,19 +15,18 @@ const N_LIGHTNESSES: usize = 8;
 /// Number of colour values of a descriptor.
 pub(super) const N_COLORS: usize = N_CHROMATICITIES + N_LIGHTNESSES;
 
-/// Lower end of the chromaticity bins, as a fraction of red or green. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Lower end of the chromaticity bins, as a fraction of red or green. Chosen.
 const CHROMATICITY_MIN: f32 = 0.1;
 
-/// Width of the chromaticity range. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Width of the chromaticity range. Chosen.
 const CHROMATICITY_RANGE: f32 = 0.6;
 
 /// Offset added to each channel, of 255, because the chromaticity of nearly black pixels
-/// is noise. Chosen; sensitivity: see `tabula-lab sweep`.
+/// is noise. Chosen.
 const CHANNEL_OFFSET: f32 = 16.0;
 
 /// Weight of lightness relative to chromaticity, since the strength of illumination
-/// varies. Chosen; sensitivity: see `tabula-lab sweep`.
+/// varies. Chosen.
 const LIGHTNESS_WEIGHT: f32 = 0.55;
 
 /// Histograms of chromaticity and lightness, reused from object to object.

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 pub(super) const SIDE: usize = 16;
 
 /// Number of frequencies per side; the sum of a coefficient's two frequencies is
-/// smaller. Chosen; sensitivity: see `tabula-lab sweep`.
+/// smaller. Chosen.
 const N_FREQUENCIES: usize = 12;
 
 /// Number of coefficients of one projection.

@@ -4,7 +4,7 @@ use super::soft_bins::SoftBins;
 
 /// Scale of the warp: half of the bins of a side lie within this distance from the
 /// middle, metres. Bins are finest in the middle, where small objects lie; half a metre
-/// is the last bin on either side. Chosen; sensitivity: see `tabula-lab sweep`.
+/// is the last bin on either side. Chosen.
 const WARP_SCALE_M: f32 = 0.03;
 
 /// Bin and interpolation weight of a coordinate after the warp `x / (|x| + 30 mm)`,

@@ -2,8 +2,7 @@
 
 use super::{Clusters, NO_CLUSTER};
 
-/// Greatest growth of a cluster in the image, pixels. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Greatest growth of a cluster in the image, pixels. Chosen.
 const BASE_PX: usize = 6;
 
 impl Clusters {

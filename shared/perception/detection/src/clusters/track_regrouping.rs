@@ -6,8 +6,7 @@ use crate::input::ExpectedTrack;
 use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
-/// Tolerance around a track's predicted box, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Tolerance around a track's predicted box, metres. Chosen.
 const MARGIN_M: f64 = 0.008;
 
 /// Sampling stride over the points of a cluster.
@@ -20,16 +19,15 @@ const N_SAMPLED_MAX: usize = 64;
 /// box.
 const N_SAMPLED_FIRST: usize = 4;
 
-/// Least share of a track's last points in a cluster that the track claims. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least share of a track's last points in a cluster that the track claims. Chosen.
 const CLAIM_SHARE: f64 = 0.35;
 
 /// Greatest share of a box's points that other boxes claim; above it, two tracks see one
-/// object. Chosen; sensitivity: see `tabula-lab sweep`.
+/// object. Chosen.
 const COMMON_SHARE_MAX: f64 = 0.3;
 
 /// Greatest distance of a point from the claiming boxes, metres; farther points are another
-/// object. Chosen; sensitivity: see `tabula-lab sweep`.
+/// object. Chosen.
 const ELSEWHERE_M: f64 = 0.03;
 
 /// Claim of a track on a cluster.
@@ -184,16 +182,14 @@ fn distance_outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
 }
 
 /// Least share of a cluster inside a track's box at which the cluster belongs to the track.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const PART_SHARE: f64 = 0.85;
 
-/// Least share of a track's last points in its main cluster. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least share of a track's last points in its main cluster. Chosen.
 const MAIN_SHARE: f64 = 0.4;
 
 /// Greatest share of a track's last points in a fragment, such as the handle of a mug seen
-/// end on. A larger cluster is another object, such as an apple in a bowl. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// end on. A larger cluster is another object, such as an apple in a bowl. Chosen.
 const FRAGMENT_SHARE: f64 = 0.15;
 
 impl Clusters {

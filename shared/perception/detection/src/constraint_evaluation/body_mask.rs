@@ -11,12 +11,10 @@ use nalgebra::{Point3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 
 /// Core margin around a capsule, metres: nearer points always belong to the body. The rest
-/// of the configured margin covers the inaccuracy of the capsules. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// of the configured margin covers the inaccuracy of the capsules. Chosen.
 const BODY_MARGIN_M: f32 = 0.012;
 
-/// Tolerance around a track's predicted box, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Tolerance around a track's predicted box, metres. Chosen.
 const TRACK_MARGIN_M: f64 = 0.008;
 
 /// Number of pixels tested together against the capsules' bounds.

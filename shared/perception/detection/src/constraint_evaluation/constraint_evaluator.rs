@@ -14,24 +14,22 @@ use geometry::OrientedBox;
 use point_cloud::OrganizedCloud;
 use std::ops::Range;
 
-/// Growth factor of a track's box in the containment test. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Growth factor of a track's box in the containment test. Chosen.
 const TRACK_GROWTH: f64 = 1.15;
 
 /// Least share of a cluster's points near a body at which the cluster is a part of it.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const BODY_SHARE: f32 = 0.5;
 
 /// Least share of a cluster's points near a body at which the cluster may be a part of it.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const BODY_SHARE_MAYBE: f32 = 0.1;
 
 /// Increase of the body margins in the contact test, metres: points within the margins were
-/// masked. Chosen; sensitivity: see `tabula-lab sweep`.
+/// masked. Chosen.
 const TOUCH_M: f64 = 0.02;
 
-/// Least share of a cluster's points within the increased margins of a contact. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least share of a cluster's points within the increased margins of a contact. Chosen.
 const TOUCH_SHARE: f32 = 0.05;
 
 /// Tolerance of a hypothesis's box around its points, metres.
@@ -41,7 +39,7 @@ const BOX_TOLERANCE_M: f64 = 0.02;
 const N_SAMPLES: usize = 256;
 
 /// Greatest distance beyond the rim at which a point may still be on the table, metres: the
-/// visible rim is found to about half a cell. Chosen; sensitivity: see `tabula-lab sweep`.
+/// visible rim is found to about half a cell. Chosen.
 const RIM_TOLERANCE_M: f64 = 0.01;
 
 /// Constraint evaluator: the scene against which hypotheses are evaluated.

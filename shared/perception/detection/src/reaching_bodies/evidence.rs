@@ -1,32 +1,30 @@
 //! Evidence for a part of a body in a connected component.
 
 /// Least number of samples at the entry at 1 m; divided by z at depth z. An arm is broader.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const ENTRY_MIN_AT_1M: f32 = 3.0;
 
 /// Least number of samples of the lower contour with free space beneath at 1 m; divided by z at
-/// depth z. Chosen; sensitivity: see `tabula-lab sweep`.
+/// depth z. Chosen.
 const FREE_MIN_AT_1M: f32 = 6.0;
 
 /// Least number of samples of the lower contour that meet a tracked object at 1 m, for a hand
-/// that holds it; divided by z at depth z. Chosen; sensitivity: see `tabula-lab sweep`.
+/// that holds it; divided by z at depth z. Chosen.
 const HOLDING_MIN_AT_1M: f32 = 3.0;
 
-/// Least share of the lower contour with free space beneath, of what is not hidden. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least share of the lower contour with free space beneath, of what is not hidden. Chosen.
 const FREE_SHARE_MIN: f32 = 0.5;
 
 /// Least share of a component's samples that showed a body in the previous frame, for one that
-/// goes on. Chosen; sensitivity: see `tabula-lab sweep`.
+/// goes on. Chosen.
 const CONTINUED_SHARE_MIN: f32 = 0.5;
 
 /// Greatest number of frames for which a body goes on without evidence of its own: an arm that
-/// puts something down is connected with what stands. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// puts something down is connected with what stands. Chosen.
 const CONTINUED_FRAMES_MAX: u8 = 60;
 
 /// Least share of the samples at places that were seen free, of those whose places were seen.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const ARRIVED_SHARE_MIN: f32 = 0.2;
 
 /// Evidence for a part of a body in one component, as numbers of samples.

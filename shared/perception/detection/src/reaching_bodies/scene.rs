@@ -10,8 +10,7 @@ use point_cloud::{ColorHistogram, OrganizedCloud, Rgba};
 use sensor_noise::DepthNoise;
 
 /// Greatest depth step between neighbouring samples of one surface, metres at 1 m, growing
-/// with depth as the distance of the samples does; the noise comes on top. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// with depth as the distance of the samples does; the noise comes on top. Chosen.
 const STEP_M: f32 = 0.02;
 
 /// Tolerance of the depth step, sigmas of the depth noise.

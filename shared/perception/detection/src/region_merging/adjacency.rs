@@ -14,7 +14,7 @@ use sensor_noise::DepthNoise;
 const LOG_ODDS_MIN: f32 = 0.0;
 
 /// Prior log odds that two regions are one object because one track claims both, and that they
-/// are two because two tracks do. Chosen; sensitivity: see `tabula-lab sweep`.
+/// are two because two tracks do. Chosen.
 const TRACK_LOG_ODDS: f32 = 2.5;
 
 /// Place of no edge.

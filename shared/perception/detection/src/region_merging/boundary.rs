@@ -3,12 +3,11 @@
 use crate::segmentation::{Bends, Cell, CellImage, NO_EDGE, log_odds_of};
 
 /// Greatest depth step within one surface, metres at 1 m, growing with squared depth.
-/// Across a larger step the continuation of the surface is unknown. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Across a larger step the continuation of the surface is unknown. Chosen.
 const STEP_M: f32 = 0.009;
 
 /// Least bend of a concave boundary, and of a convex one with the other sign, metres per
-/// metre on either side. Chosen; sensitivity: see `tabula-lab sweep`.
+/// metre on either side. Chosen.
 const BEND_MIN: f32 = 0.4;
 
 /// Greatest bend that counts, metres per metre.

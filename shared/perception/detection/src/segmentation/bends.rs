@@ -5,19 +5,18 @@ use super::cell_image::{CellImage, MARGIN};
 use sensor_noise::DepthNoise;
 use std::ops::Range;
 
-/// Target standard deviation of a bend, metres per metre; it sets the length of the arms. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Target standard deviation of a bend, metres per metre; it sets the length of the arms. Chosen.
 const SLOPE_SIGMA: f32 = 0.14;
 
-/// Least and greatest length of an arm, cells. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least and greatest length of an arm, cells. Chosen.
 const ARM_CELLS: [usize; 2] = [2, 12];
 
 /// Ratio of the noise of a cell to that of a pixel, whose noise is correlated with that of its
-/// neighbours. Chosen; sensitivity: see `tabula-lab sweep`.
+/// neighbours. Chosen.
 const CELL_NOISE: f32 = 0.6;
 
 /// Greatest step of inverse depth between neighbours on one surface, 1/metre: about the depth
-/// step at 1 m, growing with squared depth. Chosen; sensitivity: see `tabula-lab sweep`.
+/// step at 1 m, growing with squared depth. Chosen.
 const STEP: f32 = 0.016;
 
 /// Bends at each place of a cell image, metres per metre on either side, concave positive; NaN

@@ -12,8 +12,7 @@ const N_CELLS_TARGET: f64 = 76_800.0;
 pub(crate) const MARGIN: usize = 6;
 
 /// Greatest depth step within a cell, metres at 1 m, growing with squared depth. Of a cell on
-/// an occlusion boundary the nearer surface counts. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// an occlusion boundary the nearer surface counts. Chosen.
 pub(super) const STEP_M: f32 = 0.012;
 
 /// Number of a cell without clustered pixels.

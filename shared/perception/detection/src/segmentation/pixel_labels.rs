@@ -5,7 +5,7 @@ use crate::clusters::Clusters;
 use point_cloud::OrganizedCloud;
 
 /// Depth of a pixel from that of all cells around it, in greatest steps within a cell, beyond
-/// which it belongs to none of them. Chosen; sensitivity: see `tabula-lab sweep`.
+/// which it belongs to none of them. Chosen.
 const OUTLIER_STEPS: f32 = 1.5;
 
 /// Object of each cell, and of each cluster that is not divided. Reused from frame to frame.

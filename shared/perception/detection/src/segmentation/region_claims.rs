@@ -6,11 +6,10 @@ use crate::input::ExpectedTrack;
 use nalgebra::Point3;
 use point_cloud::OrganizedCloud;
 
-/// Tolerance around a track's box, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Tolerance around a track's box, metres. Chosen.
 const MARGIN_M: f64 = 0.008;
 
-/// Least share of a region's points in the box of a track that claims it. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Least share of a region's points in the box of a track that claims it. Chosen.
 const SHARE_MIN: f32 = 0.8;
 
 /// Greatest number of points of a region that are tested.

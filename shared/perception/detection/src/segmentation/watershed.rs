@@ -4,12 +4,10 @@ use super::cell_image::{Cell, CellImage};
 use super::edge_image::{EdgeImage, NO_EDGE};
 use crate::clusters::{find_root, union};
 
-/// Strength up to which an edge is inside of an object: a probability of 0.7 %. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Strength up to which an edge is inside of an object: a probability of 0.7 %. Chosen.
 const INSIDE_MAX: u8 = 22;
 
-/// Least number of cells of a region, unless its cluster is smaller. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least number of cells of a region, unless its cluster is smaller. Chosen.
 pub(super) const CELLS_MIN: u32 = 20;
 
 /// Region of a watershed.

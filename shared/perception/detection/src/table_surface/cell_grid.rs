@@ -3,8 +3,7 @@
 use geometry::ConvexPolygon;
 use nalgebra::Point2;
 
-/// Cell size, metres; a larger table gets larger cells. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Cell size, metres; a larger table gets larger cells. Chosen.
 const CELL_M: f64 = 0.02;
 
 /// Greatest number of cells per side.

@@ -3,16 +3,14 @@
 use super::cell_grid::CellGrid;
 use super::ray_evidence::RayEvidence;
 
-/// Least number of samples seen through a cell that proves a gap. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least number of samples seen through a cell that proves a gap. Chosen.
 pub(super) const THROUGH_SAMPLES_MIN: u8 = 2;
 
 /// Least number of samples right below and right above a cell that prove an object from the
-/// floor passing through it. Chosen; sensitivity: see `tabula-lab sweep`.
+/// floor passing through it. Chosen.
 const PIERCING_SAMPLES_MIN: i32 = 2;
 
-/// Least total area of gaps, square metres; smaller ones are noise. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Least total area of gaps, square metres; smaller ones are noise. Chosen.
 const GAP_AREA_MIN_M2: f64 = 0.01;
 
 /// Gaps found last, with buffers.

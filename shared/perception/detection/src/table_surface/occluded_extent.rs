@@ -8,16 +8,14 @@ use crate::outline::Outline;
 use nalgebra::{Point2, Vector2};
 
 /// Greatest distance of the extended table from its visible part, metres: the occlusion
-/// shadow of an object of 30 cm under a camera that looks down by 30 degrees. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// shadow of an object of 30 cm under a camera that looks down by 30 degrees. Chosen.
 pub(super) const EXTENT_MAX_M: f64 = 0.5;
 
-/// Least length of a rim side that limits the table beyond its ends, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least length of a rim side that limits the table beyond its ends, metres. Chosen.
 const RIM_LENGTH_MIN_M: f64 = 0.15;
 
 /// Least area of the occluded cells of the extent, square metres; a smaller one is the noise
-/// of the border. Chosen; sensitivity: see `tabula-lab sweep`.
+/// of the border. Chosen.
 const AREA_MIN_M2: f64 = 0.01;
 
 /// Occluded extent found last, with buffers.

@@ -5,16 +5,14 @@ use crate::affine_form::AffineForm;
 use crate::samples::Samples;
 use crate::table::Table;
 
-/// Least depth below the plane of a sample that is seen through it, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least depth below the plane of a sample that is seen through it, metres. Chosen.
 const SEEN_THROUGH_M: f32 = 0.03;
 
-/// Greatest distance from the plane of a sample level with the table, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Greatest distance from the plane of a sample level with the table, metres. Chosen.
 const LEVEL_M: f32 = 0.015;
 
 /// Greatest depth below the plane at which a surface counts as passing through it, metres.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const BELOW_M: f32 = 0.10;
 
 /// Number of samples per cell, by what they show. Reused from frame to frame.

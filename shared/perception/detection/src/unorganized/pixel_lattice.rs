@@ -1,18 +1,15 @@
 //! Pixel lattice: recovers the columns, or rows, of the image from which points were seen.
 
-/// Greatest gap between values of one column, share of the pitch. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Greatest gap between values of one column, share of the pitch. Chosen.
 const COLUMN_TOLERANCE: f64 = 0.12;
 
-/// Accepted ratio of the fitted to the guessed pitch. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Accepted ratio of the fitted to the guessed pitch. Chosen.
 const PITCH_RATIO: [f64; 2] = [0.5, 1.6];
 
-/// Greatest mean distance of the columns from the lattice, in pitches. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Greatest mean distance of the columns from the lattice, in pitches. Chosen.
 const RESIDUAL_MAX: f64 = 0.08;
 
-/// Least number of columns of a lattice. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least number of columns of a lattice. Chosen.
 const N_COLUMNS_MIN: usize = 16;
 
 /// Offset that makes all column numbers positive.

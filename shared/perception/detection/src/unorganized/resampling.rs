@@ -3,11 +3,10 @@
 use point_cloud::Point;
 
 /// Greatest depth step between neighbours on one surface, metres at 1 m; grows with squared
-/// depth. Chosen; sensitivity: see `tabula-lab sweep`.
+/// depth. Chosen.
 const STEP_M: f32 = 0.012;
 
-/// Least distance of neighbours for a slope, pixels. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least distance of neighbours for a slope, pixels. Chosen.
 const APART_PX: f32 = 0.7;
 
 /// Pixel centres of an image: tangents of the first column and row, and the pitch of

@@ -10,29 +10,26 @@ use random::Random;
 /// Target number of points of the lattice fit.
 const N_FITTED: usize = 16_384;
 
-/// Least share of the finite points in front of the camera of a single view. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least share of the finite points in front of the camera of a single view. Chosen.
 const SEEN_SHARE_MIN: f64 = 0.98;
 
-/// Greatest share of the points behind others in a single view. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Greatest share of the points behind others in a single view. Chosen.
 const LAYERED_SHARE_MAX: f64 = 0.05;
 
 /// Least share of the points at the usual density when no lattice is found: a camera
-/// samples every direction once, a merged cloud does not. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// samples every direction once, a merged cloud does not. Chosen.
 const UNIFORM_SHARE_MIN: f64 = 0.75;
 
 /// Ratio of pixel width to mean point spacing without a lattice, so that few pixels stay
-/// empty. Chosen; sensitivity: see `tabula-lab sweep`.
+/// empty. Chosen.
 const PIXEL_WIDENING: f64 = 1.5;
 
 /// Mean point spacing above which columns are merged, pixels, because too many would stay
-/// empty. Chosen; sensitivity: see `tabula-lab sweep`.
+/// empty. Chosen.
 const SPARSE_SPACING_PX: f64 = 1.2;
 
 /// Least distance behind a pixel's surface at which a point belongs to another surface,
-/// metres; constant up to 1 m depth, then growing with squared depth. Chosen; sensitivity: see `tabula-lab sweep`.
+/// metres; constant up to 1 m depth, then growing with squared depth. Chosen.
 const BEHIND_M: f32 = 0.02;
 
 /// Pixel pitch of a Kinect v1, tangent. Thresholds of the image path count such pixels;

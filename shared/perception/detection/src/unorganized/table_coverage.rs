@@ -2,7 +2,7 @@
 
 use geometry::ConvexPolygon;
 
-/// Cell size of the coverage map, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Cell size of the coverage map, metres. Chosen.
 const CELL_M: f32 = 0.010;
 
 /// Greatest number of cells per side; a larger table gets larger cells.

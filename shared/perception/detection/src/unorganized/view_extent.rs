@@ -3,7 +3,7 @@
 use point_cloud::Point;
 use random::Random;
 
-/// Least number of usable points of a view. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least number of usable points of a view. Chosen.
 const N_POINTS_MIN: usize = 64;
 
 /// Greatest tangent of a viewing ray along rows and columns; no camera's view is wider than
@@ -16,8 +16,7 @@ const DEPTH_M: [f32; 2] = [0.05, 100.0];
 /// Number of histogram bins per tangent.
 const N_BINS: usize = 2048;
 
-/// Reciprocal of the outlier share trimmed on each side of the extent. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Reciprocal of the outlier share trimmed on each side of the extent. Chosen.
 const OUTLIER_DIVISOR: usize = 20_000;
 
 /// Greatest number of sampled points.

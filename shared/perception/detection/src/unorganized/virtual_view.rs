@@ -19,22 +19,20 @@ use std::f64::consts::TAU;
 const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 
 /// Least distance of the virtual camera, metres. A nearer view would imply a finer depth
-/// resolution than the original sensor had. Chosen; sensitivity: see `tabula-lab sweep`.
+/// resolution than the original sensor had. Chosen.
 const DISTANCE_MIN_M: f64 = 1.0;
 
-/// Radius of the cluster in the image, pixels. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Radius of the cluster in the image, pixels. Chosen.
 const RADIUS_PX: f64 = 200.0;
 
-/// Greatest radius of a cluster on a table, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Greatest radius of a cluster on a table, metres. Chosen.
 const RADIUS_MAX_M: f64 = 1.0;
 
 /// Number of azimuths of candidate viewpoints; the one with the largest visible area is
 /// used.
 const N_AZIMUTHS: usize = 12;
 
-/// Elevations of candidate viewpoints over the table, radians. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Elevations of candidate viewpoints over the table, radians. Chosen.
 const ELEVATIONS_RAD: [f64; 2] = [0.65, 0.95];
 
 /// Side of the coarse pixels in which visible area is counted, pixels.
@@ -46,8 +44,7 @@ const N_COUNTED: usize = 20_000;
 /// Splat radius of a point, pixels.
 const SPLAT_PX: isize = 1;
 
-/// Least distance behind the splatted surface of an occluded point, metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least distance behind the splatted surface of an occluded point, metres. Chosen.
 const BEHIND_M: f32 = 0.012;
 
 /// Width and height of the image, pixels.

@@ -7,8 +7,7 @@ use point_cloud::Moments;
 use random::Random;
 
 /// Side of the coarse cubes, metres. The points of a hypothesis are drawn from one cube,
-/// because neighbours share a surface more often than random points. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// because neighbours share a surface more often than random points. Chosen.
 const CUBE_M: f32 = 0.25;
 
 /// Voxel centroids sorted by cube, each with its assignment to a plane.

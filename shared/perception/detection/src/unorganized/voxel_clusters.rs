@@ -7,7 +7,7 @@ use crate::clusters::find_root;
 use point_cloud::Point;
 
 /// Horizontal cells grown per vertical cell, so that stacked parts are separated at a
-/// level. Chosen; sensitivity: see `tabula-lab sweep`.
+/// level. Chosen.
 const HORIZONTAL_REACH: usize = 3;
 
 /// Number of growth fronts: one more than the longest step.

@@ -19,27 +19,23 @@ use crate::{Config, RawConfig};
 use point_cloud::{OrganizedCloud, Point};
 use random::Random;
 
-/// Side of the voxels for the plane search, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Side of the voxels for the plane search, metres. Chosen.
 const VOXEL_M: f32 = 0.010;
 
-/// Least side of the cluster cells, metres. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least side of the cluster cells, metres. Chosen.
 const CELL_M: f64 = 0.006;
 
-/// Least side of the cluster cells, in mean point spacings on the table. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Least side of the cluster cells, in mean point spacings on the table. Chosen.
 const SPACINGS: f64 = 1.5;
 
 /// Area of a Kinect v1 pixel at 1 m, square metres; converts the configured least number of
 /// points into a least area.
 const PIXEL_AREA_M2: f64 = 2.9e-6;
 
-/// Longest side above which a cluster is examined for parts, metres. Chosen; sensitivity:
-/// see `tabula-lab sweep`.
+/// Longest side above which a cluster is examined for parts, metres. Chosen.
 const LONGEST_SIDE_M: f64 = 0.30;
 
-/// Footprint area above which a cluster is examined for parts, square metres. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Footprint area above which a cluster is examined for parts, square metres. Chosen.
 const FOOTPRINT_M2: f64 = 0.03;
 
 /// Greatest number of clusters examined for parts; only a damaged cloud has more.
@@ -50,7 +46,7 @@ const N_SPLITS_MAX: usize = 32;
 const N_HYPOTHESES_MAX: usize = 512;
 
 /// Greatest share of a cluster's points with visible table below at which its support may
-/// be occluded. Chosen; sensitivity: see `tabula-lab sweep`.
+/// be occluded. Chosen.
 const SEEN_UNDER_MAX: f64 = 0.3;
 
 /// Voxel detector with its buffers.

@@ -12,12 +12,11 @@ const N_COUNTED_AIMED: usize = 2400;
 /// Greatest number of hypotheses for one plane.
 const N_HYPOTHESES_MAX: usize = 800;
 
-/// Accepted probability of drawing no good hypothesis. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Accepted probability of drawing no good hypothesis. Chosen.
 const MISS_CHANCE: f64 = 0.005;
 
 /// Assumed probability that three centroids of one cube are on one plane and far enough
-/// apart, given that the first is on it. Chosen; sensitivity: see `tabula-lab sweep`.
+/// apart, given that the first is on it. Chosen.
 const NEIGHBOURS_AGREE: f64 = 0.2;
 
 /// Cone of accepted plane normals around up.

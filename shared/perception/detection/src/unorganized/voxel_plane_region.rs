@@ -5,23 +5,20 @@ use crate::affine_form::AffineForm;
 use geometry::{ConvexPolygon, RigidTransform};
 use nalgebra::Point2;
 
-/// Least side of an occupancy cell on the plane, metres. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least side of an occupancy cell on the plane, metres. Chosen.
 const CELL_M: f32 = 0.04;
 
-/// Least side of an occupancy cell on the plane, voxels. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least side of an occupancy cell on the plane, voxels. Chosen.
 const CELL_VOXELS: f32 = 2.5;
 
 /// Greatest number of cells per side; a larger plane gets larger cells.
 const CELLS_MAX: usize = 512;
 
-/// Least number of centroids in an occupied cell. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least number of centroids in an occupied cell. Chosen.
 const COVERED_MIN: u32 = 2;
 
 /// Greatest gap bridged within a region, cells: objects on the table occlude parts of it.
-/// Chosen; sensitivity: see `tabula-lab sweep`.
+/// Chosen.
 const GAP_CELLS: isize = 3;
 
 /// Connected plane region found last, with buffers.

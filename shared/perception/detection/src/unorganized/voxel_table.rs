@@ -16,43 +16,37 @@ use random::Random;
 /// Greatest number of planes searched per direction.
 const N_PLANES_MAX: usize = 5;
 
-/// Least share of the voxels on a plane. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least share of the voxels on a plane. Chosen.
 const SHARE_MIN: f64 = 0.005;
 
-/// Least number of voxels on a plane. Chosen; sensitivity: see `tabula-lab sweep`.
+/// Least number of voxels on a plane. Chosen.
 const N_VOXELS_MIN: usize = 100;
 
-/// Least half width of a plane's band, in voxels. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least half width of a plane's band, in voxels. Chosen.
 const BAND_VOXELS: f32 = 0.5;
 
 /// Height above the least object height at which voxels count as carried by a plane,
-/// metres; above all noise. Chosen; sensitivity: see `tabula-lab sweep`.
+/// metres; above all noise. Chosen.
 const CARRIED_M: f32 = 0.02;
 
 /// Least share of carried voxels, relative to those of the plane, of a plane that carries
-/// objects. Chosen; sensitivity: see `tabula-lab sweep`.
+/// objects. Chosen.
 const CARRIED_SHARE_MIN: f64 = 0.005;
 
-/// Least number of carried voxels of a plane that carries objects. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// Least number of carried voxels of a plane that carries objects. Chosen.
 const N_CARRIED_MIN: usize = 12;
 
 /// Least ratio of voxels of the upper to the lower of two carrying planes at which the
-/// upper is the table; the floor of a whole room is large. Chosen; sensitivity: see
-/// `tabula-lab sweep`.
+/// upper is the table; the floor of a whole room is large. Chosen.
 const TABLE_SHARE_OF_FLOOR: f64 = 0.05;
 
-/// Assumed up direction in the frame of a camera that looks down obliquely. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Assumed up direction in the frame of a camera that looks down obliquely. Chosen.
 const OBLIQUE_UP: [f64; 3] = [0.0, -0.8, -0.6];
 
-/// Greatest angle between the true and the assumed up direction, radians. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Greatest angle between the true and the assumed up direction, radians. Chosen.
 const OBLIQUE_TILT_RAD: f64 = 0.96;
 
-/// Least height of objects over the table, in sigmas of its voxel centroids. Chosen;
-/// sensitivity: see `tabula-lab sweep`.
+/// Least height of objects over the table, in sigmas of its voxel centroids. Chosen.
 const NOISE_SIGMAS: f64 = 3.0;
 
 /// Table of a voxel cloud, with the least height of objects over it, metres.

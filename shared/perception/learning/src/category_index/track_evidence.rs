@@ -17,7 +17,7 @@ const N_KEPT: usize = N_NEIGHBOURS + 32;
 const N_SIDES_MAX: usize = 8;
 
 /// Ratio of the change of a description to the distance of its nearest view below which
-/// it is the same side. Chosen; sensitivity: see `tabula-lab sweep`.
+/// it is the same side. Chosen.
 const CHANGE_RATIO_MAX: f32 = 0.5;
 
 /// Change of a description below which it is the same side anyway, as long as the
