@@ -92,8 +92,8 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     outcome
 }
 
-/// Waits for the first track-ids. A memory that does not come is told: it is no reason to keep
-/// whoever starts this process waiting.
+/// Waits for the first track-ids. If the memory does not answer in time, the process reports
+/// itself degraded, which ends the wait of its parent, and goes on waiting.
 async fn wait_for_memory(first_ids: impl Future<Output = ()>, health: &HealthCounters) {
     tokio::pin!(first_ids);
     let timely = tokio::time::timeout(MEMORY_PATIENCE, &mut first_ids).await;

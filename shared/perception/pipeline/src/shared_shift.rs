@@ -13,8 +13,9 @@ const N_OBJECTS_MIN: usize = 2;
 /// 1.3 m (Nguyen, Izadi and Lovell 2012).
 const SHIFT_NOISE_M: f64 = 0.003;
 
-/// Number of successive frames with the same error of the camera pose: about a second. They
-/// tell as much as one of them, so that the noise of each is larger by the root. An estimate.
+/// Number of successive frames with the same error of the camera pose: about a second. Their
+/// errors are correlated, so the standard deviation of each is inflated by the square root of
+/// this number. An estimate.
 const N_CORRELATED_FRAMES: f64 = 30.0;
 
 /// Shifts of the objects of a frame along the world axes, metres.

@@ -4,9 +4,9 @@ use crate::TrackState;
 use scene_document::{NearCategoryDocument, ObjectDocument};
 use serde::{Deserialize, Serialize};
 
-/// Probability of the best category below which an unknown object is rather a new one than a side
-/// of a known one. Between 0.2 and 0.3 both are told best by `evaluate cross-validation --protocol
-/// other-side`.
+/// Probability of the best category below which an unknown object is taken for a new one, and not
+/// for a new side of a known one. `evaluate cross-validation --protocol other-side` separates the
+/// two best between 0.2 and 0.3.
 const NEW_OBJECT_MAX: f64 = 0.25;
 
 /// Probability of a label from which on a lesson would teach little. Chosen.

@@ -22,10 +22,10 @@ enum Objects {
 }
 
 impl UndividedClusters {
-    /// Find the undivided ones of `n_clusters` clusters, and unite their pieces that were merged
-    /// with no other cluster with the rest of them, such as those of an oblique strip that is
-    /// narrower than a cell. `parents` is the union-find forest of the regions; a piece has fewer than
-    /// `n_pixels_min` pixels.
+    /// Find the undivided ones of `n_clusters` clusters, and unite each with its small pieces. A
+    /// piece has fewer than `n_pixels_min` pixels and was merged with no other cluster; an oblique
+    /// strip that is narrower than a cell falls into such pieces. `parents` is the union-find
+    /// forest of the regions.
     pub(super) fn unite_pieces(
         &mut self,
         n_clusters: usize,
