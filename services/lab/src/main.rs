@@ -17,7 +17,7 @@ struct LabArguments {
     common: CommonArguments,
 
     /// Print one JSON document instead of text
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "Common options")]
     json: bool,
 
     #[command(subcommand)]

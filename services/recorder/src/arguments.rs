@@ -15,7 +15,7 @@ pub(crate) struct RecorderArguments {
     pub(crate) common: CommonArguments,
 
     /// Print one JSON document instead of text
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "Common options")]
     pub(crate) json: bool,
 
     #[command(subcommand)]

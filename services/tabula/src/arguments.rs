@@ -21,6 +21,7 @@ pub(crate) use world::{
     EventsArguments, HistoryArguments, TimeArgument, WorldArguments, WorldPoint, WorldVerb,
 };
 
+use crate::command_groups::help_template;
 use crate::sensor::Sensor;
 use clap::{Args, Parser, Subcommand};
 use control_client::TrackReference;
@@ -31,12 +32,13 @@ use std::ffi::OsString;
 /// and learns their categories from people.
 #[derive(Debug, Parser)]
 #[command(name = "tabula", version, propagate_version = true)]
+#[command(help_template = help_template())]
 pub(crate) struct CliArguments {
     #[command(flatten)]
     pub(crate) common: CommonArguments,
 
     /// Print one JSON document instead of text
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = "Common options")]
     pub(crate) json: bool,
 
     #[command(subcommand)]
@@ -106,7 +108,7 @@ pub(crate) enum Verb {
     Learn(LabArguments),
     /// List the learned categories
     Categories,
-    /// Inspect the memory, verify and repair it, export and import it; with or without a daemon
+    /// Inspect, verify, repair, export and import the memory; also without a daemon
     Memory {
         /// Action on the perceptual memory
         #[command(subcommand)]

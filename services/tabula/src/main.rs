@@ -2,6 +2,7 @@
 
 mod arguments;
 mod arm;
+mod command_groups;
 mod config_command;
 mod daemon;
 mod daemon_reload;

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 /// Selection of a daemon and its configuration.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Common options")]
 pub struct CommonArguments {
     /// Options that stand on the command line. The first field: clap takes the others out.
     #[command(flatten)]
