@@ -21,6 +21,10 @@ mod command_line;
 mod common_options;
 /// Layers of the configuration, its commands, and its reload.
 mod configuration;
+/// Links of the documents, in the repository and in the package.
+mod document_links;
+/// Commands in the documents: they exist, with their options.
+mod documented_commands;
 /// Documents in pages, and models of objects.
 mod documents;
 /// Upgrade from an earlier version.
@@ -61,6 +65,8 @@ mod other_labels;
 mod panics;
 /// Read-your-writes consistency of answers.
 mod read_your_writes;
+/// Session of the README, as it is written.
+mod readme_session;
 /// Real scenes: recognition after a restart, static tracks under a moving camera.
 mod real_scenes;
 /// Recordings of a running daemon.
