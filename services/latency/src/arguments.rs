@@ -37,7 +37,7 @@ pub(crate) struct LatencyArguments {
 /// Subcommands of `tabula-latency` other than a measurement of frames.
 #[derive(Debug, Subcommand)]
 pub(crate) enum LatencyCommand {
-    /// Measure the system noise of this computer and the effect of mitigations
+    /// Measure the system noise of this computer, idle and busy, and under real-time settings
     Machine {
         /// Run for a tenth of the duration
         #[arg(long)]

@@ -2,9 +2,8 @@
 
 pub(crate) mod kernel_text;
 
-use crate::privilege::ResourceLimit;
+use crate::privilege::{self, ResourceLimit};
 use crate::system_files::SystemFiles;
-use crate::{privilege, scheduling};
 use kernel_text as text;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -99,7 +98,7 @@ impl Fingerprint {
             build_profile: build_profile(),
             cpu_model: text::cpu_model(&cpuinfo).or_else(|| board_model(files)),
             n_logical_cores: cores("online").map(|cores| cores.len() as u32),
-            usable_cores: scheduling::usable_cores(),
+            usable_cores: privilege::usable_cores(),
             is_smt_active: cpus("smt/active").map(|active| active == "1"),
             last_level_cache_bytes: last_level_cache_bytes(files),
             kernel_release: files.text("proc/sys/kernel/osrelease"),
@@ -119,7 +118,7 @@ impl Fingerprint {
             isolated_cores: isolated_cores(files),
             tickless_cores: cores("nohz_full"),
             scheduler_settings: scheduler_settings(files),
-            timer_slack_ns: scheduling::timer_slack_ns(),
+            timer_slack_ns: privilege::timer_slack_ns(),
             realtime_priority_limit: privilege::realtime_priority_limit(),
             locked_memory_limit: privilege::locked_memory_limit(),
             may_use_fifo: privilege::may_use_fifo(),

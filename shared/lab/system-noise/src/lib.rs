@@ -2,10 +2,9 @@
 //! latency.
 //!
 //! [`Fingerprint`] records the environment of a measurement, [`Disturbance`] the disturbances
-//! during it, and [`warnings`] lists the findings that invalidate figures. [`probe`] measures the
-//! noise floor, [`thread_setting`] repeats two of the probes under real-time settings, and
-//! [`mitigation`] and [`recommendation`] evaluate those settings on this computer. [`measure`]
-//! runs everything; [`report`] and [`latency_histograms`] show it.
+//! during it, and [`warnings`] lists the findings that invalidate figures. [`measure`] adds the
+//! noise floor, measured by the programs of the Debian packages `rt-tests` and `stress-ng`;
+//! [`report`] and [`latency_histograms`] show it.
 //!
 //! ```
 //! use system_noise::{Disturbance, Fingerprint, warnings};
@@ -19,30 +18,27 @@
 //! # assert_eq!(sum, 499_500);
 //! ```
 //!
-//! Invariants: this crate never changes the computer. Each setting applies to one of its own
-//! threads or to its own memory, and a guard reverts it. It writes no file except in a
-//! shared-memory domain of its own, which it removes. An unreadable system file is never an
-//! error.
+//! Invariants: this crate never changes the computer, and leaves no process and no file. An
+//! unreadable system file or a missing program is never an error.
 
+mod bandwidth;
 mod disturbance;
 mod fingerprint;
+mod interruptions;
 pub mod latency_histograms;
 mod measurement;
-pub mod mitigation;
+mod measuring_program;
 mod privilege;
-pub mod probe;
-pub mod recommendation;
 pub mod report;
-mod samples;
-mod scheduling;
-mod system_call;
 mod system_files;
-pub mod thread_setting;
+mod timer_latency;
 mod warning;
 
+pub use bandwidth::Bandwidth;
 pub use disturbance::{Disturbance, DisturbanceMonitor};
 pub use fingerprint::{BuildProfile, Fingerprint, FrequencyRange};
+pub use interruptions::Interruptions;
 pub use measurement::{MachineReport, MeasurementPlan, NotMeasured, measure};
 pub use privilege::ResourceLimit;
-pub use samples::{LatencySummary, Samples};
+pub use timer_latency::{ThreadSetting, TimerTrial};
 pub use warning::{Warning, warnings};

@@ -1,9 +1,9 @@
-//! Privileges of this process: real-time priority and locked memory.
+//! Privileges of this process: cores, timer slack, real-time priority and locked memory.
 
-use crate::scheduling::{FIFO_PRIORITY, RealTimeGuard};
 use rustix::process::{Resource, Rlimit, getrlimit};
-use rustix::thread::{CapabilitySet, capabilities};
+use rustix::thread::{CpuSet, current_timer_slack, sched_getaffinity};
 use serde::{Deserialize, Serialize};
+use std::process::{Command, Stdio};
 
 /// Resource limit of this process (`getrlimit`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,18 +31,27 @@ fn limit(limit: Rlimit) -> ResourceLimit {
         .map_or(ResourceLimit::Unlimited, ResourceLimit::Most)
 }
 
-/// `true` if a thread of this process may use `SCHED_FIFO`, tried in a short-lived thread. `None`
-/// if no thread could be started.
+/// `true` if a process with these privileges may use `SCHED_FIFO` at priority 80, tried by
+/// `chrt`. `None` if it could not be started.
 pub(crate) fn may_use_fifo() -> Option<bool> {
-    let trial = || RealTimeGuard::begin(FIFO_PRIORITY).is_ok();
-    let thread = std::thread::Builder::new().spawn(trial).ok()?;
-    thread.join().ok()
+    let mut trial = Command::new("chrt");
+    let trial = trial.args(["--fifo", "80", "true"]);
+    let status = trial.stdout(Stdio::null()).stderr(Stdio::null()).status();
+    status.ok().map(|status| status.success())
 }
 
-/// `true` if all current and future memory may be locked. With a limit, a later allocation would
-/// fail during the measurement.
-pub(crate) fn may_lock_memory() -> bool {
-    let is_capable =
-        capabilities(None).is_ok_and(|sets| sets.effective.contains(CapabilitySet::IPC_LOCK));
-    is_capable || locked_memory_limit() == ResourceLimit::Unlimited
+/// Timer slack of the calling thread, ns.
+pub(crate) fn timer_slack_ns() -> Option<u64> {
+    current_timer_slack().ok()
+}
+
+/// Cores in the affinity mask of the calling thread.
+pub(crate) fn usable_cores() -> Option<Vec<u32>> {
+    let cores = sched_getaffinity(None).ok()?;
+    let all = 0..CpuSet::MAX_CPU;
+    Some(
+        all.filter(|core| cores.is_set(*core))
+            .map(|core| core as u32)
+            .collect(),
+    )
 }

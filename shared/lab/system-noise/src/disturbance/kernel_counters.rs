@@ -46,7 +46,7 @@ pub(crate) fn cpu_time(stat: &str) -> Option<CpuTime> {
 pub(crate) struct ProcessTime {
     /// Start time, clock ticks since boot; distinguishes processes that reuse an id.
     pub(crate) start: u64,
-    /// User and kernel time of the process, clock ticks.
+    /// User and kernel time of the process and of its children that have ended, clock ticks.
     pub(crate) busy: u64,
     /// Major page faults (disk access).
     pub(crate) major_faults: u64,
@@ -60,7 +60,7 @@ pub(crate) fn process_time(stat: &str) -> Option<ProcessTime> {
     let number = |field: usize| fields.get(field - 3)?.parse::<u64>().ok();
     Some(ProcessTime {
         start: number(22)?,
-        busy: number(14)?.saturating_add(number(15)?),
+        busy: (14..=17).try_fold(0_u64, |sum, field| Some(sum.saturating_add(number(field)?)))?,
         major_faults: number(12)?,
     })
 }
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn a_name_with_parentheses_does_not_shift_the_fields() {
-        let stat = "42 (a) b (c) S 1 42 42 0 -1 4194560 900 0 7 0 30 12 0 0 20 0 4 0 5555 1 2";
+        let stat = "42 (a) b (c) S 1 42 42 0 -1 4194560 900 0 7 0 20 12 9 1 20 0 4 0 5555 1 2";
         let time = process_time(stat).unwrap();
         assert_eq!((time.start, time.busy, time.major_faults), (5555, 42, 7));
         assert_eq!(process_time("42 (a) S 1"), None);
