@@ -14,6 +14,7 @@ mod recognition;
 mod registration;
 mod report_parts;
 mod scene_views;
+mod tabular_report;
 mod tracking;
 mod view_selection;
 mod view_table;

@@ -6,15 +6,15 @@ mod report_page;
 
 use super::open_ended::{lesson_split, record_exclusions};
 use super::recognition::{RecogniserFactory, RecognitionMethod};
+use super::tabular_report::forest_figure;
 use super::view_selection::ViewSelection;
 use super::view_table::ViewTable;
 use crate::arguments::{AblationArguments, AblationVariant};
-use crate::output_files::{create_folder, write};
+use crate::output_files::create_folder;
 use crate::parallel;
 use clap::ValueEnum;
 use command_line::{Output, progress_bar};
 use evaluation::open_ended::{self as teacher, Metrics, Protocol};
-use plot::forest_plot;
 use report::AblationReport;
 use service::Failure;
 use std::process::ExitCode;
@@ -102,23 +102,14 @@ fn write_all(
 ) -> Result<(), Failure> {
     let document = AblationReport::of(arguments, protocol, views, played);
     let rows = report_page::figure_rows(&document);
-    let svg = forest_plot::svg(
-        report_page::CAPTION,
+    let words = (
+        "Mean GCA of each variant with its 95 % interval",
         "global classification accuracy",
-        &rows,
     );
-    let out = &arguments.out;
-    write(
-        &out.join(report_page::PICTURE),
-        svg.map_err(Failure::general)?.as_bytes(),
-    )?;
-    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
-    write(&out.join("ablation.json"), json.as_bytes())?;
-    write(
-        &out.join("index.html"),
-        report_page::page(&document).as_bytes(),
-    )?;
-    output.answer(&document, || report_page::text(&document));
+    let figure = forest_figure(&arguments.out, "gca.svg", words, &rows)?;
+    let page = report_page::page(&document, figure);
+    page.write(&arguments.out, "ablation.json", &document)?;
+    output.answer(&document, || page.text());
     Ok(())
 }
 

@@ -59,11 +59,9 @@ fn write_all(
     }
     let document = CrossValidationReport::of(arguments, data, results, &confusion)
         .ok_or_else(|| Failure::general("no view of a taught category was asked"))?;
-    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
-    write(&out.join("cross-validation.json"), json.as_bytes())?;
     let page = report_page::page(&document, data);
-    write(&out.join("index.html"), page.as_bytes())?;
-    output.answer(&document, || report_page::text(&document));
+    page.write(out, "cross-validation.json", &document)?;
+    output.answer(&document, || page.text());
     Ok(())
 }
 

@@ -50,11 +50,10 @@ pub(super) fn run(arguments: &FindArguments, output: &Output) -> Result<ExitCode
     }
     bar.finish_and_clear();
     report.finish();
-    let json = serde_json::to_string_pretty(&report).map_err(Failure::general)?;
-    write(&arguments.out.join("find.json"), json.as_bytes())?;
-    let page = report_page::page(&report);
-    write(&arguments.out.join("index.html"), page.as_bytes())?;
-    output.answer(&report, || report_page::text(&report));
+    report_page::page(&report, |_| true).write(&arguments.out, "find.json", &report)?;
+    output.answer(&report, || {
+        report_page::page(&report, |asked| !asked.is_right).text()
+    });
     Ok(ExitCode::SUCCESS)
 }
 

@@ -6,13 +6,12 @@ mod report;
 mod report_page;
 
 use crate::arguments::LightingArguments;
-use crate::output_files::{create_folder, write};
+use crate::evaluate::tabular_report::forest_figure;
+use crate::output_files::create_folder;
 use command_line::{Output, progress_bar};
 use learning::{CategoryIndex, CategoryName, UnknownRule, ViewId};
 use lit_views::{LitView, ROOMS, Room, Treatment, Turntables};
-use plot::forest_plot;
 use report::{LightingReport, RoomFigures};
-use report_page::{CAPTION, PICTURE};
 use service::Failure;
 use simulated_world::ModelLibrary;
 use std::process::ExitCode;
@@ -96,16 +95,12 @@ fn write_all(
     output: &Output,
 ) -> Result<(), Failure> {
     let out = &arguments.out;
-    let svg = forest_plot::svg(CAPTION, "accuracy", &report_page::figure_rows(document));
-    write(
-        &out.join(PICTURE),
-        svg.map_err(Failure::general)?.as_bytes(),
-    )?;
-    let json = serde_json::to_string_pretty(document).map_err(Failure::general)?;
-    write(&out.join("lighting.json"), json.as_bytes())?;
-    let page = report_page::page(document);
-    write(&out.join("index.html"), page.as_bytes())?;
-    output.answer(document, || report_page::text(document));
+    let caption = "Accuracy in each room with its 95 % interval";
+    let rows = report_page::figure_rows(document);
+    let figure = forest_figure(out, "accuracy.svg", (caption, "accuracy"), &rows)?;
+    let page = report_page::page(document, figure);
+    page.write(out, "lighting.json", document)?;
+    output.answer(document, || page.text());
     Ok(())
 }
 

@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &NextBestViewArguments, output: &Output) -> Result<
         figures.push((statistic_report::STATISTIC, svg));
     }
     write_all(&report, figures, &scenes, &arguments.out)?;
-    output.answer(&report, || report_page::text(&report));
+    output.answer(&report, || report_page::page(&report, &[]).text());
     Ok(ExitCode::SUCCESS)
 }
 
@@ -135,10 +135,7 @@ fn write_all(
         write(&out.join(name), png)?;
         pictures.push(name.clone());
     }
-    let json = serde_json::to_string_pretty(report).map_err(Failure::general)?;
-    write(&out.join("next-best-view.json"), json.as_bytes())?;
-    let page = report_page::page(report, &pictures);
-    write(&out.join("index.html"), page.as_bytes())
+    report_page::page(report, &pictures).write(out, "next-best-view.json", report)
 }
 
 #[cfg(test)]

@@ -52,17 +52,13 @@ pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCod
         n_views: arguments.sequence.is_none().then_some(arguments.views),
         levels: levels(&mut objects, arguments),
     };
+    let page = report_page::page(&report);
     if let Some(out) = &arguments.out {
         let svg = report_page::figure(&report).map_err(Failure::general)?;
         write(&out.join(FIGURE), svg.as_bytes())?;
-        let json = serde_json::to_string_pretty(&report).map_err(Failure::general)?;
-        write(&out.join("models.json"), json.as_bytes())?;
-        write(
-            &out.join("index.html"),
-            report_page::page(&report).as_bytes(),
-        )?;
+        page.write(out, "models.json", &report)?;
     }
-    output.answer(&report, || report_page::text(&report));
+    output.answer(&report, || page.text());
     Ok(ExitCode::SUCCESS)
 }
 

@@ -47,11 +47,9 @@ pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<Exi
         write(path, question_log::csv(&runs, &views).as_bytes())?;
     }
     let document = OpenEndedReport::of(arguments, &protocol, &views, &runs, ask_ms);
-    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
-    write(&arguments.out.join("open-ended.json"), json.as_bytes())?;
     let page = report_page::page(&document);
-    write(&arguments.out.join("index.html"), page.as_bytes())?;
-    output.answer(&document, || report_page::text(&document));
+    page.write(&arguments.out, "open-ended.json", &document)?;
+    output.answer(&document, || page.text());
     Ok(ExitCode::SUCCESS)
 }
 

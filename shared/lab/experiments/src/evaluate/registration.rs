@@ -8,13 +8,11 @@ mod simulated_pairs;
 mod trials;
 
 use crate::arguments::RegistrationArguments;
-use crate::output_files::{create_folder, write};
+use crate::evaluate::tabular_report::forest_figure;
+use crate::output_files::create_folder;
 use command_line::{Output, progress_bar};
-use plot::forest_plot;
 use report::{PairReport, RegistrationReport};
-use report_page::{CAPTION, PICTURE};
 use service::Failure;
-use std::path::Path;
 use std::process::ExitCode;
 use trials::{ROTATIONS_DEG, TRANSLATIONS_CM};
 
@@ -38,27 +36,24 @@ pub(super) fn run(arguments: &RegistrationArguments, output: &Output) -> Result<
     }
     bar.finish_and_clear();
     let report = RegistrationReport::of(arguments, reports);
+    let mut page = report_page::page(&report);
     if let Some(out) = &arguments.out {
-        write_all(&report, out)?;
+        create_folder(out)?;
+        let caption = "Successful registrations of each pair with their 95 % interval";
+        let rows = report_page::figure_rows(&report);
+        page.figures.push(forest_figure(
+            out,
+            "success.svg",
+            (caption, "success"),
+            &rows,
+        )?);
+        page.write(out, "registration.json", &report)?;
         if arguments.pairs.is_none() {
             pair_files::write_all(&pairs, &out.join("pairs"))?;
         }
     }
-    output.answer(&report, || report_page::text(&report));
+    output.answer(&report, || page.text());
     Ok(ExitCode::SUCCESS)
-}
-
-fn write_all(report: &RegistrationReport, out: &Path) -> Result<(), Failure> {
-    create_folder(out)?;
-    let svg = forest_plot::svg(CAPTION, "success", &report_page::figure_rows(report));
-    let svg = svg.map_err(Failure::general)?;
-    write(&out.join(PICTURE), svg.as_bytes())?;
-    let json = serde_json::to_string_pretty(report).map_err(Failure::general)?;
-    write(&out.join("registration.json"), json.as_bytes())?;
-    write(
-        &out.join("index.html"),
-        report_page::page(report).as_bytes(),
-    )
 }
 
 #[cfg(test)]

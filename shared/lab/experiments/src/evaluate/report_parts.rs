@@ -65,4 +65,9 @@ impl ReportFiles {
             file: path(report),
         }
     }
+
+    /// Both paths, for the text of a report.
+    pub(super) fn paths(&self) -> Vec<String> {
+        vec![self.page.clone(), self.file.clone()]
+    }
 }

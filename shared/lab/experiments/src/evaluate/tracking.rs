@@ -96,11 +96,9 @@ fn finish(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let document = TrackingReport::of(runs, arguments);
-    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
-    write(&arguments.out.join("tracking.json"), json.as_bytes())?;
     let page = report_page::page(&document);
-    write(&arguments.out.join("index.html"), page.as_bytes())?;
-    output.answer(&document, || report_page::text(&document));
+    page.write(&arguments.out, "tracking.json", &document)?;
+    output.answer(&document, || page.text());
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,43 +1,35 @@
-//! Text and HTML page of the ablation study.
+//! Table and figure of the ablation study.
 
 use super::report::{AblationReport, VariantFigures};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
+use crate::evaluate::tabular_report::{ReportTable, TabularReport, interval};
+use plot::figure_page::PageFigure;
 use plot::forest_plot::ForestPlotRow;
-use statistics::bootstrap::Estimate;
 
-/// Column headings of the ablation table.
-const HEADS: [&str; 8] = [
-    "variant",
-    "qci",
-    "tlc",
-    "aic",
-    "gca",
-    "apa",
-    "gca − ours",
-    "error / ours",
-];
-/// File name of the GCA figure.
-pub(super) const PICTURE: &str = "gca.svg";
-/// Caption of the ablation figure.
-pub(super) const CAPTION: &str = "Mean GCA of each variant with its 95 % interval";
-
-/// Ablation report as text for the terminal.
-pub(super) fn text(document: &AblationReport) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(notes(document));
-    lines.extend([document.files.page.clone(), document.files.file.clone()]);
-    lines.join("\n")
-}
-
-/// HTML page with the ablation table and figure.
-pub(super) fn page(document: &AblationReport) -> String {
-    let table = PageTable::new("Variants", &HEADS, rows(document));
-    let figure = PageFigure {
-        caption: CAPTION.to_owned(),
-        picture: PICTURE.to_owned(),
-    };
-    html("Ablation", &notes(document), &[table], &[figure])
+/// Table, notes and figure of the report.
+pub(super) fn page(document: &AblationReport, figure: PageFigure) -> TabularReport<'static> {
+    TabularReport {
+        title: "Ablation",
+        tables: vec![ReportTable::of(
+            "Variants",
+            &document.variants,
+            &[
+                ("variant", &|variant| variant.name.to_owned()),
+                ("qci", &|variant| interval(variant.qci, 0)),
+                ("tlc", &|variant| interval(variant.tlc, 1)),
+                ("aic", &|variant| interval(variant.aic, 2)),
+                ("gca", &|variant| interval(variant.gca, 3)),
+                ("apa", &|variant| interval(variant.apa, 3)),
+                ("gca − ours", &|variant| {
+                    interval(variant.gca_difference, 3)
+                }),
+                ("error / ours", &|variant| interval(variant.error_ratio, 2)),
+            ],
+        )],
+        notes: notes(document),
+        figures: vec![figure],
+        files: document.files.paths(),
+        ..TabularReport::default()
+    }
 }
 
 /// Rows of the forest plot, one for each variant.
@@ -48,29 +40,6 @@ pub(super) fn figure_rows(document: &AblationReport) -> Vec<ForestPlotRow> {
         is_reference: variant.name == document.settings.reference,
     };
     document.variants.iter().map(row).collect()
-}
-
-fn rows(document: &AblationReport) -> Vec<Vec<String>> {
-    let row = |variant: &VariantFigures| {
-        vec![
-            variant.name.to_owned(),
-            cell(variant.qci, 0),
-            cell(variant.tlc, 1),
-            cell(variant.aic, 2),
-            cell(variant.gca, 3),
-            cell(variant.apa, 3),
-            cell(variant.gca_difference, 3),
-            cell(variant.error_ratio, 2),
-        ]
-    };
-    document.variants.iter().map(row).collect()
-}
-
-/// Table cell of an interval: `0.712 (0.690 to 0.731)`.
-fn cell(interval: Option<Estimate>, digits: usize) -> String {
-    interval.map_or(String::new(), |Estimate { value, low, high }| {
-        format!("{value:.digits$} ({low:.digits$} to {high:.digits$})")
-    })
 }
 
 /// Notes below the table, one sentence each.

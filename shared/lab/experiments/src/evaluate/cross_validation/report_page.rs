@@ -1,81 +1,56 @@
-//! Text and HTML page of the cross-validation.
+//! Table and figures of the cross-validation.
 
 use super::end_to_end_score::EndToEndScore;
 use super::fold_data::FoldData;
 use super::report::{CategoryFigures, CrossValidationReport};
 use crate::evaluate::open_set;
-use command_line::format_table;
+use crate::evaluate::tabular_report::{Column, ReportTable, TabularReport, figure, percent};
 use evaluation::new_side_score::NewSideScore;
-use plot::figure_page::{PageFigure, PageTable, html};
 
-/// Column headings of the category table; the last two only for scenes.
-const HEADS: [&str; 6] = [
-    "category",
-    "views",
-    "right %",
-    "taken for",
-    "missed",
-    "parts",
-];
-
-/// Cross-validation report as text for the terminal.
-pub(super) fn text(document: &CrossValidationReport) -> String {
-    let mut lines = vec![
-        format_table(heads(document), &rows(document)),
-        String::new(),
-    ];
-    lines.extend(notes(document));
-    lines.extend([document.files.page.clone(), document.files.file.clone()]);
-    lines.join("\n")
-}
-
-fn heads(document: &CrossValidationReport) -> &'static [&'static str] {
-    let n_columns = if document.scenes.is_some() { 6 } else { 4 };
-    &HEADS[..n_columns]
-}
-
-/// HTML page with the confusion matrix and the drawn scenes.
-pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> String {
-    let table = PageTable::new("Categories, worst first", heads(document), rows(document));
-    let confusion = PageFigure {
-        caption: "A row for each category, a column for each answer, in percent; blue is right, \
-                  red is wrong"
-            .to_owned(),
-        picture: "confusion.svg".to_owned(),
-    };
+/// Table, notes, confusion matrix and drawn scenes of the report.
+pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> TabularReport<'static> {
+    let confusion = figure(
+        "confusion.svg",
+        "A row for each category, a column for each answer, in percent; blue is right, red is wrong",
+    );
     let scenes = data.scenes.iter().flat_map(|scenes| &scenes.pictures);
-    let scenes = scenes.map(|(name, picture)| PageFigure {
-        caption: format!(
-            "{name}: colour, ground truth and detection; striped regions are rejected"
-        ),
-        picture: picture.clone(),
+    let scenes = scenes.map(|(name, picture)| {
+        let seen = "colour, ground truth and detection; striped regions are rejected";
+        figure(picture, format!("{name}: {seen}"))
     });
-    let figures: Vec<PageFigure> = std::iter::once(confusion).chain(scenes).collect();
-    html("Cross-validation", &notes(document), &[table], &figures)
+    TabularReport {
+        title: "Cross-validation",
+        tables: vec![categories(document)],
+        notes: notes(document),
+        figures: std::iter::once(confusion).chain(scenes).collect(),
+        files: document.files.paths(),
+        ..TabularReport::default()
+    }
 }
 
-/// Table rows of the categories, worst first; those that were never asked, being withheld in all
-/// folds, come last.
-fn rows(document: &CrossValidationReport) -> Vec<Vec<String>> {
+/// Table of the categories, worst first; those that were never asked, being withheld in all
+/// folds, come last. The last two columns are only for scenes.
+fn categories(document: &CrossValidationReport) -> ReportTable {
+    type Row<'r> = (&'r String, &'r CategoryFigures);
     let right = |figures: &CategoryFigures| {
-        let share = f64::from(figures.n_right) / f64::from(figures.n_asked);
-        (figures.n_asked > 0).then_some(100.0 * share)
+        (figures.n_asked > 0).then(|| f64::from(figures.n_right) / f64::from(figures.n_asked))
     };
+    let count = |n: Option<u32>| n.map_or(String::new(), |n| n.to_string());
+    let columns: [Column<'_, Row<'_>>; 6] = [
+        ("category", &|(name, _)| (*name).clone()),
+        ("views", &|(_, figures)| figures.n_asked.to_string()),
+        ("right %", &|(_, figures)| percent(right(figures))),
+        ("taken for", &|(_, figures)| {
+            figures.taken_for.clone().unwrap_or_default()
+        }),
+        ("missed", &|(_, figures)| count(figures.n_missed)),
+        ("parts", &|(_, figures)| count(figures.n_parts)),
+    ];
     let mut categories: Vec<_> = document.categories.iter().collect();
     let order = |figures: &CategoryFigures| right(figures).unwrap_or(f64::INFINITY);
     categories.sort_by(|(_, a), (_, b)| order(a).total_cmp(&order(b)));
-    let row = |(name, figures): (&String, &CategoryFigures)| {
-        let mut cells = vec![
-            name.clone(),
-            figures.n_asked.to_string(),
-            right(figures).map_or_else(|| "-".to_owned(), |right| format!("{right:5.1}")),
-            figures.taken_for.clone().unwrap_or_default(),
-        ];
-        let of_scenes = [figures.n_missed, figures.n_parts];
-        cells.extend(of_scenes.iter().flatten().map(u32::to_string));
-        cells
-    };
-    categories.into_iter().map(row).collect()
+    let n_columns = if document.scenes.is_some() { 6 } else { 4 };
+    ReportTable::of("Categories, worst first", categories, &columns[..n_columns])
 }
 
 /// Notes below the table, one sentence each.

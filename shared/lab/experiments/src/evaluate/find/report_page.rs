@@ -1,75 +1,54 @@
-//! Text and HTML page of queries in words.
+//! Table and pictures of queries in words.
 
-use super::report::{AskedQuery, FindReport, QueryCounts, QuerySource, SceneReport};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
+use super::report::{
+    AskedQuery, FindReport, QueryCounts, QuerySource, SceneObjectReport, SceneReport,
+};
+use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure};
+use plot::figure_page::PageFigure;
 
-/// Column headings of the table of queries.
-const HEADS: [&str; 6] = [
-    "scene",
-    "source",
-    "words",
-    "objects meant",
-    "objects found",
-    "answer",
-];
-
-/// Report as text for the terminal: the wrong answers and the figures.
-pub(super) fn text(document: &FindReport) -> String {
-    let wrong: Vec<_> = document
-        .queries
-        .iter()
-        .filter(|asked| !asked.is_right)
-        .collect();
-    let mut lines = Vec::new();
-    if !wrong.is_empty() {
-        let rows: Vec<_> = wrong.into_iter().map(row).collect();
-        lines.extend([format_table(&HEADS, &rows), String::new()]);
-    }
-    lines.extend(notes(document));
-    lines.join("\n")
-}
-
-/// HTML page with the pictures of the scenes and all queries.
-pub(super) fn page(document: &FindReport) -> String {
-    let table = PageTable::new(
-        "Queries",
-        &HEADS,
-        document.queries.iter().map(row).collect(),
-    );
-    let figures: Vec<PageFigure> = document.scenes.iter().enumerate().map(figure).collect();
-    html("Queries in words", &notes(document), &[table], &figures)
-}
-
-fn figure((index, scene): (usize, &SceneReport)) -> PageFigure {
-    let object = |object: &super::report::SceneObjectReport| {
-        let colors: Vec<&str> = object.colors.iter().map(|(color, _)| *color).collect();
-        format!("{} {} ({})", object.id, object.category, colors.join(", "))
-    };
-    let objects: Vec<String> = scene.objects.iter().map(object).collect();
-    PageFigure {
-        caption: format!("scene {}: {}", index + 1, objects.join("; ")),
-        picture: scene.picture.clone(),
-    }
-}
-
-fn row(asked: &AskedQuery) -> Vec<String> {
+/// Table of the queries that are wanted, notes, and pictures of the scenes.
+pub(super) fn page(
+    document: &FindReport,
+    is_wanted: impl Fn(&AskedQuery) -> bool,
+) -> TabularReport<'static> {
     let numbers = |ids: &[u16]| {
         let ids: Vec<String> = ids.iter().map(u16::to_string).collect();
         ids.join(" ")
     };
-    let source = match asked.source {
-        QuerySource::Generated => "generated",
-        QuerySource::File => "file",
+    let source = |asked: &AskedQuery| match asked.source {
+        QuerySource::Generated => "generated".to_owned(),
+        QuerySource::File => "file".to_owned(),
     };
-    vec![
-        asked.scene.to_string(),
-        source.to_owned(),
-        asked.words.clone(),
-        numbers(&asked.expected),
-        numbers(&asked.found),
-        asked.sentence.clone(),
-    ]
+    TabularReport {
+        title: "Queries in words",
+        tables: vec![ReportTable::of(
+            "Queries",
+            document.queries.iter().filter(|asked| is_wanted(asked)),
+            &[
+                ("scene", &|asked| asked.scene.to_string()),
+                ("source", &|asked| source(asked)),
+                ("words", &|asked| asked.words.clone()),
+                ("objects meant", &|asked| numbers(&asked.expected)),
+                ("objects found", &|asked| numbers(&asked.found)),
+                ("answer", &|asked| asked.sentence.clone()),
+            ],
+        )],
+        notes: notes(document),
+        figures: document.scenes.iter().enumerate().map(picture).collect(),
+        ..TabularReport::default()
+    }
+}
+
+fn picture((index, scene): (usize, &SceneReport)) -> PageFigure {
+    let object = |object: &SceneObjectReport| {
+        let colors: Vec<&str> = object.colors.iter().map(|(color, _)| *color).collect();
+        format!("{} {} ({})", object.id, object.category, colors.join(", "))
+    };
+    let objects: Vec<String> = scene.objects.iter().map(object).collect();
+    figure(
+        &scene.picture,
+        format!("scene {}: {}", index + 1, objects.join("; ")),
+    )
 }
 
 /// Notes, one sentence each.

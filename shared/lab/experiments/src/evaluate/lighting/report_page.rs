@@ -1,38 +1,31 @@
-//! Text and HTML page of recognition under different lamps.
+//! Table and figure of recognition under different lamps.
 
 use super::report::{LightingReport, RoomFigures};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
+use crate::evaluate::tabular_report::{ReportTable, TabularReport, number};
+use plot::figure_page::PageFigure;
 use plot::forest_plot::ForestPlotRow;
 use statistics::bootstrap::Estimate;
 
-/// Column headings of the table.
-const HEADS: [&str; 5] = ["lighting", "table", "accuracy", "as seen", "shape only"];
-/// File name of the figure.
-pub(super) const PICTURE: &str = "accuracy.svg";
-/// Caption of the figure.
-pub(super) const CAPTION: &str = "Accuracy in each room with its 95 % interval";
-
-/// Report as text for the terminal.
-pub(super) fn text(document: &LightingReport) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(notes(document));
-    lines.join("\n")
-}
-
-/// HTML page with the table and the figure.
-pub(super) fn page(document: &LightingReport) -> String {
-    let table = PageTable::new("Rooms", &HEADS, rows(document));
-    let figure = PageFigure {
-        caption: CAPTION.to_owned(),
-        picture: PICTURE.to_owned(),
-    };
-    html(
-        "Recognition under other lamps",
-        &notes(document),
-        &[table],
-        &[figure],
-    )
+/// Table, notes and figure of the report.
+pub(super) fn page(document: &LightingReport, figure: PageFigure) -> TabularReport<'static> {
+    let mean = |estimate: Option<Estimate>| number(estimate.map(|estimate| estimate.value), 3);
+    TabularReport {
+        title: "Recognition under other lamps",
+        tables: vec![ReportTable::of(
+            "Rooms",
+            &document.rooms,
+            &[
+                ("lighting", &|room| room.lighting.to_owned()),
+                ("table", &|room| room.table.to_owned()),
+                ("accuracy", &|room| mean(room.accuracy)),
+                ("as seen", &|room| mean(room.as_seen)),
+                ("shape only", &|room| mean(room.shape_only)),
+            ],
+        )],
+        notes: notes(document),
+        figures: vec![figure],
+        ..TabularReport::default()
+    }
 }
 
 /// Rows of the forest plot: two for each room, with and without white balance.
@@ -49,25 +42,6 @@ pub(super) fn figure_rows(document: &LightingReport) -> Vec<ForestPlotRow> {
         ]
     };
     document.rooms.iter().enumerate().flat_map(rows).collect()
-}
-
-fn rows(document: &LightingReport) -> Vec<Vec<String>> {
-    let cell = |estimate: Option<Estimate>| {
-        estimate.map_or_else(
-            || "-".to_owned(),
-            |estimate| format!("{:.3}", estimate.value),
-        )
-    };
-    let row = |room: &RoomFigures| {
-        vec![
-            room.lighting.to_owned(),
-            room.table.to_owned(),
-            cell(room.accuracy),
-            cell(room.as_seen),
-            cell(room.shape_only),
-        ]
-    };
-    document.rooms.iter().map(row).collect()
 }
 
 /// Notes below the table, one sentence each.

@@ -3,11 +3,11 @@
 use super::bop_capture::BopCapture;
 use super::planner_config;
 use super::published_statistic::SceneStatistic;
-use super::statistic_report::{self, KindReport, KindScenes, STATISTIC, STATISTIC_HEADS};
+use super::statistic_report::{self, KindReport, KindScenes, STATISTIC};
 use crate::arguments::NextBestViewArguments;
+use crate::evaluate::tabular_report::{TabularReport, figure};
 use crate::output_files::write;
-use command_line::{Output, format_table};
-use plot::figure_page::{PageFigure, PageTable, html};
+use command_line::Output;
 use serde::Serialize;
 use service::Failure;
 use std::path::Path;
@@ -44,25 +44,17 @@ pub(super) fn run(
         bop_models: models.display().to_string(),
         published_statistic: vec![KindReport::of(&kind)],
     };
-    let (rows, notes) = (
-        statistic_report::rows(&report.published_statistic),
-        notes(&report),
-    );
-    let figure = statistic_report::figure(&[kind]).map_err(Failure::general)?;
-    write(&arguments.out.join(STATISTIC), figure.as_bytes())?;
-    let json = serde_json::to_string_pretty(&report).map_err(Failure::general)?;
-    write(&arguments.out.join("next-best-view.json"), json.as_bytes())?;
-    let table = PageTable::new("Published statistic", &STATISTIC_HEADS, rows.clone());
-    let figure = PageFigure {
-        caption: statistic_report::CAPTION.to_owned(),
-        picture: STATISTIC.to_owned(),
+    let svg = statistic_report::figure(&[kind]).map_err(Failure::general)?;
+    write(&arguments.out.join(STATISTIC), svg.as_bytes())?;
+    let page = TabularReport {
+        title: "Next best view of a BOP scene",
+        tables: vec![statistic_report::table(&report.published_statistic)],
+        notes: notes(&report),
+        figures: vec![figure(STATISTIC, statistic_report::CAPTION)],
+        ..TabularReport::default()
     };
-    let page = html("Next best view of a BOP scene", &notes, &[table], &[figure]);
-    write(&arguments.out.join("index.html"), page.as_bytes())?;
-    output.answer(&report, || {
-        let table = format_table(&STATISTIC_HEADS, &rows);
-        format!("{table}\n\n{}", notes.join("\n"))
-    });
+    page.write(&arguments.out, "next-best-view.json", &report)?;
+    output.answer(&report, || page.text());
     Ok(ExitCode::SUCCESS)
 }
 

@@ -104,6 +104,11 @@ impl PredictionScore {
             top_ten_share: mean(|score| score.top_ten_share),
         }
     }
+
+    /// Regret, and that of a candidate at random, as text.
+    pub(super) fn regrets(&self) -> String {
+        format!("{:.3} ({:.3})", self.regret, self.random_regret)
+    }
 }
 
 /// Predicted and true entropy of the candidates of one current view.

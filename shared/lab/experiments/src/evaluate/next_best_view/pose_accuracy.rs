@@ -1,6 +1,7 @@
 //! Accuracy of recognition and registration over the segments of all views.
 
 use super::captured_view::CapturedView;
+use crate::evaluate::tabular_report::{ReportTable, percent};
 use serde::Serialize;
 
 /// Counts of segments.
@@ -60,36 +61,43 @@ impl PoseCounts {
         })
     }
 
-    /// Rows of a table: name, number, the number of which it is a part, share in percent.
-    pub(super) fn rows(&self) -> Vec<Vec<String>> {
-        let row = |name: &str, n: usize, of: usize| {
-            let percent = 100.0 * n as f64 / of.max(1) as f64;
-            let percent = format!("{percent:.1}");
-            vec![name.to_owned(), n.to_string(), of.to_string(), percent]
-        };
-        vec![
-            row("that cover an object", self.n_objects, self.n_segments),
-            row("recognised", self.n_recognised, self.n_objects),
-            row(
+    /// Table of each count beside the number of which it is a part.
+    pub(super) fn table(&self) -> ReportTable {
+        let parts = [
+            ("that cover an object", self.n_objects, self.n_segments),
+            ("recognised", self.n_recognised, self.n_objects),
+            (
                 "identified by a model as well",
                 self.n_identified,
                 self.n_objects,
             ),
-            row(
+            (
                 "true model at a right pose",
                 self.n_true_model_right,
                 self.n_objects,
             ),
-            row(
+            (
                 "chosen model right, at a right pose",
                 self.n_right,
                 self.n_objects,
             ),
-            row(
+            (
                 "with a good model, which is right",
                 self.n_good_right,
                 self.n_good,
             ),
-        ]
+        ];
+        ReportTable::of(
+            "Recognition and registration",
+            parts,
+            &[
+                ("segments", &|(name, ..)| (*name).to_owned()),
+                ("number", &|(_, n, _)| n.to_string()),
+                ("of them", &|(.., of)| of.to_string()),
+                ("share %", &|(_, n, of)| {
+                    percent(*n as f64 / (*of).max(1) as f64)
+                }),
+            ],
+        )
     }
 }

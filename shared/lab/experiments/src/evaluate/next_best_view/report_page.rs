@@ -1,97 +1,33 @@
-//! Text and HTML page of the next best view.
+//! Tables and figures of the next best view.
 
 use super::closed_loop::N_VIEWS_MAX;
 use super::entropy_prediction::HypothesisSource;
 use super::figures::{ENTROPY, LOOPS, PREDICTION};
 use super::loop_method::Method;
-use super::report::{NextBestViewReport, SceneReport, source_name};
-use super::statistic_report::{self, CAPTION, STATISTIC, STATISTIC_HEADS};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
-use statistics::bootstrap::Estimate;
+use super::report::{NextBestViewReport, source_name};
+use super::statistic_report::{self, CAPTION, STATISTIC};
+use crate::evaluate::tabular_report::{
+    ReportTable, TabularReport, figure, interval, number, percent,
+};
 
-/// Column headings of the tables.
-const METHOD_HEADS: [&str; 6] = [
-    "method",
-    "views to 95 %",
-    "travel m",
-    "complete %",
-    "found after 5 views %",
-    "found within 3 m %",
-];
-const PREDICTION_HEADS: [&str; 7] = [
-    "hypotheses",
-    "MAE bit",
-    "RMSE bit",
-    "bias bit",
-    "rank correlation",
-    "regret bit (random)",
-    "among the ten best %",
-];
-const POSE_HEADS: [&str; 4] = ["segments", "number", "of them", "share %"];
-const SCENE_HEADS: [&str; 9] = [
-    "seed",
-    "objects",
-    "findable",
-    "entropy bit",
-    "visibility %",
-    "F1",
-    "F1 of detection",
-    "Pearson r",
-    "Spearman rho",
-];
-
-/// Report as text for the terminal.
-pub(super) fn text(report: &NextBestViewReport) -> String {
-    let mut lines = vec![
-        format_table(&METHOD_HEADS, &method_rows(report)),
-        String::new(),
-        format_table(&PREDICTION_HEADS, &prediction_rows(report)),
-        String::new(),
-        format_table(&POSE_HEADS, &report.poses.rows()),
-        String::new(),
-        format_table(&SCENE_HEADS, &scene_rows(report)),
-        String::new(),
-        format_table(
-            &STATISTIC_HEADS,
-            &statistic_report::rows(&report.published_statistic),
-        ),
-        String::new(),
-    ];
-    lines.extend(notes(report));
-    lines.join("\n")
-}
-
-/// HTML page with the tables, the figures and the pictures.
-pub(super) fn page(report: &NextBestViewReport, pictures: &[String]) -> String {
-    let mut tables = vec![
-        PageTable::new("Closed loops", &METHOD_HEADS, method_rows(report)),
-        PageTable::new(
-            "Predicted entropy",
-            &PREDICTION_HEADS,
-            prediction_rows(report),
-        ),
-        PageTable::new(
-            "Recognition and registration",
-            &POSE_HEADS,
-            report.poses.rows(),
-        ),
-        PageTable::new("Scenes", &SCENE_HEADS, scene_rows(report)),
-    ];
-    let statistic = statistic_report::rows(&report.published_statistic);
-    if !statistic.is_empty() {
-        tables.push(PageTable::new(
-            "Published statistic",
-            &STATISTIC_HEADS,
-            statistic,
-        ));
+/// Tables, notes and pictures of the report.
+pub(super) fn page(report: &NextBestViewReport, pictures: &[String]) -> TabularReport<'static> {
+    let figures = pictures
+        .iter()
+        .map(|picture| figure(picture, caption(picture)));
+    TabularReport {
+        title: "Next best view",
+        tables: vec![
+            methods(report),
+            predictions(report),
+            report.poses.table(),
+            scenes(report),
+            statistic_report::table(&report.published_statistic),
+        ],
+        notes: notes(report),
+        figures: figures.collect(),
+        ..TabularReport::default()
     }
-    let figure = |picture: &String| PageFigure {
-        caption: caption(picture),
-        picture: picture.clone(),
-    };
-    let figures: Vec<PageFigure> = pictures.iter().map(figure).collect();
-    html("Next best view", &notes(report), &tables, &figures)
 }
 
 fn caption(picture: &str) -> String {
@@ -104,64 +40,70 @@ fn caption(picture: &str) -> String {
     }
 }
 
-fn method_rows(report: &NextBestViewReport) -> Vec<Vec<String>> {
-    let rows = Method::ALL.into_iter().filter_map(|method| {
-        let found = report.methods.get(method.name())?;
-        Some(vec![
-            method.name().to_owned(),
-            interval(found.views_to_95_interval, 1),
-            format!("{:.1}", found.travel_m),
-            percent(found.complete_share),
-            percent(found.found_after_5_views),
-            percent(found.found_within_3_m),
-        ])
-    });
-    rows.collect()
+fn methods(report: &NextBestViewReport) -> ReportTable {
+    let methods = Method::ALL.into_iter();
+    let methods = methods.filter_map(|method| Some((method, report.methods.get(method.name())?)));
+    ReportTable::of(
+        "Closed loops",
+        methods,
+        &[
+            ("method", &|(method, _)| method.name().to_owned()),
+            ("views to 95 %", &|(_, found)| {
+                interval(found.views_to_95_interval, 1)
+            }),
+            ("travel m", &|(_, found)| number(found.travel_m, 1)),
+            ("complete %", &|(_, found)| percent(found.complete_share)),
+            ("found after 5 views %", &|(_, found)| {
+                percent(found.found_after_5_views)
+            }),
+            ("found within 3 m %", &|(_, found)| {
+                percent(found.found_within_3_m)
+            }),
+        ],
+    )
 }
 
-fn prediction_rows(report: &NextBestViewReport) -> Vec<Vec<String>> {
-    let rows = HypothesisSource::ALL.into_iter().filter_map(|source| {
-        let name = source_name(source);
+fn predictions(report: &NextBestViewReport) -> ReportTable {
+    let sources = HypothesisSource::ALL.into_iter().map(source_name);
+    let scores = sources.filter_map(|name| {
         let score = report.predictions.get(&name)?;
-        Some(vec![
-            name,
-            format!("{:.3}", score.mae),
-            format!("{:.3}", score.rmse),
-            format!("{:+.3}", score.bias),
-            format!("{:.3}", score.spearman_rho),
-            format!("{:.3} ({:.3})", score.regret, score.random_regret),
-            percent(score.top_ten_share),
-        ])
+        Some((name, score))
     });
-    rows.collect()
+    ReportTable::of(
+        "Predicted entropy",
+        scores,
+        &[
+            ("hypotheses", &|(name, _)| name.clone()),
+            ("MAE bit", &|(_, score)| number(score.mae, 3)),
+            ("RMSE bit", &|(_, score)| number(score.rmse, 3)),
+            ("bias bit", &|(_, score)| format!("{:+.3}", score.bias)),
+            ("rank correlation", &|(_, score)| {
+                number(score.spearman_rho, 3)
+            }),
+            ("regret bit (random)", &|(_, score)| score.regrets()),
+            ("among the ten best %", &|(_, score)| {
+                percent(score.top_ten_share)
+            }),
+        ],
+    )
 }
 
-fn scene_rows(report: &NextBestViewReport) -> Vec<Vec<String>> {
-    let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.2}"));
-    let row = |scene: &SceneReport| {
-        vec![
-            scene.seed.to_string(),
-            scene.n_objects.to_string(),
-            scene.n_findable.to_string(),
-            format!("{:.2}", scene.entropy),
-            percent(scene.visibility),
-            format!("{:.2}", scene.f1),
-            format!("{:.2}", scene.detection_f1),
-            number(scene.pearson_r),
-            number(scene.spearman_rho),
-        ]
-    };
-    report.scenes.iter().map(row).collect()
-}
-
-fn percent(share: f64) -> String {
-    format!("{:.1}", 100.0 * share)
-}
-
-fn interval(estimate: Option<Estimate>, n_decimals: usize) -> String {
-    estimate.map_or("–".to_owned(), |Estimate { value, low, high }| {
-        format!("{value:.n_decimals$} ({low:.n_decimals$} to {high:.n_decimals$})")
-    })
+fn scenes(report: &NextBestViewReport) -> ReportTable {
+    ReportTable::of(
+        "Scenes",
+        &report.scenes,
+        &[
+            ("seed", &|scene| scene.seed.to_string()),
+            ("objects", &|scene| scene.n_objects.to_string()),
+            ("findable", &|scene| scene.n_findable.to_string()),
+            ("entropy bit", &|scene| number(scene.entropy, 2)),
+            ("visibility %", &|scene| percent(scene.visibility)),
+            ("F1", &|scene| number(scene.f1, 2)),
+            ("F1 of detection", &|scene| number(scene.detection_f1, 2)),
+            ("Pearson r", &|scene| number(scene.pearson_r, 2)),
+            ("Spearman rho", &|scene| number(scene.spearman_rho, 2)),
+        ],
+    )
 }
 
 /// Notes below the tables, one sentence each.

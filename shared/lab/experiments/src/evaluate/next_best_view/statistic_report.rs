@@ -6,6 +6,7 @@ use super::published_statistic::{
     DRAWN, PaperFigures, SOURCES, SceneStatistic, SourceStatistic, spread,
 };
 use super::report::source_name;
+use crate::evaluate::tabular_report::{ReportTable, number, percent};
 use plot::DrawingError;
 use plot::box_plot::{BoxGroup, BoxPlot, stacked};
 use serde::Serialize;
@@ -16,21 +17,6 @@ pub(super) const STATISTIC: &str = "published-statistic.svg";
 /// Caption of the figure.
 pub(super) const CAPTION: &str = "Ten best predictions of each view and its true entropy, as in \
                                   figure 8 of the paper";
-/// Column headings of the table.
-pub(super) const STATISTIC_HEADS: [&str; 11] = [
-    "scenes",
-    "hypotheses",
-    "SD of the best ten, bit",
-    "SD, paper",
-    "MSE of the best ten, bit²",
-    "MSE, paper",
-    "MAE of all, bit",
-    "bias bit",
-    "rank correlation",
-    "regret bit (random)",
-    "among the ten best %",
-];
-
 /// Scenes of one kind.
 #[derive(Debug)]
 pub(super) struct KindScenes {
@@ -120,39 +106,60 @@ impl SourceReport {
     }
 }
 
-/// Rows of the table of all kinds.
-pub(super) fn rows(kinds: &[KindReport]) -> Vec<Vec<String>> {
+fn of_source(kind: &KindReport, name: String) -> Option<(&KindReport, String, &SourceReport)> {
+    let source = kind.sources.get(&name)?;
+    Some((kind, name, source))
+}
+
+/// Table of all kinds.
+pub(super) fn table(kinds: &[KindReport]) -> ReportTable {
+    let sources = |kind| {
+        let names = SOURCES.into_iter().map(source_name);
+        names.filter_map(move |name| of_source(kind, name))
+    };
     let with_deviation = |value: f64, deviation: Option<f64>| {
-        let own = format!("{value:.4}");
-        deviation.map_or(own.clone(), |deviation| format!("{own} ± {deviation:.4}"))
+        let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {deviation:.4}"));
+        format!("{value:.4}{deviation}")
     };
-    let paper = |value: Option<f64>| value.map_or("–".to_owned(), |value| value.to_string());
-    let row = |kind: &KindReport, name: String| {
-        let SourceReport {
-            statistic,
-            over_scenes,
-        } = kind.sources.get(&name)?;
-        let score = &statistic.score;
-        Some(vec![
-            format!("{} × {}", kind.n_scenes, kind.kind),
-            name,
-            with_deviation(statistic.best_ten_sd, over_scenes.map(|d| d.best_ten_sd)),
-            paper(kind.paper_sd),
-            with_deviation(statistic.best_ten_mse, over_scenes.map(|d| d.best_ten_mse)),
-            paper(kind.paper_mse),
-            with_deviation(score.mae, over_scenes.map(|d| d.mae)),
-            format!("{:+.3}", score.bias),
-            format!("{:.3}", score.spearman_rho),
-            format!("{:.3} ({:.3})", score.regret, score.random_regret),
-            format!("{:.1}", 100.0 * score.top_ten_share),
-        ])
-    };
-    let of_kind = |kind| {
-        SOURCES
-            .into_iter()
-            .filter_map(move |s| row(kind, source_name(s)))
-    };
-    kinds.iter().flat_map(of_kind).collect()
+    let paper = |value: Option<f64>| value.map_or("-".to_owned(), |value| value.to_string());
+    ReportTable::of(
+        "Published statistic",
+        kinds.iter().flat_map(sources),
+        &[
+            ("scenes", &|(kind, ..)| {
+                format!("{} × {}", kind.n_scenes, kind.kind)
+            }),
+            ("hypotheses", &|(_, name, _)| name.clone()),
+            ("SD of the best ten, bit", &|(_, _, source)| {
+                let deviation = source.over_scenes.map(|d| d.best_ten_sd);
+                with_deviation(source.statistic.best_ten_sd, deviation)
+            }),
+            ("SD, paper", &|(kind, ..)| paper(kind.paper_sd)),
+            ("MSE of the best ten, bit²", &|(_, _, source)| {
+                let deviation = source.over_scenes.map(|d| d.best_ten_mse);
+                with_deviation(source.statistic.best_ten_mse, deviation)
+            }),
+            ("MSE, paper", &|(kind, ..)| paper(kind.paper_mse)),
+            ("MAE of all, bit", &|(_, _, source)| {
+                with_deviation(
+                    source.statistic.score.mae,
+                    source.over_scenes.map(|d| d.mae),
+                )
+            }),
+            ("bias bit", &|(.., source)| {
+                format!("{:+.3}", source.statistic.score.bias)
+            }),
+            ("rank correlation", &|(.., source)| {
+                number(source.statistic.score.spearman_rho, 3)
+            }),
+            ("regret bit (random)", &|(.., source)| {
+                source.statistic.score.regrets()
+            }),
+            ("among the ten best %", &|(.., source)| {
+                percent(source.statistic.score.top_ten_share)
+            }),
+        ],
+    )
 }
 
 /// Notes about the statistic, one sentence each.

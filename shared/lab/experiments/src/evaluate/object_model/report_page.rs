@@ -1,85 +1,59 @@
-//! Text and HTML page of object models.
+//! Table and figures of object models.
 
 use super::orbit::Path;
 use super::report::{LevelReport, ModelReport};
-use command_line::format_table;
+use crate::evaluate::tabular_report::{
+    ReportTable, TabularReport, figure as page_figure, number, percent,
+};
 use plot::diagram::{Axis, Color, Curve, Diagram, DrawingError, Legend, in_columns};
-use plot::figure_page::{PageFigure, PageTable, html};
 
-/// Column headings of the table.
-const HEADS: [&str; 10] = [
-    "path",
-    "noise",
-    "accuracy mm",
-    "95 % mm",
-    "complete",
-    "chamfer mm",
-    "pose before mm",
-    "filtered mm",
-    "after mm",
-    "refused",
-];
 /// File names of the figure and of the picture of the models.
 pub(super) const FIGURE: &str = "noise.svg";
 pub(super) const MODELS: &str = "models.png";
 
-/// Report as text for the terminal.
-pub(super) fn text(document: &ModelReport) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(notes(document));
-    lines.join("\n")
-}
-
-/// HTML page with the table and the figures.
-pub(super) fn page(document: &ModelReport) -> String {
-    let table = PageTable::new("Noise levels", &HEADS, rows(document));
-    let figures = [
-        (
-            FIGURE,
-            "Model and pose errors by the noise of the camera poses",
-        ),
-        (
-            MODELS,
-            "Models: the true object, then on each path the model of the least and of the greatest noise",
-        ),
-    ];
-    let figures = figures.map(|(picture, caption)| PageFigure {
-        caption: caption.to_owned(),
-        picture: picture.to_owned(),
-    });
-    html("Object models", &notes(document), &[table], &figures)
-}
-
-fn rows(document: &ModelReport) -> Vec<Vec<String>> {
-    let row = |level: &LevelReport| {
-        vec![
-            level.path.word().to_owned(),
-            format!(
-                "{} mm, {}°",
-                level.sigma_translation_mm, level.sigma_rotation_deg
+/// Table, notes and figures of the report.
+pub(super) fn page(document: &ModelReport) -> TabularReport<'static> {
+    let models = "Models: the true object, then on each path the model of the least and of the \
+                  greatest noise";
+    TabularReport {
+        title: "Object models",
+        tables: vec![levels(document)],
+        notes: notes(document),
+        figures: vec![
+            page_figure(
+                FIGURE,
+                "Model and pose errors by the noise of the camera poses",
             ),
-            known(level.accuracy_mm, |mm| format!("{mm:.2}")),
-            known(level.accuracy_p95_mm, |mm| format!("{mm:.1}")),
-            known(level.completeness, |share| {
-                format!("{:.1} %", 100.0 * share)
-            }),
-            known(level.chamfer_mm, |mm| format!("{mm:.2}")),
-            format!("{:.1}", level.pose_error_before),
-            format!("{:.1}", level.pose_error_filtered),
-            format!("{:.1}", level.pose_error_after),
-            format!("{:.1} %", 100.0 * level.refused_share),
-        ]
-    };
-    document.levels.iter().map(row).collect()
+            page_figure(MODELS, models),
+        ],
+        ..TabularReport::default()
+    }
 }
 
-/// Text of a figure; a dash where there is none.
-fn known(value: f64, text: impl Fn(f64) -> String) -> String {
-    if value.is_finite() {
-        text(value)
-    } else {
-        "-".to_owned()
-    }
+fn levels(document: &ModelReport) -> ReportTable {
+    ReportTable::of(
+        "Noise levels",
+        &document.levels,
+        &[
+            ("path", &|level| level.path.word().to_owned()),
+            ("noise", &|level| {
+                format!(
+                    "{} mm, {}°",
+                    level.sigma_translation_mm, level.sigma_rotation_deg
+                )
+            }),
+            ("accuracy mm", &|level| number(level.accuracy_mm, 2)),
+            ("95 % mm", &|level| number(level.accuracy_p95_mm, 1)),
+            ("complete %", &|level| percent(level.completeness)),
+            ("chamfer mm", &|level| number(level.chamfer_mm, 2)),
+            ("pose before mm", &|level| {
+                number(level.pose_error_before, 1)
+            }),
+            ("filtered mm", &|level| number(level.pose_error_filtered, 1)),
+            ("after mm", &|level| number(level.pose_error_after, 1)),
+            ("refused %", &|level| percent(level.refused_share)),
+        ],
+    )
 }
 
 /// Notes below the table, one sentence each.

@@ -1,72 +1,59 @@
-//! Text and HTML page of the open-ended evaluation.
+//! Table and figures of the open-ended evaluation.
 
 use super::report::{Figures, OpenEndedReport, RunFigures};
 use crate::evaluate::open_set;
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
+use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number};
 
-/// Column headings of the run table.
-const HEADS: [&str; 7] = ["run", "qci", "tlc", "aic", "gca", "apa", "ended"];
-
-/// Open-ended report as text for the terminal.
-pub(super) fn text(document: &OpenEndedReport) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(notes(document));
-    lines.extend([document.files.page.clone(), document.files.file.clone()]);
-    lines.join("\n")
-}
-
-/// HTML page with the figures of all runs.
-pub(super) fn page(document: &OpenEndedReport) -> String {
-    let table = PageTable::new("Runs", &HEADS, rows(document));
-    let overview = PageFigure {
-        caption: "All runs".to_owned(),
-        picture: "overview.svg".to_owned(),
-    };
-    let runs = document.runs.iter().map(|run| PageFigure {
-        caption: format!("run {}: {}", run.seed, cells(run)[1..].join(", ")),
-        picture: run.picture.clone(),
+/// Table, notes and figures of the report.
+pub(super) fn page(document: &OpenEndedReport) -> TabularReport<'static> {
+    let runs = runs(document);
+    let pictures = document.runs.iter().enumerate().map(|(row, run)| {
+        let caption = format!("run {}: {}", run.seed, runs.joined(row, 1));
+        figure(&run.picture, caption)
     });
-    let figures: Vec<PageFigure> = std::iter::once(overview).chain(runs).collect();
-    html("Open-ended learning", &notes(document), &[table], &figures)
+    TabularReport {
+        title: "Open-ended learning",
+        figures: std::iter::once(figure("overview.svg", "All runs"))
+            .chain(pictures)
+            .collect(),
+        tables: vec![runs.and(summary(document))],
+        notes: notes(document),
+        files: document.files.paths(),
+        ..TabularReport::default()
+    }
 }
 
-fn rows(document: &OpenEndedReport) -> Vec<Vec<String>> {
-    let mut rows: Vec<Vec<String>> = document.runs.iter().map(cells).collect();
-    rows.push(summary("mean", &document.mean));
-    rows.push(summary("std", &document.std));
-    rows
+fn runs(document: &OpenEndedReport) -> ReportTable {
+    ReportTable::of(
+        "Runs",
+        &document.runs,
+        &[
+            ("run", &|run: &&RunFigures| run.seed.to_string()),
+            ("qci", &|run| run.metrics.qci.to_string()),
+            ("tlc", &|run| run.metrics.tlc.to_string()),
+            ("aic", &|run| number(run.metrics.aic, 2)),
+            ("gca", &|run| number(run.metrics.gca, 3)),
+            ("apa", &|run| number(run.metrics.apa, 3)),
+            ("ended", &|run| run.stop.to_owned()),
+        ],
+    )
 }
 
-fn cells(run: &RunFigures) -> Vec<String> {
-    let metrics = &run.metrics;
-    let apa = metrics
-        .apa
-        .map_or("-".to_owned(), |apa| format!("{apa:.3}"));
-    vec![
-        run.seed.to_string(),
-        metrics.qci.to_string(),
-        metrics.tlc.to_string(),
-        format!("{:.2}", metrics.aic),
-        format!("{:.3}", metrics.gca),
-        apa,
-        run.stop.to_owned(),
-    ]
-}
-
-fn summary(name: &str, figures: &Figures) -> Vec<String> {
-    let value = |value: Option<f64>, digits: usize| {
-        value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
-    };
-    vec![
-        name.to_owned(),
-        value(figures.qci, 1),
-        value(figures.tlc, 2),
-        value(figures.aic, 2),
-        value(figures.gca, 3),
-        value(figures.apa, 3),
-        String::new(),
-    ]
+/// Mean and deviation of the runs, in the columns of the runs.
+fn summary(document: &OpenEndedReport) -> ReportTable {
+    ReportTable::of(
+        "",
+        [("mean", &document.mean), ("std", &document.std)],
+        &[
+            ("", &|(name, _): &(&str, &Figures)| (*name).to_owned()),
+            ("", &|(_, figures)| number(figures.qci, 1)),
+            ("", &|(_, figures)| number(figures.tlc, 2)),
+            ("", &|(_, figures)| number(figures.aic, 2)),
+            ("", &|(_, figures)| number(figures.gca, 3)),
+            ("", &|(_, figures)| number(figures.apa, 3)),
+            ("", &|_| String::new()),
+        ],
+    )
 }
 
 /// Notes below the table, one sentence each.

@@ -1,40 +1,34 @@
-//! Text and HTML page of registration.
+//! Table and figure of registration.
 
 use super::report::{PairReport, RegistrationReport};
 use super::trials::{ROTATIONS_DEG, TRANSLATIONS_CM};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
+use crate::evaluate::tabular_report::{ReportTable, TabularReport, number};
 use plot::forest_plot::ForestPlotRow;
 
-/// Column headings of the table.
-const HEADS: [&str; 6] = [
-    "pair",
-    "points",
-    "success",
-    "rotation °",
-    "translation mm",
-    "ms",
-];
-/// File name of the figure.
-pub(super) const PICTURE: &str = "success.svg";
-/// Caption of the figure.
-pub(super) const CAPTION: &str = "Successful registrations of each pair with their 95 % interval";
-
-/// Report as text for the terminal.
-pub(super) fn text(document: &RegistrationReport) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(notes(document));
-    lines.join("\n")
-}
-
-/// HTML page with the table and the figure.
-pub(super) fn page(document: &RegistrationReport) -> String {
-    let table = PageTable::new("Pairs", &HEADS, rows(document));
-    let figure = PageFigure {
-        caption: CAPTION.to_owned(),
-        picture: PICTURE.to_owned(),
-    };
-    html("Registration", &notes(document), &[table], &[figure])
+/// Table, notes and figure of the report.
+pub(super) fn page(document: &RegistrationReport) -> TabularReport<'static> {
+    let of = |n: usize, word: &str, m: usize| format!("{n} {word} {m}");
+    TabularReport {
+        title: "Registration",
+        tables: vec![ReportTable::of(
+            "Pairs",
+            &document.pairs,
+            &[
+                ("pair", &|pair| pair.name.clone()),
+                ("points", &|pair| {
+                    of(pair.n_target_points, "and", pair.n_source_points)
+                }),
+                ("success", &|pair| of(pair.n_success, "of", pair.n_trials)),
+                ("rotation °", &|pair| number(pair.rotation_error_deg, 2)),
+                ("translation mm", &|pair| {
+                    number(pair.translation_error_mm, 2)
+                }),
+                ("ms", &|pair| number(pair.ms, 1)),
+            ],
+        )],
+        notes: notes(document),
+        ..TabularReport::default()
+    }
 }
 
 /// Rows of the forest plot: one for each pair.
@@ -43,20 +37,6 @@ pub(super) fn figure_rows(document: &RegistrationReport) -> Vec<ForestPlotRow> {
         name: pair.name.clone(),
         estimate: pair.success,
         is_reference: false,
-    };
-    document.pairs.iter().map(row).collect()
-}
-
-fn rows(document: &RegistrationReport) -> Vec<Vec<String>> {
-    let row = |pair: &PairReport| {
-        vec![
-            pair.name.clone(),
-            format!("{} and {}", pair.n_target_points, pair.n_source_points),
-            format!("{} of {}", pair.n_success, pair.n_trials),
-            format!("{:.2}", pair.rotation_error_deg),
-            format!("{:.2}", pair.translation_error_mm),
-            format!("{:.1}", pair.ms),
-        ]
     };
     document.pairs.iter().map(row).collect()
 }

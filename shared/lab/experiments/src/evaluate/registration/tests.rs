@@ -41,7 +41,7 @@ fn corner_is_registered_with_itself_from_all_starts() {
     assert_eq!(report["pairs"][0]["name"], "box");
     assert_eq!(report["pairs"][0]["n_trials"], 12);
     assert_eq!(report["pairs"][0]["n_success"], 12, "{report}");
-    assert!(out.join("index.html").exists() && out.join(PICTURE).exists());
+    assert!(out.join("index.html").exists() && out.join("success.svg").exists());
 }
 
 #[test]

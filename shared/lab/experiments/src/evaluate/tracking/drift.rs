@@ -3,17 +3,17 @@
 
 use super::PICTURES;
 use super::recorded_sequence::{ProcessedFrame, RecordedSequence};
-use super::resting_truth::{self, RestingReport};
+use super::resting_truth::RestingReport;
 use super::small_text_file;
 use crate::arguments::TrackingArguments;
 use crate::evaluate::report_parts::ReportFiles;
+use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number};
 use crate::output_files::{create_folder, write};
-use command_line::{Output, format_table, progress_bar};
+use command_line::{Output, progress_bar};
 use evaluation::box_picture::{self, NumberedBox};
 use evaluation::resting_objects::RestingObjects;
 use evaluation::track_drift::{TrackSpan, track_spans};
 use evaluation::track_figure;
-use plot::figure_page::{PageFigure, PageTable, html};
 use serde::Serialize;
 use service::Failure;
 use std::collections::BTreeMap;
@@ -92,11 +92,10 @@ pub(super) fn run(
     let spans = track_spans(&sequence.frames);
     let mut document = document(&spans, sequence.frames.len(), labels.as_ref(), arguments);
     document.truth = marks.map(|marks| RestingReport::of(&sequence.frames, marks));
-    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
-    write(&arguments.out.join("tracking.json"), json.as_bytes())?;
-    let page = page(&document, recording, picture);
-    write(&arguments.out.join("index.html"), page.as_bytes())?;
-    output.answer(&document, || text(&document));
+    let title = format!("Tracks in {}", recording.name);
+    let page = page(&document, &title, &picture);
+    page.write(&arguments.out, "tracking.json", &document)?;
+    output.answer(&document, || page.text());
     Ok(ExitCode::SUCCESS)
 }
 
@@ -198,25 +197,52 @@ fn parse_labels(text: &str) -> Result<BTreeMap<u64, String>, String> {
     Ok(labels)
 }
 
-const HEADS: [&str; 8] = [
-    "track", "label", "first", "last", "frames", "drift mm", "sigma mm", "centre m",
-];
-
-fn rows(document: &DriftReport) -> Vec<Vec<String>> {
-    let tracks = document.tracks.iter().map(|track| {
-        let [x, y, z] = track.centre_m;
-        vec![
-            track.id.to_string(),
-            track.label.clone().unwrap_or_default(),
-            track.first_frame.to_string(),
-            track.last_frame.to_string(),
-            track.n_frames_seen.to_string(),
-            format!("{:.1}", track.drift_mm),
-            format!("{:.1}", track.sigma_mm),
-            format!("{x:.3} {y:.3} {z:.3}"),
-        ]
+/// Tables, summaries and pictures of the report.
+fn page<'t>(document: &DriftReport, title: &'t str, picture: &str) -> TabularReport<'t> {
+    let truth = document.truth.iter();
+    let summaries = truth.clone().map(RestingReport::summary);
+    let drawn = (0..document.n_frames).step_by(FRAMES_A_PICTURE);
+    let drawn = drawn.map(|index| {
+        figure(
+            &format!("{FRAMES}/{index:06}.png"),
+            format!("frame {index}"),
+        )
     });
-    tracks.collect()
+    let overview = figure(picture, "The table from above, and the tracks over time");
+    let mut files = document.files.paths();
+    files.push(document.frames.clone());
+    TabularReport {
+        title,
+        tables: truth
+            .map(RestingReport::table)
+            .chain([tracks(document)])
+            .collect(),
+        notes: std::iter::once(summary(document))
+            .chain(summaries)
+            .collect(),
+        figures: std::iter::once(overview).chain(drawn).collect(),
+        files,
+        ..TabularReport::default()
+    }
+}
+
+fn tracks(document: &DriftReport) -> ReportTable {
+    ReportTable::of(
+        "Tracks that were seen and believed",
+        &document.tracks,
+        &[
+            ("track", &|track| track.id.to_string()),
+            ("label", &|track| track.label.clone().unwrap_or_default()),
+            ("first", &|track| track.first_frame.to_string()),
+            ("last", &|track| track.last_frame.to_string()),
+            ("frames", &|track| track.n_frames_seen.to_string()),
+            ("drift mm", &|track| number(track.drift_mm, 1)),
+            ("sigma mm", &|track| number(track.sigma_mm, 1)),
+            ("centre m", &|track| {
+                track.centre_m.map(|m| format!("{m:.3}")).join(" ")
+            }),
+        ],
+    )
 }
 
 fn summary(document: &DriftReport) -> String {
@@ -225,54 +251,6 @@ fn summary(document: &DriftReport) -> String {
     format!(
         "{} track-ids in {} frames{ids}",
         document.n_ids, document.n_frames
-    )
-}
-
-fn text(document: &DriftReport) -> String {
-    let mut lines = vec![
-        format_table(&HEADS, &rows(document)),
-        String::new(),
-        summary(document),
-    ];
-    if let Some(truth) = &document.truth {
-        lines.push(String::new());
-        lines.push(format_table(&resting_truth::HEADS, &truth.rows()));
-        lines.push(truth.summary());
-    }
-    lines.push(document.files.page.clone());
-    lines.push(document.files.file.clone());
-    lines.push(document.frames.clone());
-    lines.join("\n")
-}
-
-fn page(document: &DriftReport, recording: &RecordedSequence, picture: String) -> String {
-    let title = "Tracks that were seen and believed";
-    let tracks = PageTable::new(title, &HEADS, rows(document));
-    let marked = document.truth.iter();
-    let marked = marked.map(|truth| {
-        PageTable::new(
-            "Marked objects at rest",
-            &resting_truth::HEADS,
-            truth.rows(),
-        )
-    });
-    let tables: Vec<PageTable> = marked.chain([tracks]).collect();
-    let truth = document.truth.iter().map(RestingReport::summary);
-    let summaries: Vec<String> = [summary(document)].into_iter().chain(truth).collect();
-    let mut runs = vec![PageFigure {
-        caption: "The table from above, and the tracks over time".to_owned(),
-        picture,
-    }];
-    let drawn = (0..document.n_frames).step_by(FRAMES_A_PICTURE);
-    runs.extend(drawn.map(|index| PageFigure {
-        caption: format!("frame {index}"),
-        picture: format!("{FRAMES}/{index:06}.png"),
-    }));
-    html(
-        &format!("Tracks in {}", recording.name),
-        &summaries,
-        &tables,
-        &runs,
     )
 }
 

@@ -1,40 +1,29 @@
-//! Text and HTML page of the tracking evaluation.
+//! Table and figures of the tracking evaluation.
 
 use super::report::{Figures, SeedFigures, TrackingReport};
-use command_line::format_table;
-use plot::figure_page::{PageFigure, PageTable, html};
+use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number};
+use plot::figure_page::PageFigure;
 use statistics::spread::Spread;
 
-/// Column headings of the tracking table.
-const HEADS: [&str; 17] = [
-    "scene", "runs", "mota", "idf1", "switches", "misses", "false", "centre", "p95", "p99",
-    "at 1 m", "turn", "p95", "flips", "lost", "ids", "person",
-];
-
-/// Tracking report as text for the terminal.
-pub(super) fn text(document: &TrackingReport) -> String {
-    let mut lines = vec![format_table(&HEADS, &rows(document)), String::new()];
-    lines.extend(legend());
-    lines.extend([document.files.page.clone(), document.files.file.clone()]);
-    lines.join("\n")
-}
-
-/// HTML page with the figure of each run, worst first within a scene.
-pub(super) fn page(document: &TrackingReport) -> String {
-    let table = PageTable::new("Scenes", &HEADS, rows(document));
-    let mut notes = vec![
-        "Left the table from above: true ways are grey, each track has a colour and stands with \
-         its id where it begins. Right the tracks that were matched with each object; light grey \
-         is where an object does not count."
-            .to_owned(),
-    ];
-    notes.extend(legend());
+/// Table, legend and the figure of each run, worst first within a scene.
+pub(super) fn page(document: &TrackingReport) -> TabularReport<'static> {
     let runs = document.scenes.iter().flat_map(|(name, scene)| {
         let mut runs: Vec<&SeedFigures> = scene.per_seed.iter().collect();
         runs.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
         runs.into_iter().map(|run| pictured(name, run))
     });
-    html("Tracking", &notes, &[table], &runs.collect::<Vec<_>>())
+    TabularReport {
+        title: "Tracking",
+        tables: vec![scenes(document)],
+        notes: legend().into(),
+        figures: runs.collect(),
+        figure_note: Some(
+            "Left the table from above: true ways are grey, each track has a colour and stands \
+             with its id where it begins. Right the tracks that were matched with each object; \
+             light grey is where an object does not count.",
+        ),
+        files: document.files.paths(),
+    }
 }
 
 /// Sort key of a run; lower is worse.
@@ -48,26 +37,16 @@ fn pictured(name: &str, run: &SeedFigures) -> PageFigure {
     let seed = run
         .seed
         .map_or(String::new(), |seed| format!(", seed {seed}"));
-    let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
-    PageFigure {
-        caption: format!(
-            "{name}{seed}: MOTA {}, IDF1 {}, {} switches, {} misses, {} false positives, {} lost",
-            share(figures.mota),
-            share(figures.idf1),
-            figures.id_switches,
-            figures.misses,
-            figures.false_positives,
-            figures.n_lost
-        ),
-        picture: run.picture.clone(),
-    }
-}
-
-fn rows(document: &TrackingReport) -> Vec<Vec<String>> {
-    let mut rows = vec![row("all", &document.overall)];
-    let scenes = document.scenes.iter();
-    rows.extend(scenes.map(|(name, scene)| row(name, &scene.figures)));
-    rows
+    let caption = format!(
+        "{name}{seed}: MOTA {}, IDF1 {}, {} switches, {} misses, {} false positives, {} lost",
+        number(figures.mota, 3),
+        number(figures.idf1, 3),
+        figures.id_switches,
+        figures.misses,
+        figures.false_positives,
+        figures.n_lost
+    );
+    figure(&run.picture, caption)
 }
 
 /// Legend of the tracking table's columns.
@@ -82,37 +61,39 @@ fn legend() -> [String; 2] {
     ]
 }
 
-fn row(name: &str, figures: &Figures) -> Vec<String> {
-    let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
-    let of = |spread: &Option<Spread>, value: fn(&Spread) -> f64| {
-        let value = spread.as_ref().map(value);
-        value.map_or("-".to_owned(), |value| format!("{value:.1}"))
-    };
-    let Figures {
-        centre_error_mm: centre,
-        centre_error_at_1_m_mm: near,
-        angular_orientation_error_deg: turn,
-        ..
-    } = figures;
-    vec![
-        name.to_owned(),
-        figures.n_runs.to_string(),
-        share(figures.mota),
-        share(figures.idf1),
-        figures.id_switches.to_string(),
-        figures.misses.to_string(),
-        figures.false_positives.to_string(),
-        of(centre, |p| p.median),
-        of(centre, |p| p.p95),
-        of(centre, |p| p.p99),
-        of(near, |p| p.median),
-        of(turn, |p| p.median),
-        of(turn, |p| p.p95),
-        figures.flips.to_string(),
-        share(figures.lost),
-        figures
-            .ids_per_object
-            .map_or("-".to_owned(), |ids| format!("{ids:.2}")),
-        figures.frames_with_person_track.to_string(),
-    ]
+fn scenes(document: &TrackingReport) -> ReportTable {
+    type Row<'r> = (&'r str, &'r Figures);
+    let of =
+        |spread: &Option<Spread>, value: fn(&Spread) -> f64| number(spread.as_ref().map(value), 1);
+    let scenes = document.scenes.iter();
+    let scenes = scenes.map(|(name, scene)| (name.as_str(), &scene.figures));
+    ReportTable::of(
+        "Scenes",
+        std::iter::once(("all", &document.overall)).chain(scenes),
+        &[
+            ("scene", &|(name, _): &Row<'_>| (*name).to_owned()),
+            ("runs", &|(_, f)| f.n_runs.to_string()),
+            ("mota", &|(_, f)| number(f.mota, 4)),
+            ("idf1", &|(_, f)| number(f.idf1, 4)),
+            ("switches", &|(_, f)| f.id_switches.to_string()),
+            ("misses", &|(_, f)| f.misses.to_string()),
+            ("false", &|(_, f)| f.false_positives.to_string()),
+            ("centre", &|(_, f)| of(&f.centre_error_mm, |p| p.median)),
+            ("p95", &|(_, f)| of(&f.centre_error_mm, |p| p.p95)),
+            ("p99", &|(_, f)| of(&f.centre_error_mm, |p| p.p99)),
+            ("at 1 m", &|(_, f)| {
+                of(&f.centre_error_at_1_m_mm, |p| p.median)
+            }),
+            ("turn", &|(_, f)| {
+                of(&f.angular_orientation_error_deg, |p| p.median)
+            }),
+            ("p95", &|(_, f)| {
+                of(&f.angular_orientation_error_deg, |p| p.p95)
+            }),
+            ("flips", &|(_, f)| f.flips.to_string()),
+            ("lost", &|(_, f)| number(f.lost, 4)),
+            ("ids", &|(_, f)| number(f.ids_per_object, 2)),
+            ("person", &|(_, f)| f.frames_with_person_track.to_string()),
+        ],
+    )
 }

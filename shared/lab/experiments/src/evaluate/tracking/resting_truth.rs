@@ -3,6 +3,7 @@
 
 use super::small_text_file;
 use crate::arguments::TrackingArguments;
+use crate::evaluate::tabular_report::{ReportTable, number};
 use evaluation::resting_objects::{RestingObjects, RestingScore};
 use evaluation::tracked_frame::TrackedFrame;
 use serde::Serialize;
@@ -35,17 +36,6 @@ pub(super) struct RestingObjectReport {
     offset_mm: Option<f64>,
 }
 
-/// Headings of [`RestingReport::rows`].
-pub(super) const HEADS: [&str; 7] = [
-    "object",
-    "ids",
-    "in view",
-    "tracked",
-    "switches",
-    "drift mm",
-    "offset mm",
-];
-
 impl RestingReport {
     /// Score of the frames of a recording.
     pub(super) fn of(frames: &[TrackedFrame], marks: &RestingObjects) -> Self {
@@ -75,22 +65,21 @@ impl RestingReport {
         }
     }
 
-    /// Table of the objects.
-    pub(super) fn rows(&self) -> Vec<Vec<String>> {
-        let millimetres =
-            |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.1}"));
-        let row = |object: &RestingObjectReport| {
-            vec![
-                object.name.clone(),
-                object.ids.len().to_string(),
-                object.n_frames_in_view.to_string(),
-                object.n_frames_tracked.to_string(),
-                object.id_switches.to_string(),
-                millimetres(object.drift_mm),
-                millimetres(object.offset_mm),
-            ]
-        };
-        self.objects.iter().map(row).collect()
+    /// Table of the marked objects.
+    pub(super) fn table(&self) -> ReportTable {
+        ReportTable::of(
+            "Marked objects at rest",
+            &self.objects,
+            &[
+                ("object", &|object| object.name.clone()),
+                ("ids", &|object| object.ids.len().to_string()),
+                ("in view", &|object| object.n_frames_in_view.to_string()),
+                ("tracked", &|object| object.n_frames_tracked.to_string()),
+                ("switches", &|object| object.id_switches.to_string()),
+                ("drift mm", &|object| number(object.drift_mm, 1)),
+                ("offset mm", &|object| number(object.offset_mm, 1)),
+            ],
+        )
     }
 
     /// One sentence on all objects.
