@@ -3,7 +3,7 @@
 //! Each metric is a function from data to figures; the same input gives the same result.
 //!
 //! - Segmentation: [`labelled_scenes`] reads scenes with ground truth, [`segmentation_score`]
-//!   scores the hypotheses of [`hypothesis_image`], and [`scene_picture`] and [`score_page`] show
+//!   scores the hypotheses of [`hypothesis_image`], and [`scene_picture`] shows
 //!   the result.
 //! - Tracking: [`tracking_score`] scores [`tracked_frame`]s by [`clear_mot`] and [`id_f1`],
 //!   [`track_drift`] measures jitter, [`true_shape`] gives ground-truth boxes, and
@@ -43,7 +43,6 @@ pub mod open_ended;
 pub mod recogniser;
 pub mod resting_objects;
 pub mod scene_picture;
-pub mod score_page;
 pub mod segmentation_score;
 pub mod sensor_error;
 pub mod track_drift;

@@ -78,11 +78,9 @@ pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<Exi
     let Some(document) = DetectionReport::of(&results, &skipped, arguments) else {
         return Err(nothing_scored(arguments, &skipped));
     };
-    let json = serde_json::to_string_pretty(&document).map_err(Failure::general)?;
-    let page = report_page::page(&document, &results);
-    write(&arguments.out.join("index.html"), page.as_bytes())?;
-    write(&arguments.out.join("detection.json"), json.as_bytes())?;
-    output.answer(&document, || report_page::text(&document, arguments));
+    let page = report_page::page(&document, arguments.labels.as_deref());
+    page.write(&arguments.out, "detection.json", &document)?;
+    output.answer(&document, || page.text());
     Ok(ExitCode::SUCCESS)
 }
 

@@ -52,6 +52,15 @@ impl ReportTable {
         }
     }
 
+    /// Table with given cells.
+    pub(super) fn new(
+        title: &'static str,
+        heads: Vec<&'static str>,
+        rows: Vec<Vec<String>>,
+    ) -> Self {
+        Self { title, heads, rows }
+    }
+
     /// Appends the rows of a table with the same columns.
     pub(super) fn and(mut self, below: Self) -> Self {
         self.rows.extend(below.rows);
@@ -68,8 +77,12 @@ impl TabularReport<'_> {
     /// Report as text for the terminal.
     pub(super) fn text(&self) -> String {
         let shown = self.tables.iter().filter(|table| !table.rows.is_empty());
-        let tables =
-            shown.flat_map(|table| [format_table(&table.heads, &table.rows), String::new()]);
+        let has_titles = self.tables.len() > 1;
+        let tables = shown.flat_map(|table| {
+            let title = has_titles.then(|| table.title.to_owned());
+            let table = [format_table(&table.heads, &table.rows), String::new()];
+            title.into_iter().chain(table)
+        });
         let lines = tables.chain(self.notes.iter().chain(&self.files).cloned());
         lines.collect::<Vec<_>>().join("\n")
     }
@@ -164,7 +177,10 @@ mod tests {
             figure_note: Some("blue is right"),
             ..TabularReport::default()
         };
-        assert_eq!(report.text(), "name  share\nmug   50.0\nbox   -\n\na note");
+        assert_eq!(
+            report.text(),
+            "Shares\nname  share\nmug   50.0\nbox   -\n\na note"
+        );
         let page = report.html();
         for part in ["<td>50.0</td>", "<td>-</td>", "a note", "blue is right"] {
             assert!(page.contains(part), "{part} is not in {page}");

@@ -75,7 +75,7 @@ pub(super) struct SceneScores<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     whole_objects: Option<PsiScores>,
     pub(super) detection_ms: Percentiles,
-    picture: &'a str,
+    pub(super) picture: &'a str,
 }
 
 /// Percentiles of a value over all repetitions of the scenes; `None` without values.

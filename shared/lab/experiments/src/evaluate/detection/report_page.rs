@@ -1,56 +1,128 @@
-//! Text and HTML page of the detection evaluation.
+//! Tables and pictures of the detection evaluation.
 
-use super::report::{DetectionReport, Halves, SceneGroup};
-use super::scene_result::{SceneResult, SkippedScene};
-use crate::arguments::DetectionArguments;
-use command_line::format_table;
-use evaluation::score_page::{PicturedScene, ScoreLine, ScoreTable, html};
+use super::report::{DetectionReport, Halves, SceneGroup, SceneScores};
+use super::scene_result::{PsiScores, SkippedScene};
+use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number, percent};
 use evaluation::segmentation_score::{MEASURE_NAMES, SegmentationScore};
+use plot::figure_page::PageFigure;
+use std::path::Path;
 
-/// Number of printed worst scenes. Chosen.
+/// Number of worst scenes in the table. Chosen.
 const N_WORST: usize = 5;
-/// Number of skipped scenes named in the text. Chosen.
+/// Number of skipped scenes named in the notes. Chosen.
 const N_SKIPPED: usize = 10;
+/// Note about the pictures.
+const LEGEND: &str = "Scenes, worst first. Left: colour image; middle: ground truth; right: \
+    result. A hypothesis has the colour of the object that it is matched with. Green: the table, \
+    in the ground truth all labelled background. Striped: hypotheses rejected by ψ. Grey: \
+    hypotheses too small to count. Dark: pixels without depth.";
 
-/// Detection report as text for the terminal.
-pub(super) fn text(document: &DetectionReport<'_>, arguments: &DetectionArguments) -> String {
-    let mut lines = Vec::new();
-    for scores in tables(document) {
-        let rows = scores.lines.into_iter().map(|line| {
-            let names = [line.name, line.n_scenes.to_string()];
-            row(names, &line.score, line.detection_ms)
-        });
-        let rows: Vec<_> = rows.collect();
-        let table = format_table(&heading(["%", "scenes"]), &rows);
-        lines.extend([scores.title, table, String::new()]);
+/// Tables, notes and pictures of the report; `labels` is the folder of the written labels.
+pub(super) fn page(
+    document: &DetectionReport<'_>,
+    labels: Option<&Path>,
+) -> TabularReport<'static> {
+    let mut notes = timing(document);
+    notes.extend(left_out(document.skipped));
+    let mut files = document.files.paths();
+    files.extend(labels.map(|labels| labels.display().to_string()));
+    let mut tables = score_tables(document);
+    tables.push(worst(document));
+    TabularReport {
+        title: "Detection on labelled scenes",
+        tables,
+        notes,
+        figures: document.per_scene.iter().map(picture).collect(),
+        figure_note: Some(LEGEND),
+        files,
     }
-    let worst = document.per_scene.iter().take(N_WORST);
-    let worst = worst.map(|scene| {
-        let names = [scene.name.into(), scene.group.into()];
-        row(names, &scene.scores.before_psi, scene.detection_ms.p50)
-    });
-    let worst = format_table(&heading(["worst", "group"]), &worst.collect::<Vec<_>>());
-    lines.extend([worst, String::new()]);
-    lines.extend(timing(document));
-    lines.extend(left_out(document.skipped));
-    lines.extend([document.files.page.clone(), document.files.file.clone()]);
-    let labels = arguments.labels.iter();
-    lines.extend(labels.map(|labels| labels.display().to_string()));
-    lines.join("\n")
 }
 
-fn heading(names: [&'static str; 2]) -> Vec<&'static str> {
+/// Score tables of the hypotheses before and after the object rule ψ: of the parts of objects
+/// where these have labels of their own, then of whole objects.
+fn score_tables(document: &DetectionReport<'_>) -> Vec<ReportTable> {
+    let own = |group: &SceneGroup| Some(group.scores);
+    let whole = |group: &SceneGroup| group.whole_objects;
+    let table = |title, scores: &dyn Fn(&SceneGroup) -> Option<PsiScores>, is_after| {
+        let rows = groups(document).into_iter().filter_map(|(name, group)| {
+            let scores = scores(group)?;
+            let score = if is_after {
+                scores.after_psi
+            } else {
+                scores.before_psi
+            };
+            let names = [name.to_owned(), group.n_scenes.to_string()];
+            Some(row(names, &score, group.detection_ms.p50))
+        });
+        ReportTable::new(title, heads(["%", "scenes"]), rows.collect())
+    };
+    if document.whole_objects.is_some() {
+        vec![
+            table("Parts before ψ", &own, false),
+            table("Parts after ψ", &own, true),
+            table("Whole objects before ψ", &whole, false),
+            table("Whole objects after ψ", &whole, true),
+        ]
+    } else {
+        vec![
+            table("Objects before ψ", &own, false),
+            table("Objects after ψ", &own, true),
+        ]
+    }
+}
+
+/// All scenes, their groups and their halves, by name.
+fn groups<'d>(document: &'d DetectionReport<'_>) -> Vec<(&'d str, &'d SceneGroup)> {
+    let Halves { even, odd } = &document.halves;
+    let groups = document.groups.iter().map(|(name, group)| (*name, group));
+    let halves = [("even half", even), ("odd half", odd)].into_iter();
+    let halves = halves.filter_map(|(name, half)| Some((name, half.as_ref()?)));
+    std::iter::once(("all", &document.all))
+        .chain(groups)
+        .chain(halves)
+        .collect()
+}
+
+fn worst(document: &DetectionReport<'_>) -> ReportTable {
+    let rows = document.per_scene.iter().take(N_WORST).map(|scene| {
+        let names = [scene.name.to_owned(), scene.group.to_owned()];
+        row(names, &scene.scores.before_psi, scene.detection_ms.p50)
+    });
+    ReportTable::new("Worst scenes", heads(["worst", "group"]), rows.collect())
+}
+
+fn heads(names: [&'static str; 2]) -> Vec<&'static str> {
     let counts = ["hypotheses", "objects", "ms"];
-    let names = names.into_iter().chain(MEASURE_NAMES);
-    names.chain(counts).collect()
+    names
+        .into_iter()
+        .chain(MEASURE_NAMES)
+        .chain(counts)
+        .collect()
 }
 
 fn row(names: [String; 2], score: &SegmentationScore, ms: f64) -> Vec<String> {
-    let values = score.values();
-    let values = values.iter().map(|value| format!("{:5.1}", 100.0 * value));
     let counts = [score.n_hypotheses, score.n_objects].map(|n| n.to_string());
-    let cells = names.into_iter().chain(values).chain(counts);
-    cells.chain([format!("{ms:.2}")]).collect()
+    let cells = names
+        .into_iter()
+        .chain(score.values().map(percent))
+        .chain(counts);
+    cells.chain([number(ms, 2)]).collect()
+}
+
+fn picture(scene: &SceneScores<'_>) -> PageFigure {
+    let score = &scene.scores.before_psi;
+    let measures = MEASURE_NAMES.iter().zip(score.values());
+    let measures = measures.map(|(name, value)| format!("{name} {}", percent(value)));
+    let caption = format!(
+        "{} ({}): {}; {} hypotheses, {} objects; {:.2} ms",
+        scene.name,
+        scene.group,
+        measures.collect::<Vec<_>>().join(" "),
+        score.n_hypotheses,
+        score.n_objects,
+        scene.detection_ms.p50
+    );
+    figure(scene.picture, caption)
 }
 
 /// Sentences about detection time and assumptions.
@@ -83,78 +155,4 @@ fn left_out(skipped: &[SkippedScene]) -> Vec<String> {
         ));
     }
     sentences
-}
-
-/// HTML page of the detection report with all scenes.
-pub(super) fn page(document: &DetectionReport<'_>, results: &[SceneResult]) -> String {
-    let mut notes = timing(document);
-    notes.extend(left_out(document.skipped));
-    let scenes = results.iter().zip(&document.per_scene);
-    let scenes = scenes.map(|(result, figures)| PicturedScene {
-        name: result.name.clone(),
-        group: result.group.clone(),
-        score: result.scores.before_psi,
-        detection_ms: figures.detection_ms.p50,
-        picture: result.picture.clone(),
-    });
-    let scenes: Vec<_> = scenes.collect();
-    html(
-        "Detection on labelled scenes",
-        &notes,
-        &tables(document),
-        &scenes,
-    )
-}
-
-/// Score tables of the hypotheses before and after the object rule ψ: of the parts of objects
-/// where these have labels of their own, then of whole objects.
-fn tables(document: &DetectionReport<'_>) -> Vec<ScoreTable> {
-    let has_parts = document.whole_objects.is_some();
-    let kind = if has_parts { "Parts" } else { "Objects" };
-    let table =
-        |title: String, of_part: &dyn Fn(&SceneGroup) -> Option<SegmentationScore>| ScoreTable {
-            title,
-            lines: lines(document, of_part),
-        };
-    let mut tables = vec![
-        table(format!("{kind} before ψ"), &|part| {
-            Some(part.scores.before_psi)
-        }),
-        table(format!("{kind} after ψ"), &|part| {
-            Some(part.scores.after_psi)
-        }),
-    ];
-    if has_parts {
-        tables.extend([
-            table("Whole objects before ψ".to_owned(), &|part| {
-                Some(part.whole_objects?.before_psi)
-            }),
-            table("Whole objects after ψ".to_owned(), &|part| {
-                Some(part.whole_objects?.after_psi)
-            }),
-        ]);
-    }
-    tables
-}
-
-/// Table lines of the detection report: all scenes, groups, halves.
-fn lines(
-    document: &DetectionReport<'_>,
-    score: &dyn Fn(&SceneGroup) -> Option<SegmentationScore>,
-) -> Vec<ScoreLine> {
-    let line = |(name, part): (&str, &SceneGroup)| {
-        Some(ScoreLine {
-            name: name.to_owned(),
-            n_scenes: part.n_scenes,
-            score: score(part)?,
-            detection_ms: part.detection_ms.p50,
-        })
-    };
-    let Halves { even, odd } = &document.halves;
-    let groups = document.groups.iter().map(|(name, group)| (*name, group));
-    let halves = [("even half", even), ("odd half", odd)];
-    let halves = halves.into_iter();
-    let halves = halves.filter_map(|(name, half)| Some((name, half.as_ref()?)));
-    let all = std::iter::once(("all", &document.all));
-    all.chain(groups).chain(halves).filter_map(line).collect()
 }

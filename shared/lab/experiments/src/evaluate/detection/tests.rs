@@ -248,16 +248,16 @@ fn report_lists_groups_halves_and_worst_scenes() {
         .collect();
     let arguments = arguments(Path::new("data"), Path::new("out"));
     let document = DetectionReport::of(&results, &skipped, &arguments).unwrap();
-    let text = report_page::text(&document, &arguments);
+    let text = report_page::page(&document, None).text();
     for part in [
         "Parts before ψ\n%          scenes  wov",
-        "even half  1        75.0",
-        "boxes      2        50.0",
-        "learn1  boxes   25.0",
+        "even half  1       75.0",
+        "boxes      2       50.0",
+        "learn1  boxes  25.0",
         "Parts after ψ",
         "Whole objects before ψ\n%          scenes  wov",
-        "all        2         0.0",
-        "all        2        12.5",
+        "all        2       0.0",
+        "all        2       12.5",
         "2.00 ms (median), 4.00 ms (99 %)",
         "2000.0 ns a point, 20.0 times a pass over the cloud (0.100 ms)",
         "left out: learn14: it is broken\nleft out: 5 more",
@@ -265,5 +265,4 @@ fn report_lists_groups_halves_and_worst_scenes() {
     ] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
-    assert!(report_page::page(&document, &results).contains("left out: learn5"));
 }
