@@ -420,7 +420,7 @@ impl Daemon<'_> {
 
     /// Process id in the newest health report.
     pub(crate) fn pid(&self, process: ProcessKind) -> Option<u32> {
-        u32::try_from(self.health(process.name())?["pid"].as_u64()?).ok()
+        u32::try_from(self.health(process.word())?["pid"].as_u64()?).ok()
     }
 
     /// Process ids; the same before and after when nothing was restarted.

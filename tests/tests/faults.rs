@@ -44,7 +44,7 @@ fn wait_for_names(daemon: &Daemon<'_>) {
 
 /// Number of frames that a process has handled since its start.
 pub(crate) fn n_frames(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
-    let health = daemon.health(process.name());
+    let health = daemon.health(process.word());
     health
         .and_then(|health| health["frames"].as_u64())
         .unwrap_or(0)
@@ -53,7 +53,7 @@ pub(crate) fn n_frames(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
 /// Waits until a process has handled more frames.
 pub(crate) fn wait_for_frames(daemon: &Daemon<'_>, process: ProcessKind) {
     let before = n_frames(daemon, process);
-    let what = format!("tabula-{} handles frames", process.name());
+    let what = format!("tabula-{} handles frames", process.word());
     eventually(&what, || n_frames(daemon, process) > before + 5);
 }
 

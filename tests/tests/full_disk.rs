@@ -40,7 +40,7 @@ fn wait_until_degraded(daemon: &Daemon<'_>) -> String {
     let mut note = String::new();
     eventually("the memory is degraded", || {
         let health = daemon
-            .health(ProcessKind::Memory.name())
+            .health(ProcessKind::Memory.word())
             .unwrap_or_default();
         note = health["note"].as_str().unwrap_or_default().to_owned();
         health["state"] == "degraded"
@@ -99,7 +99,7 @@ fn as_root_memory_on_a_full_disk_reads_exports_and_recovers() {
     drop(rubbish);
     eventually("the memory is ready again", || {
         let health = daemon
-            .health(ProcessKind::Memory.name())
+            .health(ProcessKind::Memory.word())
             .unwrap_or_default();
         health["state"] == "ready"
     });

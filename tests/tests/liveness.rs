@@ -19,7 +19,7 @@ const WITHOUT_WATCHDOG: &str =
 
 /// State and note of a process in `tabula status`.
 fn state(daemon: &Daemon<'_>, process: ProcessKind) -> (String, String) {
-    let health = daemon.health(process.name()).unwrap_or_default();
+    let health = daemon.health(process.word()).unwrap_or_default();
     let text = |key: &str| health[key].as_str().unwrap_or_default().to_owned();
     (text("state"), text("note"))
 }

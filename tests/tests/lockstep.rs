@@ -25,7 +25,7 @@ pub(crate) fn repeatable(scene: &RecordedScene) -> String {
 
 fn wait_for_the_end(daemon: &Daemon<'_>) {
     eventually("the recording ends", || {
-        let camera = daemon.health(ProcessKind::Camera.name());
+        let camera = daemon.health(ProcessKind::Camera.word());
         camera.is_some_and(|camera| camera["state"] == "idle")
     });
 }
@@ -42,7 +42,7 @@ fn played(sandbox: &Sandbox, arguments: &[&str], n_frames: u64) -> Vec<RecordedS
     });
     let (scenes, n_lost) = recorder.stop();
     for process in [ProcessKind::Perception, ProcessKind::Memory] {
-        let health = daemon.health(process.name()).unwrap();
+        let health = daemon.health(process.word()).unwrap();
         assert_eq!(health["frames_dropped"], 0, "{health:#}");
     }
     daemon.stop();

@@ -69,7 +69,7 @@ fn label_is_answered_directly_after_a_change_when_no_frame_comes_any_more() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&["--source", "synthetic:0", "--to", "30", "--lockstep"]);
     eventually("the recording ends", || {
-        let camera = daemon.health(ProcessKind::Camera.name());
+        let camera = daemon.health(ProcessKind::Camera.word());
         camera.is_some_and(|camera| camera["state"] == "idle")
     });
     let track = id(&daemon.objects()[0]);

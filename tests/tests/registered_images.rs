@@ -78,7 +78,7 @@ fn is_tracked_at(objects: &[Value], place: [f64; 3]) -> bool {
 }
 
 fn count(daemon: &Daemon<'_>, process: ProcessKind, what: &str) -> u64 {
-    let health = daemon.health(process.name());
+    let health = daemon.health(process.word());
     health.and_then(|health| health[what].as_u64()).unwrap_or(0)
 }
 
@@ -126,7 +126,7 @@ fn unusable_registered_images_are_skipped_and_counted() {
     let source = folder.path().to_str().unwrap();
     let daemon = sandbox.start(&["--source", source, "--lockstep"]);
     eventually("the recording ends", || {
-        let health = daemon.health(ProcessKind::Camera.name());
+        let health = daemon.health(ProcessKind::Camera.word());
         health.is_some_and(|health| health["state"] == "idle")
     });
     assert_eq!(count(&daemon, ProcessKind::Camera, "frames"), 1);
@@ -150,7 +150,7 @@ fn registered_images_of_another_camera_are_played_to_their_end() {
     let source = folder.to_str().unwrap();
     let daemon = sandbox.start(&["--source", source, "--lockstep"]);
     eventually("the recording ends", || {
-        let health = daemon.health(ProcessKind::Camera.name());
+        let health = daemon.health(ProcessKind::Camera.word());
         health.is_some_and(|health| health["state"] == "idle")
     });
     for process in [ProcessKind::Camera, ProcessKind::Perception] {
@@ -162,7 +162,7 @@ fn registered_images_of_another_camera_are_played_to_their_end() {
             count(&daemon, process, "frames_dropped"),
             0,
             "{}",
-            process.name()
+            process.word()
         );
     }
     // Each scene shows at least three things on a table.

@@ -519,7 +519,7 @@ fn killed_simulator_is_restarted() {
     daemon.signal(ProcessKind::Simulator, Signal::KILL);
     eventually("another simulator runs", || {
         let pid = daemon.pid(ProcessKind::Simulator);
-        let frames = daemon.health(ProcessKind::Simulator.name());
+        let frames = daemon.health(ProcessKind::Simulator.word());
         pid.is_some_and(|pid| pid != killed)
             && frames.is_some_and(|health| health["frames"].as_u64() > Some(10))
     });

@@ -35,7 +35,7 @@ fn status(sandbox: &Sandbox) -> (Value, i32) {
 /// Expected process in a document of `tabula status`.
 fn expected(document: &Value, process: ProcessKind) -> Option<Value> {
     let all = document["expected"].as_array()?;
-    let found = all.iter().find(|one| one["process"] == process.name());
+    let found = all.iter().find(|one| one["process"] == process.word());
     found.cloned()
 }
 

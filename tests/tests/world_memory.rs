@@ -309,7 +309,7 @@ fn damaged_working_memory_is_reported_and_does_not_stop_the_daemon() {
     let daemon = sandbox.start(&["--source", "synthetic:0"]);
     wait_for_world(&daemon, wait_for_all(&daemon, 0).len());
     for process in WITH_CAMERA {
-        assert!(daemon.pid(process).is_some(), "{}", process.name());
+        assert!(daemon.pid(process).is_some(), "{}", process.word());
     }
     let log = daemon.log();
     assert!(log.contains("begun anew"), "{log}");

@@ -115,7 +115,7 @@ fn detection_and_every_actor_read_the_cameras_own_bytes() {
 fn bytes_per_frame(daemon: &Daemon<'_>, process: ProcessKind) -> u64 {
     let scenes = SceneRecorder::start(daemon.sandbox);
     let look = || {
-        let health = daemon.health(process.name()).unwrap();
+        let health = daemon.health(process.word()).unwrap();
         let number = |name: &str| health[name].as_u64().unwrap();
         (number("frames"), number("allocated_bytes"))
     };
@@ -141,11 +141,11 @@ fn steady_state_allocations_outside_the_camera_are_small() {
     daemon.ask(&["teach", &objects[0]["track_id"].to_string(), "something"]);
     for process in [ProcessKind::Perception, ProcessKind::Memory] {
         let bytes = bytes_per_frame(&daemon, process);
-        println!("{} allocates {bytes} bytes per frame", process.name());
+        println!("{} allocates {bytes} bytes per frame", process.word());
         assert!(
             bytes <= MAX_BYTES_PER_FRAME,
             "{} allocates {bytes} bytes per frame",
-            process.name()
+            process.word()
         );
     }
     drop(watcher);

@@ -1,6 +1,6 @@
 //! Resource usage of the daemon's processes, from `/proc`.
 
-use latency_report::HealthDocument;
+use latency_report::ProcessReport;
 use message::ProcessKind;
 use std::path::Path;
 use std::time::Instant;
@@ -38,15 +38,15 @@ impl ProcessUsage {
     }
 
     /// Usage since the start; `None` if the process has ended.
-    pub(crate) fn report(&self) -> Option<HealthDocument> {
+    pub(crate) fn report(&self) -> Option<ProcessReport> {
         let now = counters(self.pid)?;
         let seconds = self.begun.elapsed().as_secs_f64().max(1e-9);
         let since =
             |count: fn(&ProcessCounters) -> u64| count(&now).saturating_sub(count(&self.before));
         let per_second = rustix::param::clock_ticks_per_second() as f64;
         let page_bytes = rustix::param::page_size() as f64;
-        Some(HealthDocument {
-            process: self.process.name().to_owned(),
+        Some(ProcessReport {
+            process: self.process.word().to_owned(),
             pid: self.pid,
             cores: since(|c| c.cpu_ticks) as f64 / per_second / seconds,
             resident_mb: now.resident_pages as f64 * page_bytes / 1e6,

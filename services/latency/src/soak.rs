@@ -9,7 +9,7 @@ use crate::trace_reader::{ReadEnd, TraceReader, no_frames};
 use channel::SharedMemory;
 use command_line::{Output, StopSignal, format_table, progress_bar};
 use latency_report::{
-    DurationPercentiles, Growth, HealthDocument, LatencyRecorder, SoakWindow, find_growth,
+    DurationPercentiles, Growth, ProcessReport, LatencyRecorder, SoakWindow, find_growth,
     soak_figure,
 };
 use serde::Serialize;
@@ -196,7 +196,7 @@ fn text(document: &SoakDocument) -> String {
 }
 
 fn row(window: &SoakWindow) -> Vec<String> {
-    let of_processes = |figure: fn(&HealthDocument) -> String| -> String {
+    let of_processes = |figure: fn(&ProcessReport) -> String| -> String {
         let texts: Vec<String> = window.processes.iter().map(figure).collect();
         texts.join(" + ")
     };

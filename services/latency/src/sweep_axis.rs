@@ -3,33 +3,24 @@
 use clap::ValueEnum;
 use std::ops::RangeInclusive;
 
-/// Swept parameter of a latency sweep.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SweepAxis {
-    /// Number of objects, 1 to 64, on a computed table
-    Objects,
-    /// Points per object: six simulated cubes; values are their sides, millimetres
-    Points,
-    /// Number of stored views, 10 to 100000
-    Views,
-    /// Frames per second, 5 to 120, until the daemon does not sustain the rate
-    Rate,
-    /// Number of cores for daemon and source, 1 and 2
-    Cores,
+coded_enum::coded_enum! {
+    /// Swept parameter of a latency sweep.
+    #[derive(ValueEnum)]
+    pub(crate) enum SweepAxis {
+        /// Number of objects, 1 to 64, on a computed table
+        Objects, "objects";
+        /// Points per object: six simulated cubes; values are their sides, millimetres
+        Points, "points";
+        /// Number of stored views, 10 to 100000
+        Views, "views";
+        /// Frames per second, 5 to 120, until the daemon does not sustain the rate
+        Rate, "rate";
+        /// Number of cores for daemon and source, 1 and 2
+        Cores, "cores";
+    }
 }
 
 impl SweepAxis {
-    /// Word on the command line and in file names.
-    pub(crate) fn word(self) -> &'static str {
-        match self {
-            Self::Objects => "objects",
-            Self::Points => "points",
-            Self::Views => "views",
-            Self::Rate => "rate",
-            Self::Cores => "cores",
-        }
-    }
-
     /// Axis label of the sweep diagram.
     pub(crate) fn title(self) -> &'static str {
         match self {

@@ -164,7 +164,7 @@ fn announce(children: &[Child], common: &CommonArguments, domain: &Domain, outpu
         processes: children
             .iter()
             .map(|child| StartedProcess {
-                process: child.process().name(),
+                process: child.process().word(),
                 pid: child.pid(),
             })
             .collect(),

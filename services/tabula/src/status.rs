@@ -73,7 +73,7 @@ pub(crate) fn expected_processes(
                 format!("tabula-{process} has sent no health report for 3 s")
             })
         }
-        Err(failure) => (record.process == ProcessKind::Memory.name()
+        Err(failure) => (record.process == ProcessKind::Memory.word()
             && record.state == RecordedState::Running)
             .then(|| format!("tabula-memory does not answer: {failure}")),
     };

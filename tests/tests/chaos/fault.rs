@@ -82,16 +82,16 @@ impl Fault {
     /// Name in reports.
     pub(super) fn name(self) -> String {
         match self {
-            Self::Kill(process) => format!("kill {}", process.name()),
-            Self::Stop(process) => format!("stop {}", process.name()),
-            Self::Starve(process) => format!("starve {}", process.name()),
+            Self::Kill(process) => format!("kill {}", process.word()),
+            Self::Stop(process) => format!("stop {}", process.word()),
+            Self::Starve(process) => format!("starve {}", process.word()),
             Self::HostileClients => "hostile clients".into(),
             Self::FullDisk => "full disk".into(),
             Self::FullDiskAndKill => "full disk, kill memory".into(),
             Self::SparseSharedMemory => "sparse shared memory".into(),
             Self::FullSharedMemory => "full shared memory".into(),
             Self::FullSharedMemoryAndKill(process) => {
-                format!("full shared memory, kill {}", process.name())
+                format!("full shared memory, kill {}", process.word())
             }
             Self::WriteErrors => "write errors".into(),
             Self::ReadErrors => "read errors".into(),

@@ -18,23 +18,13 @@ use std::time::{Duration, Instant};
 const CHECK_PERIOD: Duration = Duration::from_secs(1);
 const LINE_PERIOD: Duration = Duration::from_secs(2);
 
-/// Reason for the end of the construction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum End {
-    Stopped,
-    Time,
-    Closed,
-    DaemonEnded,
-}
-
-impl End {
-    pub(super) fn word(self) -> &'static str {
-        match self {
-            Self::Stopped => "stopped",
-            Self::Time => "the time is over",
-            Self::Closed => "the views have led around the object",
-            Self::DaemonEnded => "the daemon has ended",
-        }
+coded_enum::coded_enum! {
+    /// Reason for the end of the construction.
+    pub(super) enum End {
+        Stopped, "stopped";
+        Time, "the time is over";
+        Closed, "the views have led around the object";
+        DaemonEnded, "the daemon has ended";
     }
 }
 

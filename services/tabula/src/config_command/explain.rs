@@ -89,7 +89,7 @@ impl KeyDocument {
         Self {
             name: description.full_name(),
             meaning: description.meaning.clone(),
-            kind: description.kind.name(),
+            kind: description.kind.word(),
             range,
             default: description.default.as_ref().map(ToString::to_string),
             is_live: description.is_live,

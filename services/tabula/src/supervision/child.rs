@@ -129,7 +129,7 @@ impl Child {
             (None, _) => (RecordedState::Starting, String::new()),
         };
         ProcessRecord {
-            process: self.process.name().to_owned(),
+            process: self.process.word().to_owned(),
             pid: self.pid(),
             state,
             since_ns: self.since_ns,

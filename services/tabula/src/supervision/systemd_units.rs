@@ -64,7 +64,7 @@ fn record(block: &str) -> Option<ProcessRecord> {
     // Without a time the unit has not been started since the machine was booted.
     let seconds: Option<u64> = seconds.parse().ok();
     Some(ProcessRecord {
-        process: process.name().to_owned(),
+        process: process.word().to_owned(),
         pid: property("MainPID").parse().ok().filter(|pid| *pid != 0),
         state,
         since_ns: seconds.map_or(0, |seconds| seconds * 1_000_000_000),

@@ -1,37 +1,20 @@
 //! Assumptions: defaults used in place of absent sources.
 
-/// Default used in place of one absent source.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Assumption {
-    /// Capsules of people are unknown: no candidate is treated as a part of a person.
-    NoPersonKnown,
-    /// Capsules of the robot are unknown: no candidate is treated as a part of the robot.
-    NoRobotKnown,
-    /// Up direction is unknown: the most table-like plane of the image is used.
-    UpGuessed,
-    /// Camera pose is unknown: the camera frame serves as the world frame.
-    NoCameraPose,
+coded_enum::coded_enum! {
+    /// Default used in place of one absent source.
+    pub enum Assumption {
+        /// Capsules of people are unknown: no candidate is treated as a part of a person.
+        NoPersonKnown, "no-person-known";
+        /// Capsules of the robot are unknown: no candidate is treated as a part of the robot.
+        NoRobotKnown, "no-robot-known";
+        /// Up direction is unknown: the most table-like plane of the image is used.
+        UpGuessed, "up-guessed";
+        /// Camera pose is unknown: the camera frame serves as the world frame.
+        NoCameraPose, "no-camera-pose";
+    }
 }
 
 impl Assumption {
-    /// All assumptions; the index of each is its discriminant.
-    pub const ALL: [Self; 4] = [
-        Self::NoPersonKnown,
-        Self::NoRobotKnown,
-        Self::UpGuessed,
-        Self::NoCameraPose,
-    ];
-
-    /// Short identifier of the assumption, for scripts.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::NoPersonKnown => "no-person-known",
-            Self::NoRobotKnown => "no-robot-known",
-            Self::UpGuessed => "up-guessed",
-            Self::NoCameraPose => "no-camera-pose",
-        }
-    }
-
     /// Description of the assumption as a sentence.
     pub fn sentence(self) -> &'static str {
         match self {

@@ -4,62 +4,38 @@ use crate::finding::Finding;
 use crate::reason::Reason;
 use crate::ternary::Ternary;
 
-/// Constraint: a predicate about an object candidate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Constraint {
-    /// Support: the candidate stands on the table, or on or behind an object that does.
-    Table,
-    /// Novelty: no live track explains the candidate.
-    Track,
-    /// Graspable size: one hand could grasp the candidate.
-    Size,
-    /// Person: the candidate is a part of a person.
-    Instructor,
-    /// Robot: the candidate is a part of the robot.
-    Robot,
-    /// Table rim: the candidate stands at the rim, where half an object looks like a whole
-    /// one.
-    Edge,
-    /// Key view: this view of the candidate is to be stored.
-    KeyView,
-    /// Image border: the candidate reaches the border of the sensor's view and may be cut.
-    ImageBorder,
+coded_enum::coded_enum! {
+    /// Constraint: a predicate about an object candidate.
+    #[derive(PartialOrd, Ord)]
+    pub enum Constraint {
+        /// Support: the candidate stands on the table, or on or behind an object that does.
+        Table, "C_table";
+        /// Novelty: no live track explains the candidate.
+        Track, "C_track";
+        /// Graspable size: one hand could grasp the candidate.
+        Size, "C_size";
+        /// Person: the candidate is a part of a person.
+        Instructor, "C_instructor";
+        /// Robot: the candidate is a part of the robot.
+        Robot, "C_robot";
+        /// Table rim: the candidate stands at the rim, where half an object looks like a whole
+        /// one.
+        Edge, "C_edge";
+        /// Key view: this view of the candidate is to be stored.
+        KeyView, "C_key_view";
+        /// Image border: the candidate reaches the border of the sensor's view and may be cut.
+        ImageBorder, "C_image_border";
+    }
 }
 
 impl Constraint {
     /// Number of constraints in the set [`Self::ALL`].
     pub const N: usize = Self::ALL.len();
 
-    /// All constraints; the index of each is its discriminant.
-    pub const ALL: [Self; 8] = [
-        Self::Table,
-        Self::Track,
-        Self::Size,
-        Self::Instructor,
-        Self::Robot,
-        Self::Edge,
-        Self::KeyView,
-        Self::ImageBorder,
-    ];
-
-    /// Name in a rule, for example `C_table`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Table => "C_table",
-            Self::Track => "C_track",
-            Self::Size => "C_size",
-            Self::Instructor => "C_instructor",
-            Self::Robot => "C_robot",
-            Self::Edge => "C_edge",
-            Self::KeyView => "C_key_view",
-            Self::ImageBorder => "C_image_border",
-        }
-    }
-
     /// Constraint of a name; case-insensitive, with or without the prefix `C_`.
     pub fn from_name(name: &str) -> Option<Self> {
         let same = |one: &Self| {
-            let full = one.name();
+            let full = one.word();
             full.eq_ignore_ascii_case(name) || full[2..].eq_ignore_ascii_case(name)
         };
         Self::ALL.into_iter().find(same)
@@ -97,7 +73,7 @@ mod tests {
     fn constraint_round_trips_through_its_name_and_index() {
         for (i, constraint) in Constraint::ALL.into_iter().enumerate() {
             assert_eq!(constraint as usize, i);
-            let name = constraint.name();
+            let name = constraint.word();
             for spelling in [name, &name[2..], &name.to_uppercase(), &name.to_lowercase()] {
                 assert_eq!(Constraint::from_name(spelling), Some(constraint));
             }

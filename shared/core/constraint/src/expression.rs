@@ -191,7 +191,7 @@ impl fmt::Display for Expression {
         let mut parts: Vec<PrintedTerm> = Vec::new();
         for op in &self.ops {
             let printed = match op {
-                PostfixOp::Is(constraint) => PrintedTerm::atom(constraint.name().into()),
+                PostfixOp::Is(constraint) => PrintedTerm::atom(constraint.word().into()),
                 PostfixOp::Not => {
                     let inner = pop(&mut parts).parenthesised(Binding::Atom);
                     PrintedTerm::atom(format!("¬{inner}"))

@@ -123,10 +123,10 @@ impl std::error::Error for InvalidExpression {}
 fn fmt_unknown_constraint(f: &mut fmt::Formatter<'_>, name: &str) -> fmt::Result {
     write!(f, "there is no constraint {name:?}")?;
     if let Some(near) = closest_name(name) {
-        write!(f, ", {} may be meant", near.name())?;
+        write!(f, ", {} may be meant", near.word())?;
     }
     f.write_str("; there are ")?;
-    let names: Vec<_> = Constraint::ALL.into_iter().map(Constraint::name).collect();
+    let names: Vec<_> = Constraint::ALL.into_iter().map(Constraint::word).collect();
     f.write_str(&names.join(", "))
 }
 
@@ -135,9 +135,9 @@ fn fmt_unknown_constraint(f: &mut fmt::Formatter<'_>, name: &str) -> fmt::Result
 fn closest_name(name: &str) -> Option<Constraint> {
     let name = name.to_ascii_lowercase();
     let name = name.strip_prefix("c_").unwrap_or(&name);
-    let differing = |constraint: &Constraint| edit_distance(name, &constraint.name()[2..]);
+    let differing = |constraint: &Constraint| edit_distance(name, &constraint.word()[2..]);
     let near = Constraint::ALL.into_iter().min_by_key(differing)?;
-    (3 * differing(&near) <= near.name().len()).then_some(near)
+    (3 * differing(&near) <= near.word().len()).then_some(near)
 }
 
 /// Levenshtein distance (1966): number of inserted, removed or replaced letters. Compares

@@ -1,20 +1,20 @@
 //! Ternary truth value: false, unknown or true.
 
-/// Ternary truth value of Kleene's strong logic (Kleene 1952, § 64), ordered from false to
-/// true.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Ternary {
-    /// The predicate does not hold.
-    False,
-    /// The predicate is undecided.
-    Unknown,
-    /// The predicate holds.
-    True,
+coded_enum::coded_enum! {
+    /// Ternary truth value of Kleene's strong logic (Kleene 1952, § 64), ordered from false to
+    /// true.
+    #[derive(PartialOrd, Ord)]
+    pub enum Ternary: u16 {
+        /// The predicate does not hold.
+        False, "false";
+        /// The predicate is undecided.
+        Unknown, "unknown";
+        /// The predicate holds.
+        True, "true";
+    }
 }
 
 impl Ternary {
-    const ALL: [Self; 3] = [Self::False, Self::Unknown, Self::True];
-
     /// Conjunction: the lesser of the two values.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
@@ -39,25 +39,6 @@ impl Ternary {
             Self::Unknown => Self::Unknown,
             Self::True => Self::False,
         }
-    }
-
-    /// Word for people and scripts: `false`, `unknown` or `true`.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::False => "false",
-            Self::Unknown => "unknown",
-            Self::True => "true",
-        }
-    }
-
-    /// Wire code of the ternary value.
-    pub fn code(self) -> u16 {
-        self as u16
-    }
-
-    /// Truth value of a wire code; `None` for any other code.
-    pub fn from_code(code: u16) -> Option<Self> {
-        Self::ALL.into_iter().find(|truth| truth.code() == code)
     }
 }
 

@@ -4,49 +4,20 @@ use crate::{SCHEMA_VERSION, Text};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
-/// Kind of a life-cycle event, as a code in [`ActorEvent::kind`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ActorEventKind {
-    /// Actor is ready, after its first start or a restart.
-    Started = 1,
-    /// Actor failed and restarts after a delay.
-    Restarting = 2,
-    /// Actor ended and will not be restarted.
-    Stopped = 3,
-    /// Actor did not stop within its deadline; its thread was abandoned.
-    Abandoned = 4,
-    /// Restarts exceeded the restart policy: the process ends.
-    Escalated = 5,
-}
-
-impl ActorEventKind {
-    const ALL: [Self; 5] = [
-        Self::Started,
-        Self::Restarting,
-        Self::Stopped,
-        Self::Abandoned,
-        Self::Escalated,
-    ];
-
-    /// Wire code of the event kind.
-    pub fn code(self) -> u32 {
-        self as u32
-    }
-
-    /// Kind of a wire code; `None` for an unknown code.
-    pub fn from_code(code: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.code() == code)
-    }
-
-    /// Name of the event kind, for people and scripts.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Started => "started",
-            Self::Restarting => "restarting",
-            Self::Stopped => "stopped",
-            Self::Abandoned => "abandoned",
-            Self::Escalated => "escalated",
-        }
+coded_enum::coded_enum! {
+    /// Kind of a life-cycle event, as a code in [`ActorEvent::kind`].
+    #[derive(Hash)]
+    pub enum ActorEventKind: u32 {
+        /// Actor is ready, after its first start or a restart.
+        Started = 1, "started";
+        /// Actor failed and restarts after a delay.
+        Restarting = 2, "restarting";
+        /// Actor ended and will not be restarted.
+        Stopped = 3, "stopped";
+        /// Actor did not stop within its deadline; its thread was abandoned.
+        Abandoned = 4, "abandoned";
+        /// Restarts exceeded the restart policy: the process ends.
+        Escalated = 5, "escalated";
     }
 }
 

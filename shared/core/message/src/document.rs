@@ -92,7 +92,7 @@ fn up(scene: &SceneSummary) -> Option<[f64; 3]> {
 
 fn assumption(assumption: Assumption) -> AssumptionDocument {
     AssumptionDocument {
-        name: assumption.name().into(),
+        name: assumption.word().into(),
         sentence: assumption.sentence().into(),
     }
 }

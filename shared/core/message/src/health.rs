@@ -4,97 +4,42 @@ use crate::{SCHEMA_VERSION, Text};
 use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
-/// Process of the daemon, as a code in [`Health::process`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ProcessKind {
-    /// `tabula-camera`: publishes camera frames.
-    Camera = 1,
-    /// `tabula-perception`: detects, tracks and recognises objects.
-    Perception = 2,
-    /// `tabula-memory`: stores views, labels and world facts.
-    Memory = 3,
-    /// `tabula-simulator`: replaces the camera by a simulated scene.
-    Simulator = 4,
+coded_enum::coded_enum! {
+    /// Process of the daemon, as a code in [`Health::process`], in starting order. Either the
+    /// camera or the simulator runs, never both.
+    #[derive(Hash)]
+    pub enum ProcessKind: u32 {
+        /// `tabula-memory`: stores views, labels and world facts.
+        Memory = 3, "memory";
+        /// `tabula-perception`: detects, tracks and recognises objects.
+        Perception = 2, "perception";
+        /// `tabula-camera`: publishes camera frames.
+        Camera = 1, "camera";
+        /// `tabula-simulator`: replaces the camera by a simulated scene.
+        Simulator = 4, "simulator";
+    }
 }
 
 impl ProcessKind {
-    /// All processes in starting order. Either the camera or the simulator runs, never both.
-    pub const ALL: [Self; 4] = [
-        Self::Memory,
-        Self::Perception,
-        Self::Camera,
-        Self::Simulator,
-    ];
-
-    /// Wire code of the process kind.
-    pub fn code(self) -> u32 {
-        self as u32
-    }
-
-    /// Process of a wire code; `None` for an unknown code.
-    pub fn from_code(code: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|process| process.code() == code)
-    }
-
-    /// Short name of the process, such as `camera`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Camera => "camera",
-            Self::Perception => "perception",
-            Self::Memory => "memory",
-            Self::Simulator => "simulator",
-        }
-    }
-
     /// File name of the executable, such as `tabula-camera`.
     pub fn program(self) -> String {
-        format!("tabula-{}", self.name())
+        format!("tabula-{}", self.word())
     }
 }
 
-/// State of a process, as a code in [`Health::state`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ProcessState {
-    /// Process is starting and not ready yet.
-    Starting = 1,
-    /// Process is ready and working.
-    Ready = 2,
-    /// Working with reduced function, explained in `note`.
-    Degraded = 3,
-    /// Finished but still running, such as a camera whose recording has ended.
-    Idle = 4,
-    /// Process is shutting down.
-    Stopping = 5,
-}
-
-impl ProcessState {
-    const ALL: [Self; 5] = [
-        Self::Starting,
-        Self::Ready,
-        Self::Degraded,
-        Self::Idle,
-        Self::Stopping,
-    ];
-
-    /// Wire code of the process state.
-    pub fn code(self) -> u32 {
-        self as u32
-    }
-
-    /// State of a wire code; `None` for an unknown code.
-    pub fn from_code(code: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|state| state.code() == code)
-    }
-
-    /// Name of the process state, for people and scripts.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Starting => "starting",
-            Self::Ready => "ready",
-            Self::Degraded => "degraded",
-            Self::Idle => "idle",
-            Self::Stopping => "stopping",
-        }
+coded_enum::coded_enum! {
+    /// State of a process, as a code in [`Health::state`].
+    pub enum ProcessState: u32 {
+        /// Process is starting and not ready yet.
+        Starting = 1, "starting";
+        /// Process is ready and working.
+        Ready = 2, "ready";
+        /// Working with reduced function, explained in `note`.
+        Degraded = 3, "degraded";
+        /// Finished but still running, such as a camera whose recording has ended.
+        Idle = 4, "idle";
+        /// Process is shutting down.
+        Stopping = 5, "stopping";
     }
 }
 

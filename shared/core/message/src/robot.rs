@@ -51,53 +51,21 @@ impl From<&Capsule> for WireCapsule {
     }
 }
 
-/// Activity of the arm, as a code in [`ArmState::activity`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ArmActivity {
-    /// Waiting for a command; any previous command is complete.
-    Idle = 1,
-    /// Arm is moving its joints.
-    Moving = 2,
-    /// Gripper is opening its fingers.
-    Opening = 3,
-    /// Gripper is closing its fingers.
-    Closing = 4,
-    /// Arm was stopped by a command.
-    Stopped = 5,
-    /// Last command failed; the reason is in `note`.
-    Failed = 6,
-}
-
-impl ArmActivity {
-    const ALL: [Self; 6] = [
-        Self::Idle,
-        Self::Moving,
-        Self::Opening,
-        Self::Closing,
-        Self::Stopped,
-        Self::Failed,
-    ];
-
-    /// Wire code of the arm activity.
-    pub fn code(self) -> u32 {
-        self as u32
-    }
-
-    /// Activity of a wire code; `None` for an unknown code.
-    pub fn from_code(code: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|one| one.code() == code)
-    }
-
-    /// Name of the arm activity, for people and scripts.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Idle => "idle",
-            Self::Moving => "moving",
-            Self::Opening => "opening",
-            Self::Closing => "closing",
-            Self::Stopped => "stopped",
-            Self::Failed => "failed",
-        }
+coded_enum::coded_enum! {
+    /// Activity of the arm, as a code in [`ArmState::activity`].
+    pub enum ArmActivity: u32 {
+        /// Waiting for a command; any previous command is complete.
+        Idle = 1, "idle";
+        /// Arm is moving its joints.
+        Moving = 2, "moving";
+        /// Gripper is opening its fingers.
+        Opening = 3, "opening";
+        /// Gripper is closing its fingers.
+        Closing = 4, "closing";
+        /// Arm was stopped by a command.
+        Stopped = 5, "stopped";
+        /// Last command failed; the reason is in `note`.
+        Failed = 6, "failed";
     }
 }
 

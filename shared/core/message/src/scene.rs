@@ -10,53 +10,25 @@ use iceoryx2::prelude::ZeroCopySend;
 /// Maximum number of objects in one scene summary.
 pub const MAX_SCENE_OBJECTS: usize = 256;
 
-/// State of a track, as a code in [`SceneObject::state`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TrackState {
-    /// Track not yet confirmed: measured in too few frames.
-    Tentative,
-    /// Object measured in this frame.
-    Tracked,
-    /// Not measured in this frame and expected to return; neither occluded nor outside the image.
-    Missing,
-    /// Object not measured in this frame because it is occluded.
-    Occluded,
-    /// Object not measured in this frame because it is outside the image.
-    OutOfView,
+coded_enum::coded_enum! {
+    /// State of a track, as a code in [`SceneObject::state`].
+    pub enum TrackState: u32 {
+        /// Track not yet confirmed: measured in too few frames.
+        Tentative, "tentative";
+        /// Object measured in this frame.
+        Tracked, "tracked";
+        /// Not measured in this frame and expected to return; neither occluded nor outside the image.
+        Missing, "missing";
+        /// Object not measured in this frame because it is occluded.
+        Occluded, "occluded";
+        /// Object not measured in this frame because it is outside the image.
+        OutOfView, "out-of-view";
+    }
 }
 
 impl TrackState {
-    const ALL: [Self; 5] = [
-        Self::Tentative,
-        Self::Tracked,
-        Self::Missing,
-        Self::Occluded,
-        Self::OutOfView,
-    ];
-
     /// Word in place of the state in reports of a scene that no longer shows the present.
     pub const STALE_WORD: &str = "stale";
-
-    /// Wire code of the track state.
-    pub fn code(self) -> u32 {
-        self as u32
-    }
-
-    /// State of a wire code; `None` for an unknown code.
-    pub fn from_code(code: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|state| state.code() == code)
-    }
-
-    /// Name of the track state, for people and scripts.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Tentative => "tentative",
-            Self::Tracked => "tracked",
-            Self::Missing => "missing",
-            Self::Occluded => "occluded",
-            Self::OutOfView => "out-of-view",
-        }
-    }
 }
 
 /// Processing times of a frame by stage, monotonic clock, nanoseconds.

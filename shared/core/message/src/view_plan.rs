@@ -9,40 +9,17 @@ use iceoryx2::prelude::ZeroCopySend;
 /// Maximum number of views in one plan.
 pub const MAX_PLANNED_VIEWS: usize = 256;
 
-/// State of a candidate view, as a code in [`PlannedView::state`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ViewState {
-    /// View that can be chosen.
-    Open,
-    /// View that was taken already.
-    Visited,
-    /// Place of the camera within an object or at a surface.
-    Blocked,
-    /// Place of the camera below the plane of the table.
-    BelowTable,
-}
-
-impl ViewState {
-    const ALL: [Self; 4] = [Self::Open, Self::Visited, Self::Blocked, Self::BelowTable];
-
-    /// Wire code of the state.
-    pub fn code(self) -> u32 {
-        self as u32
-    }
-
-    /// State of a wire code; `None` for an unknown code.
-    pub fn from_code(code: u32) -> Option<Self> {
-        Self::ALL.into_iter().find(|state| state.code() == code)
-    }
-
-    /// Name of the state, for people and scripts.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Open => "open",
-            Self::Visited => "visited",
-            Self::Blocked => "blocked",
-            Self::BelowTable => "below-table",
-        }
+coded_enum::coded_enum! {
+    /// State of a candidate view, as a code in [`PlannedView::state`].
+    pub enum ViewState: u32 {
+        /// View that can be chosen.
+        Open, "open";
+        /// View that was taken already.
+        Visited, "visited";
+        /// Place of the camera within an object or at a surface.
+        Blocked, "blocked";
+        /// Place of the camera below the plane of the table.
+        BelowTable, "below-table";
     }
 }
 

@@ -6,68 +6,38 @@ use std::sync::LazyLock;
 /// Number of values of a channel in the lookup table.
 const N_LEVELS: usize = 32;
 
-/// Basic colour term of English.
-///
-/// *Source*: Berlin and Kay, "Basic Color Terms", 1969.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ColorTerm {
-    /// Black.
-    Black,
-    /// White.
-    White,
-    /// Grey.
-    Grey,
-    /// Red.
-    Red,
-    /// Green.
-    Green,
-    /// Yellow.
-    Yellow,
-    /// Blue.
-    Blue,
-    /// Brown.
-    Brown,
-    /// Orange.
-    Orange,
-    /// Pink.
-    Pink,
-    /// Purple.
-    Purple,
+coded_enum::coded_enum! {
+    /// Basic colour term of English.
+    ///
+    /// *Source*: Berlin and Kay, "Basic Color Terms", 1969.
+    #[derive(Hash)]
+    pub enum ColorTerm {
+        /// Black.
+        Black, "black";
+        /// White.
+        White, "white";
+        /// Grey.
+        Grey, "grey";
+        /// Red.
+        Red, "red";
+        /// Green.
+        Green, "green";
+        /// Yellow.
+        Yellow, "yellow";
+        /// Blue.
+        Blue, "blue";
+        /// Brown.
+        Brown, "brown";
+        /// Orange.
+        Orange, "orange";
+        /// Pink.
+        Pink, "pink";
+        /// Purple.
+        Purple, "purple";
+    }
 }
 
 impl ColorTerm {
-    /// All terms, in the order in which their shares are stored.
-    pub const ALL: [Self; 11] = [
-        Self::Black,
-        Self::White,
-        Self::Grey,
-        Self::Red,
-        Self::Green,
-        Self::Yellow,
-        Self::Blue,
-        Self::Brown,
-        Self::Orange,
-        Self::Pink,
-        Self::Purple,
-    ];
-
-    /// English word, in lower case and British spelling.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Black => "black",
-            Self::White => "white",
-            Self::Grey => "grey",
-            Self::Red => "red",
-            Self::Green => "green",
-            Self::Yellow => "yellow",
-            Self::Blue => "blue",
-            Self::Brown => "brown",
-            Self::Orange => "orange",
-            Self::Pink => "pink",
-            Self::Purple => "purple",
-        }
-    }
-
     /// Term of a colour, from a table of 32 values for each channel.
     pub fn of(color: Rgba) -> Self {
         cell_of(color.rgb()).term

@@ -16,26 +16,17 @@ use serde::Serialize;
 /// as much.
 const RELATIVE_DIFFERENCE_MIN: f64 = 0.03;
 
-/// Outcome of an A/B comparison.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ComparisonVerdict {
-    /// Faster: the new report has a significantly lower latency.
-    Faster,
-    /// Slower: the new report has a significantly higher latency.
-    Slower,
-    /// Undecided: the difference is not significant or below 3 %.
-    Undecided,
-}
-
-impl ComparisonVerdict {
-    /// Word for the verdict in the text report.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Faster => "faster",
-            Self::Slower => "slower",
-            Self::Undecided => "undecided",
-        }
+coded_enum::coded_enum! {
+    /// Outcome of an A/B comparison.
+    #[derive(Serialize)]
+    #[serde(rename_all = "snake_case")]
+    pub enum ComparisonVerdict {
+        /// Faster: the new report has a significantly lower latency.
+        Faster, "faster";
+        /// Slower: the new report has a significantly higher latency.
+        Slower, "slower";
+        /// Undecided: the difference is not significant or below 3 %.
+        Undecided, "undecided";
     }
 }
 

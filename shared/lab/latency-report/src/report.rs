@@ -22,7 +22,7 @@ pub struct Conditions {
     /// Reasons to distrust the figures, one sentence each.
     pub warnings: Vec<String>,
     /// Resource usage of the daemon's processes.
-    pub processes: Vec<HealthDocument>,
+    pub processes: Vec<ProcessReport>,
     /// Shared memory of the domain.
     pub shared_memory: SharedMemoryReport,
     /// Environment fingerprint and disturbances of the computer, as JSON.
@@ -31,7 +31,7 @@ pub struct Conditions {
 
 /// Resource usage of one process during the measurement.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct HealthDocument {
+pub struct ProcessReport {
     /// Short name of the process.
     pub process: String,
     /// Operating-system process id.
@@ -194,7 +194,7 @@ impl LatencyReport {
 
     /// CPU utilisation of the daemon without its frame source: 1 is one core.
     pub fn cores_without_source(&self) -> f64 {
-        let is_source = |process: &&HealthDocument| {
+        let is_source = |process: &&ProcessReport| {
             !["simulator", "camera"].contains(&process.process.as_str())
         };
         let processes = self.conditions.processes.iter().filter(is_source);

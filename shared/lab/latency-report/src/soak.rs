@@ -1,7 +1,7 @@
 //! Soak test analysis: detects growth of memory, files and latency over a long run.
 
 use crate::duration_percentiles::DurationPercentiles;
-use crate::report::HealthDocument;
+use crate::report::ProcessReport;
 use plot::DrawingError;
 use plot::diagram::{Axis, Color, Curve, Diagram, Legend, in_columns};
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ pub struct SoakWindow {
     /// Latency from scheduled capture to published labels.
     pub end_to_end_ms: DurationPercentiles,
     /// Processes at the end of the window, with their usage within it.
-    pub processes: Vec<HealthDocument>,
+    pub processes: Vec<ProcessReport>,
     /// Shared memory used by the domain, bytes.
     pub shared_memory_bytes: u64,
     /// Wall clock minus monotonic clock, relative to the start of the run, nanoseconds.
@@ -115,7 +115,7 @@ fn names(windows: &[SoakWindow]) -> BTreeSet<String> {
     processes.map(|process| process.process.clone()).collect()
 }
 
-fn of<'a>(window: &'a SoakWindow, name: &str) -> Option<&'a HealthDocument> {
+fn of<'a>(window: &'a SoakWindow, name: &str) -> Option<&'a ProcessReport> {
     let mut processes = window.processes.iter();
     processes.find(|process| process.process == name)
 }
@@ -131,7 +131,7 @@ fn mean(part: &[SoakWindow], figure: impl Fn(&SoakWindow) -> Option<f64>) -> f64
 /// If the plotting library fails.
 pub fn soak_figure(windows: &[SoakWindow]) -> Result<String, DrawingError> {
     let names: Vec<String> = names(windows).into_iter().collect();
-    let of_processes = |figure: fn(&HealthDocument) -> f64| {
+    let of_processes = |figure: fn(&ProcessReport) -> f64| {
         let processes = names.iter().enumerate();
         let curves = processes.map(|(index, name)| {
             let figure = |window: &SoakWindow| of(window, name).map(figure);
@@ -199,11 +199,11 @@ mod tests {
                 at_s: 10.0 * (i + 1) as f64,
                 frames: 1200,
                 shared_memory_bytes: 10_000_000,
-                processes: vec![HealthDocument {
+                processes: vec![ProcessReport {
                     process: "perception".into(),
                     resident_mb: 30.0,
                     open_files: 150,
-                    ..HealthDocument::default()
+                    ..ProcessReport::default()
                 }],
                 end_to_end_ms: DurationPercentiles {
                     p99: 9.0 + (i % 3) as f64,

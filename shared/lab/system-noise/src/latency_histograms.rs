@@ -18,7 +18,7 @@ pub fn histograms(report: &MachineReport) -> Result<String, DrawingError> {
         let trials = report.timers.iter();
         let trials = trials.filter(move |trial| trial.is_loaded == is_loaded);
         trials
-            .map(|trial| (trial.setting.name(), &trial.counts))
+            .map(|trial| (trial.setting.word(), &trial.counts))
             .collect::<Vec<_>>()
     };
     let gaps = report.interruptions.iter();

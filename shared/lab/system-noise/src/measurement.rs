@@ -124,7 +124,7 @@ fn timers(
             continue;
         };
         for setting in ThreadSetting::ALL {
-            let name = format!("timer on the {machine} machine, {}", setting.name());
+            let name = format!("timer on the {machine} machine, {}", setting.word());
             progress(&format!("How late a sleeping thread wakes: {name}."));
             let trial = TimerTrial::measure(setting, is_loaded, plan.n_timers);
             trials.extend(found(&name, trial, missing));

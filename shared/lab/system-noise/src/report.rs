@@ -71,7 +71,7 @@ fn timers(report: &MachineReport) -> String {
             .into_iter()
             .chain(percentiles)
             .chain([trial.max_us]);
-        let words = [machine, trial.setting.name()].map(str::to_owned);
+        let words = [machine, trial.setting.word()].map(str::to_owned);
         words
             .into_iter()
             .chain(figures.map(|figure| figure.to_string()))

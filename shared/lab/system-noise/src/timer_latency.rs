@@ -10,40 +10,24 @@ use std::process::Child;
 /// Latencies from this one on are counted without their value, µs.
 const HISTOGRAM_US: u64 = 100_000;
 
-/// Setting of the measured thread.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ThreadSetting {
-    /// Baseline: default scheduling.
-    #[serde(rename = "as-is")]
-    Baseline,
-    /// `SCHED_FIFO` at priority 80: below the kernel's own threads at 99 and 90.
-    RealTime,
-    /// CPU affinity of one core.
-    OneCore,
-    /// All memory of the process locked into RAM.
-    LockedMemory,
+coded_enum::coded_enum! {
+    /// Setting of the measured thread.
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum ThreadSetting {
+        /// Baseline: default scheduling.
+        #[serde(rename = "as-is")]
+        Baseline, "as it is";
+        /// `SCHED_FIFO` at priority 80: below the kernel's own threads at 99 and 90.
+        RealTime, "SCHED_FIFO 80";
+        /// CPU affinity of one core.
+        OneCore, "on one core";
+        /// All memory of the process locked into RAM.
+        LockedMemory, "memory locked";
+    }
 }
 
 impl ThreadSetting {
-    /// All thread settings, the baseline first.
-    pub const ALL: [Self; 4] = [
-        Self::Baseline,
-        Self::RealTime,
-        Self::OneCore,
-        Self::LockedMemory,
-    ];
-
-    /// Name of the thread setting for text reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Baseline => "as it is",
-            Self::RealTime => "SCHED_FIFO 80",
-            Self::OneCore => "on one core",
-            Self::LockedMemory => "memory locked",
-        }
-    }
-
     /// Arguments of `cyclictest`. The last core is taken: the first one handles most interrupts.
     fn arguments(self) -> Vec<String> {
         let last_core = usable_cores().and_then(|cores| cores.last().copied());

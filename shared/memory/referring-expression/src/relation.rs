@@ -9,31 +9,33 @@ use nalgebra::Vector3;
 use crate::box_geometry::BoxGeometry;
 use crate::world::Viewpoint;
 
-/// Relation of an object to a landmark.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Relation {
-    LeftOf,
-    RightOf,
-    Behind,
-    InFrontOf,
-    NextTo,
-    FarFrom,
-    On,
-    Under,
-    Above,
-    In,
+coded_enum::coded_enum! {
+    /// Relation of an object to a landmark.
+    pub(crate) enum Relation {
+        LeftOf, "left of";
+        RightOf, "right of";
+        Behind, "behind";
+        InFrontOf, "in front of";
+        NextTo, "next to";
+        FarFrom, "far from";
+        On, "on";
+        Under, "under";
+        Above, "above";
+        In, "in";
+    }
 }
 
-/// Absolute place, relative to the spread of all objects.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum TablePlace {
-    Left,
-    Right,
-    Front,
-    Back,
-    Middle,
-    /// The table itself, on which everything stands.
-    Anywhere,
+coded_enum::coded_enum! {
+    /// Absolute place, relative to the spread of all objects.
+    pub(crate) enum TablePlace {
+        Left, "on the left";
+        Right, "on the right";
+        Front, "in front";
+        Back, "at the back";
+        Middle, "in the middle";
+        /// The table itself, on which everything stands.
+        Anywhere, "on the table";
+    }
 }
 
 /// Horizontal directions of the viewpoint, of unit length.
@@ -72,22 +74,6 @@ impl Relation {
             self,
             Self::LeftOf | Self::RightOf | Self::Behind | Self::InFrontOf
         )
-    }
-
-    /// Words of the relation.
-    pub(crate) fn words(self) -> &'static str {
-        match self {
-            Self::LeftOf => "left of",
-            Self::RightOf => "right of",
-            Self::Behind => "behind",
-            Self::InFrontOf => "in front of",
-            Self::NextTo => "next to",
-            Self::FarFrom => "far from",
-            Self::On => "on",
-            Self::Under => "under",
-            Self::Above => "above",
-            Self::In => "in",
-        }
     }
 
     /// Score of the relation between an object and a landmark, 0 to 1.
@@ -205,18 +191,6 @@ pub(crate) fn between_score(object: &BoxGeometry, ends: [&BoxGeometry; 2]) -> f6
 }
 
 impl TablePlace {
-    /// Words of the place.
-    pub(crate) fn words(self) -> &'static str {
-        match self {
-            Self::Left => "on the left",
-            Self::Right => "on the right",
-            Self::Front => "in front",
-            Self::Back => "at the back",
-            Self::Middle => "in the middle",
-            Self::Anywhere => "on the table",
-        }
-    }
-
     /// Score of an object's place among all objects, 0 to 1.
     pub(crate) fn score(self, object: &BoxGeometry, all: &[BoxGeometry], view: &ViewFrame) -> f64 {
         let across = position_among(object, all, &view.right);

@@ -114,7 +114,7 @@ where
     raise_descriptor_limit();
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
-        .thread_name(process.name())
+        .thread_name(process.word())
         .enable_all()
         .build()
         .map_err(|error| Failure::general(format!("could not start the runtime: {error}")))?;

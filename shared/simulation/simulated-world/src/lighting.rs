@@ -8,51 +8,29 @@ const PLASTER: [u8; 3] = [214, 208, 196];
 /// Share of the ambient light that the walls have reflected. Estimate.
 const WALL_SHARE: f32 = 0.6;
 
-/// Lamps and walls of a room. The camera keeps its white balance in all of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Lighting {
-    /// Neutral ceiling lamp and white walls.
-    #[default]
-    White,
-    /// Low sun through a window and a blue sky.
-    Dawn,
-    /// Incandescent bulbs of 2700 K.
-    Tungsten,
-    /// Incandescent ceiling lamp and daylight from a window.
-    Mixed,
-    /// Neutral lamp between red walls.
-    RedWalls,
-    /// Neutral lamp between green walls.
-    GreenWalls,
-    /// Neutral lamp between blue walls.
-    BlueWalls,
+coded_enum::coded_enum! {
+    /// Lamps and walls of a room. The camera keeps its white balance in all of them.
+    #[derive(Default)]
+    pub enum Lighting {
+        /// Neutral ceiling lamp and white walls.
+        #[default]
+        White, "white";
+        /// Low sun through a window and a blue sky.
+        Dawn, "dawn";
+        /// Incandescent bulbs of 2700 K.
+        Tungsten, "tungsten";
+        /// Incandescent ceiling lamp and daylight from a window.
+        Mixed, "mixed";
+        /// Neutral lamp between red walls.
+        RedWalls, "red-walls";
+        /// Neutral lamp between green walls.
+        GreenWalls, "green-walls";
+        /// Neutral lamp between blue walls.
+        BlueWalls, "blue-walls";
+    }
 }
 
 impl Lighting {
-    /// All lightings, the neutral one first.
-    pub const ALL: [Self; 7] = [
-        Self::White,
-        Self::Dawn,
-        Self::Tungsten,
-        Self::Mixed,
-        Self::RedWalls,
-        Self::GreenWalls,
-        Self::BlueWalls,
-    ];
-
-    /// Name in scene files and on the command line.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::White => "white",
-            Self::Dawn => "dawn",
-            Self::Tungsten => "tungsten",
-            Self::Mixed => "mixed",
-            Self::RedWalls => "red-walls",
-            Self::GreenWalls => "green-walls",
-            Self::BlueWalls => "blue-walls",
-        }
-    }
-
     /// Light sources of the room.
     pub fn lights(self) -> Lights {
         let room = Lights::ROOM;

@@ -10,43 +10,25 @@ use geometry::RigidTransform;
 use nalgebra::UnitQuaternion;
 use rendering::kinect::SensorModel;
 
-/// Kind of generated scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SceneKind {
-    /// Objects apart from each other in their upright poses.
-    #[default]
-    Isolated,
-    /// Objects dropped onto one heap in the middle of the table.
-    Pile,
-    /// Objects dropped into a bin (Kasaei et al. 2018, synthetic dataset).
-    Bin,
-    /// Table set for a meal: place settings, bottles and bowls.
-    SetTable,
-    /// Crowded table top: stacks, bridges, filled containers, leaning and overhanging objects.
-    Clutter,
+coded_enum::coded_enum! {
+    /// Kind of generated scene.
+    #[derive(Default)]
+    pub enum SceneKind {
+        /// Objects apart from each other in their upright poses.
+        #[default]
+        Isolated, "isolated";
+        /// Objects dropped onto one heap in the middle of the table.
+        Pile, "pile";
+        /// Objects dropped into a bin (Kasaei et al. 2018, synthetic dataset).
+        Bin, "bin";
+        /// Table set for a meal: place settings, bottles and bowls.
+        SetTable, "set-table";
+        /// Crowded table top: stacks, bridges, filled containers, leaning and overhanging objects.
+        Clutter, "clutter";
+    }
 }
 
 impl SceneKind {
-    /// All kinds of generated scenes.
-    pub const ALL: [Self; 5] = [
-        Self::Isolated,
-        Self::Pile,
-        Self::Bin,
-        Self::SetTable,
-        Self::Clutter,
-    ];
-
-    /// Name in scene files and on the command line.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Isolated => "isolated",
-            Self::Pile => "pile",
-            Self::Bin => "bin",
-            Self::SetTable => "set-table",
-            Self::Clutter => "clutter",
-        }
-    }
-
     /// Default number of objects; 20 in a bin as in the paper.
     pub fn default_n_objects(self) -> usize {
         match self {

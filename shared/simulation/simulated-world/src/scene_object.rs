@@ -10,31 +10,19 @@ use std::sync::Arc;
 /// Distance below the table top from which an object has fallen off, metres. Chosen.
 const UNDER_M: f64 = 0.05;
 
-/// State of motion of an object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ObjectState {
-    /// Object at rest.
-    Settled,
-    /// Object moving freely.
-    Moving,
-    /// Object held by the person.
-    HeldByPerson,
-    /// Object held by the arm.
-    HeldByArm,
-    /// Object fallen off the table.
-    OnFloor,
-}
-
-impl ObjectState {
-    /// Name of the state, as written to reports and files.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Settled => "settled",
-            Self::Moving => "moving",
-            Self::HeldByPerson => "held-by-person",
-            Self::HeldByArm => "held-by-arm",
-            Self::OnFloor => "on-floor",
-        }
+coded_enum::coded_enum! {
+    /// State of motion of an object.
+    pub enum ObjectState {
+        /// Object at rest.
+        Settled, "settled";
+        /// Object moving freely.
+        Moving, "moving";
+        /// Object held by the person.
+        HeldByPerson, "held-by-person";
+        /// Object held by the arm.
+        HeldByArm, "held-by-arm";
+        /// Object fallen off the table.
+        OnFloor, "on-floor";
     }
 }
 

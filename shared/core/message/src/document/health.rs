@@ -10,7 +10,7 @@ pub fn health(health: &Health) -> Option<HealthDocument> {
     }
     let uptime_ns = health.stamp_ns.saturating_sub(health.started_ns);
     Some(HealthDocument {
-        process: ProcessKind::from_code(health.process)?.name().into(),
+        process: ProcessKind::from_code(health.process)?.word().into(),
         pid: health.pid,
         state: ProcessState::from_code(health.state)?.word().into(),
         stamp_ns: health.stamp_ns,

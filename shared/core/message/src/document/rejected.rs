@@ -28,7 +28,7 @@ pub(super) fn rejected(candidate: &RejectedCandidate) -> RejectedDocument {
 
 fn finding((constraint, finding): (Constraint, Finding)) -> FindingDocument {
     FindingDocument {
-        constraint: constraint.name().into(),
+        constraint: constraint.word().into(),
         truth: finding.value.word().into(),
         reason: finding.reason.code(),
         sentence: finding.reason.to_string(),

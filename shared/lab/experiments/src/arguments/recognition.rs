@@ -6,15 +6,17 @@ use learning::Metric;
 use nalgebra::{UnitVector3, Vector3};
 use std::path::PathBuf;
 
-/// Descriptor and classifier
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DescriptorVariant {
-    /// GOOD as published, in the frame of its published program
-    Published,
-    /// GOOD as in the authors' evaluations, in the same frame
-    Workspace,
-    /// Shape, size and colour, in all axis hypotheses of the object
-    Ours,
+coded_enum::coded_enum! {
+    /// Descriptor and classifier
+    #[derive(ValueEnum)]
+    pub enum DescriptorVariant {
+        /// GOOD as published, in the frame of its published program
+        Published, "published";
+        /// GOOD as in the authors' evaluations, in the same frame
+        Workspace, "workspace";
+        /// Shape, size and colour, in all axis hypotheses of the object
+        Ours, "ours";
+    }
 }
 
 /// Upward axis of the files of a data set.
@@ -32,13 +34,15 @@ pub enum UpAxis {
     MinusY,
 }
 
-/// Split of the views into training and test views
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ViewProtocol {
-    /// Training and test views of the same objects
-    View,
-    /// Test views of other objects than the training views
-    InstanceDisjoint,
+coded_enum::coded_enum! {
+    /// Split of the views into training and test views
+    #[derive(ValueEnum)]
+    pub enum ViewProtocol {
+        /// Training and test views of the same objects
+        View, "view";
+        /// Test views of other objects than the training views
+        InstanceDisjoint, "instance-disjoint";
+    }
 }
 
 /// Split of the views of a cross-validation into training and test views
@@ -132,31 +136,33 @@ pub struct OpenEndedArguments {
     pub(crate) log: Option<PathBuf>,
 }
 
-/// Descriptor variant of an ablation study.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum AblationVariant {
-    /// GOOD as published, in the frame of its published program
-    Published,
-    /// GOOD as in the authors' evaluations, in the same frame
-    Workspace,
-    /// Shape, size and colour, in all axis hypotheses of the object
-    Ours,
-    /// Our descriptor without colour
-    OursShapeOnly,
-    /// Our descriptor without object size
-    OursNoSize,
-    /// Our descriptor without the metric projections
-    OursNoShape,
-    /// Our descriptor without the box profile
-    OursNoProfile,
-    /// Our descriptor without size, colour and box profile: the projections only
-    OursProjectionsOnly,
-    /// Our descriptor; the nearest view decides instead of the local ridge regression
-    OursNearestView,
-    /// Our descriptor, comparing only the first axis hypothesis
-    OursSingleReading,
-    /// Our descriptor without a known upward axis
-    OursPrincipal,
+coded_enum::coded_enum! {
+    /// Descriptor variant of an ablation study.
+    #[derive(ValueEnum)]
+    pub enum AblationVariant {
+        /// GOOD as published, in the frame of its published program
+        Published, "published";
+        /// GOOD as in the authors' evaluations, in the same frame
+        Workspace, "workspace";
+        /// Shape, size and colour, in all axis hypotheses of the object
+        Ours, "ours";
+        /// Our descriptor without colour
+        OursShapeOnly, "ours-shape-only";
+        /// Our descriptor without object size
+        OursNoSize, "ours-no-size";
+        /// Our descriptor without the metric projections
+        OursNoShape, "ours-no-shape";
+        /// Our descriptor without the box profile
+        OursNoProfile, "ours-no-profile";
+        /// Our descriptor without size, colour and box profile: the projections only
+        OursProjectionsOnly, "ours-projections-only";
+        /// Our descriptor; the nearest view decides instead of the local ridge regression
+        OursNearestView, "ours-nearest-view";
+        /// Our descriptor, comparing only the first axis hypothesis
+        OursSingleReading, "ours-single-reading";
+        /// Our descriptor without a known upward axis
+        OursPrincipal, "ours-principal";
+    }
 }
 
 /// Arguments of `evaluate ablation`.
@@ -243,46 +249,6 @@ impl UpAxis {
             Self::Y => Some(Vector3::y_axis()),
             Self::Z => Some(Vector3::z_axis()),
             Self::MinusY => Some(-Vector3::y_axis()),
-        }
-    }
-}
-
-impl ViewProtocol {
-    /// Name of the split on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::View => "view",
-            Self::InstanceDisjoint => "instance-disjoint",
-        }
-    }
-}
-
-impl AblationVariant {
-    /// Name of the variant on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Published => "published",
-            Self::Workspace => "workspace",
-            Self::Ours => "ours",
-            Self::OursShapeOnly => "ours-shape-only",
-            Self::OursNoSize => "ours-no-size",
-            Self::OursNoShape => "ours-no-shape",
-            Self::OursNoProfile => "ours-no-profile",
-            Self::OursNearestView => "ours-nearest-view",
-            Self::OursProjectionsOnly => "ours-projections-only",
-            Self::OursSingleReading => "ours-single-reading",
-            Self::OursPrincipal => "ours-principal",
-        }
-    }
-}
-
-impl DescriptorVariant {
-    /// Name of the descriptor on the command line.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Published => "published",
-            Self::Workspace => "workspace",
-            Self::Ours => "ours",
         }
     }
 }

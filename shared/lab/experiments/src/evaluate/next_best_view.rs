@@ -111,7 +111,7 @@ fn twins(
     let of_kind = |kind: TwinKind| {
         let scenes = results.by_ref().take(n_scenes);
         Ok(KindScenes {
-            kind: kind.name(),
+            kind: kind.word(),
             paper: Some(kind.paper()),
             scenes: scenes.collect::<Result<_, Failure>>()?,
         })

@@ -89,8 +89,8 @@ pub(super) fn lesson_split(protocol: Option<ViewProtocol>, labels: &[LabelledVie
 /// Name of a lesson split in reports, as on the command line.
 pub(super) fn split_name(split: LessonSplit) -> &'static str {
     match split {
-        LessonSplit::ByView => ViewProtocol::View.name(),
-        LessonSplit::InstanceDisjoint => ViewProtocol::InstanceDisjoint.name(),
+        LessonSplit::ByView => ViewProtocol::View.word(),
+        LessonSplit::InstanceDisjoint => ViewProtocol::InstanceDisjoint.word(),
     }
 }
 

@@ -29,7 +29,7 @@ impl Grounder<'_> {
         let score = |index: usize, landmark: usize| {
             relation.score(&geometries[index], &geometries[landmark], view.as_ref())
         };
-        self.judge_by_landmark(landmark, span, relation.words(), score)
+        self.judge_by_landmark(landmark, span, relation.word(), score)
     }
 
     /// Judges all objects by their best landmark.
@@ -139,7 +139,7 @@ impl Grounder<'_> {
         };
         let judge = |index: usize| {
             let score = place.score(&self.geometries[index], &self.geometries, &view);
-            let words = place.words();
+            let words = place.word();
             let track = self.track(index);
             let fit = if holds_for_all {
                 String::new()

@@ -316,7 +316,7 @@ impl Parser<'_> {
 
     fn relation(&mut self, draft: &mut Draft, relation: Relation, n_words: usize) -> bool {
         let checkpoint = self.checkpoint();
-        let span = self.pass(n_words, format!("the relation \"{}\"", relation.words()));
+        let span = self.pass(n_words, format!("the relation \"{}\"", relation.word()));
         if self.has(&SUPPORTS) && !self.is_support_known() {
             self.take(&SUPPORTS, "the table");
             draft.has_postmodifier = true;
@@ -347,7 +347,7 @@ impl Parser<'_> {
             // A table that was taught is a landmark.
             return self.relation(draft, Relation::On, 1);
         }
-        let span = self.pass(n_words, format!("the place \"{}\"", place.words()));
+        let span = self.pass(n_words, format!("the place \"{}\"", place.word()));
         let checkpoint = self.checkpoint();
         if self.take(&[("of", ())], "a joint").is_some()
             && self.take(&SUPPORTS, "the table").is_none()

@@ -6,41 +6,16 @@ use std::str::FromStr;
 
 /// Parse error: no metric has this name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no metric \"{name}\": choose one of {}", Metric::ALL.map(Metric::name).join(", "))]
+#[error("there is no metric \"{name}\": choose one of {}", Metric::ALL.map(Metric::word).join(", "))]
 pub struct UnknownMetric {
     /// Requested metric name.
     pub name: String,
 }
 
-impl Metric {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::HalfChiSquaredRoot => "half-chi-squared-root",
-            Self::ChiSquared => "chi-squared",
-            Self::Manhattan => "manhattan",
-            Self::Euclidean => "euclidean",
-            Self::Gower => "gower",
-            Self::Canberra => "canberra",
-            Self::Divergence => "divergence",
-            Self::Pearson => "pearson",
-            Self::Neyman => "neyman",
-            Self::Hellinger => "hellinger",
-            Self::KullbackLeibler => "kl",
-            Self::SymmetricKullbackLeibler => "symmetric-kl",
-            Self::Motyka => "motyka",
-            Self::Sorensen => "sorensen",
-            Self::Dice => "dice",
-            Self::Cosine => "cosine",
-            Self::Intersection => "intersection",
-            Self::Bhattacharyya => "bhattacharyya",
-        }
-    }
-}
-
 impl fmt::Display for Metric {
     /// Writes the name in lower case with hyphens.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
+        f.pad(self.word())
     }
 }
 
@@ -51,7 +26,7 @@ impl FromStr for Metric {
     /// authors' `chiSquared` and `symmetricKL` are accepted.
     fn from_str(text: &str) -> Result<Self, UnknownMetric> {
         let asked = normalised(text);
-        let is_asked = |metric: &Self| normalised(metric.name()) == asked;
+        let is_asked = |metric: &Self| normalised(metric.word()) == asked;
         Self::ALL
             .into_iter()
             .find(is_asked)

@@ -62,7 +62,7 @@ impl Client {
     /// When the process has no server, or shared memory fails.
     pub fn new(domain: &Domain, process: ProcessKind) -> Result<Self, Error> {
         let parameters = request_service(process)
-            .ok_or_else(|| Error::transport("ask", "control", process.name()))?;
+            .ok_or_else(|| Error::transport("ask", "control", process.word()))?;
         let service = open(domain, parameters.name)?;
         let client = service
             .client_builder()
@@ -112,7 +112,7 @@ impl Client {
 
     fn send(&self, port: &Port, bytes: &[u8]) -> Result<IoxPending, CallError> {
         let not_there = CallError::NotThere {
-            process: self.process.name(),
+            process: self.process.word(),
         };
         if port.service.dynamic_config().number_of_servers() == 0 {
             return Err(not_there);
@@ -154,7 +154,7 @@ impl Client {
             Ok(Some(response)) => Ok(codec::decode_reply(response.payload())),
             Ok(None) if is_connected => return None,
             _ => Err(CallError::NotThere {
-                process: self.process.name(),
+                process: self.process.word(),
             }),
         };
         port.unanswered.pop();

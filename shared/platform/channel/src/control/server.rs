@@ -33,7 +33,7 @@ impl Server {
     /// When the process has no service, or shared memory fails.
     pub fn new(domain: &Domain, process: ProcessKind, handler: Handler) -> Result<Self, Error> {
         let parameters = request_service(process)
-            .ok_or_else(|| Error::transport("serve", "control", process.name()))?;
+            .ok_or_else(|| Error::transport("serve", "control", process.word()))?;
         let service = open(domain, parameters.name)?;
         let server = service
             .server_builder()

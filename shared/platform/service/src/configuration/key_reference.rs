@@ -251,7 +251,7 @@ mod tests {
             let Some([kind, default, change]) = guide.remove(&name) else {
                 panic!("the guide does not have {name:?}");
             };
-            assert_eq!(kind, one.kind.name(), "{name:?}");
+            assert_eq!(kind, one.kind.word(), "{name:?}");
             assert_eq!(
                 change,
                 if one.is_live { "live" } else { "restart" },

@@ -4,34 +4,23 @@ use super::as_number;
 use std::fmt;
 use toml::Value;
 
-/// Type of a value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ValueKind {
-    /// Whole number.
-    Integer,
-    /// Number; a whole one is accepted.
-    Float,
-    /// `true` or `false`.
-    Boolean,
-    /// Text.
-    String,
+coded_enum::coded_enum! {
+    /// Type of a value.
+    pub enum ValueKind {
+        /// Whole number.
+        Integer, "integer";
+        /// Number; a whole one is accepted.
+        Float, "float";
+        /// `true` or `false`.
+        Boolean, "boolean";
+        /// Text.
+        String, "string";
+    }
 }
 
 impl ValueKind {
-    const ALL: [Self; 4] = [Self::Integer, Self::Float, Self::Boolean, Self::String];
-
-    /// Name of the type in TOML.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Integer => "integer",
-            Self::Float => "float",
-            Self::Boolean => "boolean",
-            Self::String => "string",
-        }
-    }
-
     pub(super) fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
+        Self::ALL.into_iter().find(|kind| kind.word() == name)
     }
 
     pub(super) fn accepts(self, value: &Value) -> bool {
@@ -156,7 +145,7 @@ pub(super) fn check(
     if !kind.accepts(value) {
         return Err(format!(
             "must be of the type {}, not the {} {value}",
-            kind.name(),
+            kind.word(),
             value.type_str()
         ));
     }

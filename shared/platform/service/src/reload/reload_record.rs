@@ -78,7 +78,7 @@ impl ReloadRecordPublisher {
         process: Option<ProcessKind>,
         parent: Option<u32>,
     ) -> Result<Self, Error> {
-        let name = process.map_or("run", ProcessKind::name);
+        let name = process.map_or("run", ProcessKind::word);
         let mut publisher = Self {
             file: LiveFile::new(domain, file_of(process))?,
             record: ReloadRecord {

@@ -124,7 +124,7 @@ impl<C, F: FnMut(&Configuration) -> Result<C, Failure>> Reloader<C, F> {
     fn try_reload(&mut self, report: &mut ReloadReport) -> Result<(), Failure> {
         let found = self.read()?;
         (self.check)(&found)?;
-        let plan = ReloadPlan::new(&self.running, &found, self.process.name());
+        let plan = ReloadPlan::new(&self.running, &found, self.process.word());
         let config = (self.check)(&plan.effective)?;
         self.running = plan.effective;
         self.sender.send_replace(Arc::new(config));

@@ -76,7 +76,7 @@ impl AblationReport {
             header: ReportHeader::new(arguments.dataset.display().to_string(), views),
             variants: played.iter().map(figures).collect(),
             settings: Settings {
-                reference: REFERENCE.name(),
+                reference: REFERENCE.word(),
                 protocol: split_name(protocol.split),
                 tau: protocol.tau,
                 n_runs: arguments.runs,
@@ -107,7 +107,7 @@ impl VariantFigures {
         let of_others = |estimate: Option<Estimate>| estimate.filter(|_| is_other);
         let runs = (seed..).zip(&played.runs);
         Self {
-            name: played.variant.name(),
+            name: played.variant.word(),
             qci: mean(|run| Some(run.qci.into())),
             tlc: mean(|run| Some(run.tlc.into())),
             aic: mean(|run| Some(run.aic)),

@@ -25,25 +25,17 @@ impl Treatment {
     pub(super) const ALL: [Self; 3] = [Self::Balanced, Self::AsSeen, Self::ShapeOnly];
 }
 
-/// Table of a room.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TestTable {
-    Oak,
-    White,
-    DarkWood,
-    BlueCloth,
+coded_enum::coded_enum! {
+    /// Table of a room.
+    pub(super) enum TestTable {
+        Oak, "oak";
+        White, "white";
+        DarkWood, "dark wood";
+        BlueCloth, "blue cloth";
+    }
 }
 
 impl TestTable {
-    pub(super) fn word(self) -> &'static str {
-        match self {
-            Self::Oak => "oak",
-            Self::White => "white",
-            Self::DarkWood => "dark wood",
-            Self::BlueCloth => "blue cloth",
-        }
-    }
-
     fn finish(self) -> TableFinish {
         let finish = |color, pattern| TableFinish {
             color,

@@ -18,27 +18,17 @@ const N_THROWS: u64 = 50;
 /// Instance of the generated model of all scenes. Chosen: the data set has one model of a kind.
 const INSTANCE: u64 = 1;
 
-/// Kind of bin-picking scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TwinKind {
-    /// 15 coffee cups.
-    CoffeeCups,
-    /// 5 juice boxes.
-    JuiceBoxes,
+coded_enum::coded_enum! {
+    /// Kind of bin-picking scene.
+    pub(super) enum TwinKind {
+        /// 15 coffee cups.
+        CoffeeCups, "coffee-cups";
+        /// 5 juice boxes.
+        JuiceBoxes, "juice-boxes";
+    }
 }
 
 impl TwinKind {
-    /// Both kinds, in the order of the paper.
-    pub(super) const ALL: [Self; 2] = [Self::CoffeeCups, Self::JuiceBoxes];
-
-    /// Name in reports.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::CoffeeCups => "coffee-cups",
-            Self::JuiceBoxes => "juice-boxes",
-        }
-    }
-
     /// Number of objects of a scene.
     pub(super) fn n_objects(self) -> usize {
         match self {
@@ -95,7 +85,7 @@ pub(super) fn thrown(kind: TwinKind, seed: u64, n_views: u32) -> Result<Simulate
     Err(Failure::general(format!(
         "in {N_THROWS} throws of {} {} some always fell beside the bin; choose another --seed",
         kind.n_objects(),
-        kind.name()
+        kind.word()
     )))
 }
 

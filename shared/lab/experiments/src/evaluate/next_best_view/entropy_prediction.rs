@@ -12,34 +12,27 @@ use statistics::correlation::spearman;
 /// Number of the best views among which a choice is a hit.
 const N_TOP: usize = 10;
 
-/// Source of the hypotheses of a prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum HypothesisSource {
-    /// All objects at their exact poses.
-    Truth,
-    /// All objects with noisy poses.
-    NoisyTruth,
-    /// Objects that are seen in the current view, with noisy poses, some missed, and a false one.
-    Visible,
-    /// Objects with a segment of their own in the current view, with noisy poses, and the other
-    /// segments as measured.
-    Segments,
-    /// Models that recognition and registration lay on the segments of the current view, and the
-    /// other segments as measured: no truth at all.
-    Registered,
+coded_enum::coded_enum! {
+    /// Source of the hypotheses of a prediction.
+    #[derive(Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub(super) enum HypothesisSource {
+        /// All objects at their exact poses.
+        Truth, "truth";
+        /// All objects with noisy poses.
+        NoisyTruth, "noisy-truth";
+        /// Objects that are seen in the current view, with noisy poses, some missed, and a false one.
+        Visible, "visible";
+        /// Objects with a segment of their own in the current view, with noisy poses, and the other
+        /// segments as measured.
+        Segments, "segments";
+        /// Models that recognition and registration lay on the segments of the current view, and the
+        /// other segments as measured: no truth at all.
+        Registered, "registered";
+    }
 }
 
 impl HypothesisSource {
-    /// All sources, from the best one on.
-    pub(super) const ALL: [Self; 5] = [
-        Self::Truth,
-        Self::NoisyTruth,
-        Self::Visible,
-        Self::Segments,
-        Self::Registered,
-    ];
-
     fn hypotheses(
         self,
         scene: &BinScene,

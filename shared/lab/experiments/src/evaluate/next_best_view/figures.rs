@@ -108,13 +108,13 @@ fn closed_loops(
     scenes: &[SceneResult],
 ) -> Result<String, DrawingError> {
     let curve = |(index, method): (usize, Method), points: Vec<(f64, f64)>| Curve {
-        name: method.name(),
+        name: method.word(),
         color: Color::of_series(index),
         points,
         is_marked: false,
     };
     let by_views = Method::ALL.into_iter().enumerate().map(|(index, method)| {
-        let found = report.methods.get(method.name());
+        let found = report.methods.get(method.word());
         let shares = found
             .map(|found| found.found_by_views.as_slice())
             .unwrap_or_default();

@@ -6,58 +6,31 @@ use next_best_view::Config;
 /// candidates. Chosen.
 const PAPER_SIGMA_SHARE: f64 = 0.35;
 
-/// Method that chooses the next view.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Method {
-    /// Greatest weighted entropy with information gain and a penalty near visited views: ours.
-    Greedy,
-    /// The same with the true poses of the objects that were found, with noise.
-    GreedyTruth,
-    /// Greatest weighted entropy, equation 3 alone.
-    Entropy,
-    /// Draw by weighted entropy, equation 4.
-    Sampled,
-    /// Greatest information gain of the unknown voxels.
-    InformationGain,
-    /// Any view that was not visited.
-    Random,
-    /// Farthest from all visited views.
-    Farthest,
-    /// Nearest to the current view.
-    Nearest,
-    /// Least weighted entropy, as the paper's text says in places.
-    Least,
+coded_enum::coded_enum! {
+    /// Method that chooses the next view.
+    pub(super) enum Method {
+        /// Greatest weighted entropy with information gain and a penalty near visited views: ours.
+        Greedy, "greedy";
+        /// The same with the true poses of the objects that were found, with noise.
+        GreedyTruth, "greedy-truth";
+        /// Greatest weighted entropy, equation 3 alone.
+        Entropy, "entropy";
+        /// Draw by weighted entropy, equation 4.
+        Sampled, "sampled";
+        /// Greatest information gain of the unknown voxels.
+        InformationGain, "information-gain";
+        /// Any view that was not visited.
+        Random, "random";
+        /// Farthest from all visited views.
+        Farthest, "farthest";
+        /// Nearest to the current view.
+        Nearest, "nearest";
+        /// Least weighted entropy, as the paper's text says in places.
+        Least, "least";
+    }
 }
 
 impl Method {
-    /// All methods, ours first.
-    pub(super) const ALL: [Self; 9] = [
-        Self::Greedy,
-        Self::GreedyTruth,
-        Self::Entropy,
-        Self::Sampled,
-        Self::InformationGain,
-        Self::Random,
-        Self::Farthest,
-        Self::Nearest,
-        Self::Least,
-    ];
-
-    /// Name in reports.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Greedy => "greedy",
-            Self::GreedyTruth => "greedy-truth",
-            Self::Entropy => "entropy",
-            Self::Sampled => "sampled",
-            Self::InformationGain => "information-gain",
-            Self::Random => "random",
-            Self::Farthest => "farthest",
-            Self::Nearest => "nearest",
-            Self::Least => "least",
-        }
-    }
-
     /// `true` if the method renders virtual views.
     pub(super) fn needs_entropy(self) -> bool {
         matches!(

@@ -56,7 +56,7 @@ pub(super) fn all(
             Method::Random => Some(own.random_regret),
             _ => None,
         };
-        (method.name(), MethodReport::of(&of_scenes, regret, seed))
+        (method.word(), MethodReport::of(&of_scenes, regret, seed))
     };
     Method::ALL.into_iter().map(report).collect()
 }

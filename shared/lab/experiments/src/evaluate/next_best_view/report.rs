@@ -42,7 +42,7 @@ pub(super) struct NextBestViewReport {
     pub(super) views_to_95: f64,
     /// Recognition and registration over the segments of all views.
     pub(super) poses: PoseCounts,
-    pub(super) predictions: BTreeMap<String, PredictionScore>,
+    pub(super) predictions: BTreeMap<&'static str, PredictionScore>,
     /// Statistic of figure 8 of the paper, one entry for each kind of scene.
     pub(super) published_statistic: Vec<KindReport>,
     pub(super) methods: BTreeMap<&'static str, MethodReport>,
@@ -88,8 +88,8 @@ impl NextBestViewReport {
     ) -> Self {
         let intervals = CorrelationIntervals::of(scenes, arguments.seed);
         let predictions = predictions(scenes);
-        let of_source = |source| {
-            let score = predictions.get(&source_name(source));
+        let of_source = |source: HypothesisSource| {
+            let score = predictions.get(source.word());
             score.copied().unwrap_or_default()
         };
         let own = of_source(HypothesisSource::Registered);
@@ -113,7 +113,7 @@ impl NextBestViewReport {
             entropy_mae: own.mae,
             regret: own.regret,
             views_to_95: methods
-                .get(Method::Greedy.name())
+                .get(Method::Greedy.word())
                 .map_or(N_VIEWS_MAX as f64, |method| method.views_to_95),
             poses: PoseCounts::sum(scenes.iter().map(|scene| scene.poses)),
             predictions,
@@ -172,19 +172,7 @@ fn pairs(views: &[ViewFigures], figures: fn(&ViewFigures) -> (f64, f64)) -> Vec<
     views.iter().map(figures).collect()
 }
 
-/// Name of a source of hypotheses in the report.
-pub(super) fn source_name(source: HypothesisSource) -> String {
-    match source {
-        HypothesisSource::Truth => "truth",
-        HypothesisSource::NoisyTruth => "noisy-truth",
-        HypothesisSource::Visible => "visible",
-        HypothesisSource::Segments => "segments",
-        HypothesisSource::Registered => "registered",
-    }
-    .to_owned()
-}
-
-fn predictions(scenes: &[SceneResult]) -> BTreeMap<String, PredictionScore> {
+fn predictions(scenes: &[SceneResult]) -> BTreeMap<&'static str, PredictionScore> {
     let of_source = |source: HypothesisSource| {
         let of_scenes = scenes.iter().flat_map(|scene| &scene.predictions);
         let scores = of_scenes
@@ -194,6 +182,6 @@ fn predictions(scenes: &[SceneResult]) -> BTreeMap<String, PredictionScore> {
     };
     let sources = HypothesisSource::ALL.into_iter();
     sources
-        .map(|source| (source_name(source), of_source(source)))
+        .map(|source| (source.word(), of_source(source)))
         .collect()
 }

@@ -4,7 +4,7 @@ use super::closed_loop::N_VIEWS_MAX;
 use super::entropy_prediction::HypothesisSource;
 use super::figures::{ENTROPY, LOOPS, PREDICTION};
 use super::loop_method::Method;
-use super::report::{NextBestViewReport, source_name};
+use super::report::NextBestViewReport;
 use super::statistic_report::{self, CAPTION, STATISTIC};
 use crate::evaluate::tabular_report::{
     ReportTable, TabularReport, figure, interval, number, percent,
@@ -42,12 +42,12 @@ fn caption(picture: &str) -> String {
 
 fn methods(report: &NextBestViewReport) -> ReportTable {
     let methods = Method::ALL.into_iter();
-    let methods = methods.filter_map(|method| Some((method, report.methods.get(method.name())?)));
+    let methods = methods.filter_map(|method| Some((method, report.methods.get(method.word())?)));
     ReportTable::of(
         "Closed loops",
         methods,
         &[
-            ("method", &|(method, _)| method.name().to_owned()),
+            ("method", &|(method, _)| method.word().to_owned()),
             ("views to 95 %", &|(_, found)| {
                 interval(found.views_to_95_interval, 1)
             }),
@@ -64,16 +64,18 @@ fn methods(report: &NextBestViewReport) -> ReportTable {
 }
 
 fn predictions(report: &NextBestViewReport) -> ReportTable {
-    let sources = HypothesisSource::ALL.into_iter().map(source_name);
+    let sources = HypothesisSource::ALL
+        .into_iter()
+        .map(HypothesisSource::word);
     let scores = sources.filter_map(|name| {
-        let score = report.predictions.get(&name)?;
+        let score = report.predictions.get(name)?;
         Some((name, score))
     });
     ReportTable::of(
         "Predicted entropy",
         scores,
         &[
-            ("hypotheses", &|(name, _)| name.clone()),
+            ("hypotheses", &|(name, _)| (*name).to_owned()),
             ("MAE bit", &|(_, score)| number(score.mae, 3)),
             ("RMSE bit", &|(_, score)| number(score.rmse, 3)),
             ("bias bit", &|(_, score)| format!("{:+.3}", score.bias)),

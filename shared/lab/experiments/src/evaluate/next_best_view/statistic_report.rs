@@ -1,11 +1,10 @@
 //! Report of the published statistic: figures for each kind of scene, beside those of the paper.
 
 use super::bin_picking_twin::TwinKind;
-use super::entropy_prediction::PredictionScore;
+use super::entropy_prediction::{HypothesisSource, PredictionScore};
 use super::published_statistic::{
     DRAWN, PaperFigures, SOURCES, SceneStatistic, SourceStatistic, spread,
 };
-use super::report::source_name;
 use crate::evaluate::tabular_report::{ReportTable, number, percent};
 use plot::DrawingError;
 use plot::box_plot::{BoxGroup, BoxPlot, stacked};
@@ -37,7 +36,7 @@ pub(super) struct KindReport {
     pub(super) paper_sd: Option<f64>,
     pub(super) paper_mse: Option<f64>,
     /// Means of the scenes, by source of the hypotheses.
-    pub(super) sources: BTreeMap<String, SourceReport>,
+    pub(super) sources: BTreeMap<&'static str, SourceReport>,
 }
 
 /// Statistic from one source of hypotheses.
@@ -68,7 +67,7 @@ impl KindReport {
             let of_source = of_scenes.filter(|(of, _)| *of == source);
             let statistics: Vec<SourceStatistic> =
                 of_source.map(|(_, statistic)| *statistic).collect();
-            (source_name(source), SourceReport::of(&statistics))
+            (source.word(), SourceReport::of(&statistics))
         });
         Self {
             kind: kind.kind,
@@ -106,17 +105,12 @@ impl SourceReport {
     }
 }
 
-fn of_source(kind: &KindReport, name: String) -> Option<(&KindReport, String, &SourceReport)> {
-    let source = kind.sources.get(&name)?;
-    Some((kind, name, source))
-}
-
 /// Table of all kinds.
 pub(super) fn table(kinds: &[KindReport]) -> ReportTable {
-    let sources = |kind| {
-        let names = SOURCES.into_iter().map(source_name);
-        names.filter_map(move |name| of_source(kind, name))
-    };
+    let sources = kinds.iter().flat_map(|kind| {
+        let names = SOURCES.into_iter().map(HypothesisSource::word);
+        names.filter_map(move |name| Some((kind, name, kind.sources.get(name)?)))
+    });
     let with_deviation = |value: f64, deviation: Option<f64>| {
         let deviation = deviation.map_or(String::new(), |deviation| format!(" ± {deviation:.4}"));
         format!("{value:.4}{deviation}")
@@ -124,12 +118,12 @@ pub(super) fn table(kinds: &[KindReport]) -> ReportTable {
     let paper = |value: Option<f64>| value.map_or("-".to_owned(), |value| value.to_string());
     ReportTable::of(
         "Published statistic",
-        kinds.iter().flat_map(sources),
+        sources,
         &[
             ("scenes", &|(kind, ..)| {
                 format!("{} × {}", kind.n_scenes, kind.kind)
             }),
-            ("hypotheses", &|(_, name, _)| name.clone()),
+            ("hypotheses", &|(_, name, _)| (*name).to_owned()),
             ("SD of the best ten, bit", &|(_, _, source)| {
                 let deviation = source.over_scenes.map(|d| d.best_ten_sd);
                 with_deviation(source.statistic.best_ten_sd, deviation)
@@ -238,7 +232,7 @@ fn panel(kind: &KindScenes) -> Option<(String, Vec<BoxGroup>)> {
         "Entropy of the views of {} {}, hypotheses: {}",
         scene.n_objects,
         kind.kind,
-        source_name(DRAWN)
+        DRAWN.word()
     );
     Some((title, groups))
 }

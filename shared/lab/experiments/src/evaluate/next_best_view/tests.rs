@@ -47,13 +47,13 @@ fn report_holds_the_figures_of_a_small_run() {
     assert!((1.0..=4.0).contains(&views_to_95), "{views_to_95}");
     assert!(report["pearson_r"].as_f64().unwrap().abs() <= 1.0);
     for method in Method::ALL {
-        let found = &report["methods"][method.name()];
+        let found = &report["methods"][method.word()];
         let shares = found["found_by_views"].as_array().unwrap();
         let shares: Vec<f64> = shares.iter().map(|share| share.as_f64().unwrap()).collect();
         assert!(shares.is_sorted() && shares[29] <= 1.0, "{shares:?}");
         // All methods begin with the same view.
         assert_eq!(shares[0], report["methods"]["random"]["found_by_views"][0]);
-        assert!(out.join(format!("views-{}.png", method.name())).exists());
+        assert!(out.join(format!("views-{}.png", method.word())).exists());
     }
     let exact = report["predictions"]["truth"]["mae"].as_f64().unwrap();
     assert!(exact < 0.25, "{exact}");
@@ -138,7 +138,7 @@ fn objects_lie_in_the_bin_and_exact_hypotheses_show_them() {
         let n = visited.len();
         visited.sort_unstable();
         visited.dedup();
-        assert_eq!(visited.len(), n, "{}", method.name());
+        assert_eq!(visited.len(), n, "{}", method.word());
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) fn draw(
                 .collect();
             let (image, width, height) = beside_each_other(&shown);
             let png = encode(&image, width, height).map_err(Failure::general)?;
-            pictures.push((format!("views-{}.png", method.name()), png));
+            pictures.push((format!("views-{}.png", method.word()), png));
         }
     }
     Ok(pictures)

@@ -29,21 +29,23 @@ const N_TURNED_VIEWS: usize = 12;
 /// Time between two views, nanoseconds.
 const VIEW_STEP_NS: u64 = 500_000_000;
 
-/// Path of the camera around the object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Path {
-    /// Circle at one height, as if the object were turned.
-    Turntable,
-    /// Hand-guided: the height, the distance and the point that the camera looks at change, and
-    /// it leads once and a sixth around.
-    Free,
-    /// Camera that stands still before an object that a person turns by unknown angles.
-    Turned,
-    /// The same, by a known angle.
-    TurnedBy,
-    /// That of a recorded sequence.
-    Recorded,
+coded_enum::coded_enum! {
+    /// Path of the camera around the object.
+    #[derive(PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub(super) enum Path {
+        /// Circle at one height, as if the object were turned.
+        Turntable, "turntable";
+        /// Hand-guided: the height, the distance and the point that the camera looks at change, and
+        /// it leads once and a sixth around.
+        Free, "free orbit";
+        /// Camera that stands still before an object that a person turns by unknown angles.
+        Turned, "turned";
+        /// The same, by a known angle.
+        TurnedBy, "turned, known";
+        /// That of a recorded sequence.
+        Recorded, "recorded";
+    }
 }
 
 impl Path {
@@ -51,17 +53,6 @@ impl Path {
     pub(super) const ORBITS: [Self; 2] = [Self::Turntable, Self::Free];
     /// Paths of a turned object, whose views are those of the turntable.
     pub(super) const TURNED: [Self; 2] = [Self::Turned, Self::TurnedBy];
-
-    /// Name of the path in tables.
-    pub(super) fn word(self) -> &'static str {
-        match self {
-            Self::Turntable => "turntable",
-            Self::Free => "free orbit",
-            Self::Turned => "turned",
-            Self::TurnedBy => "turned, known",
-            Self::Recorded => "recorded",
-        }
-    }
 }
 
 /// Segmented view with the true pose of its camera.

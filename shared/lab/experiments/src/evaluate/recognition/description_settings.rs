@@ -23,7 +23,7 @@ impl DescriptionSettings {
         let is_good = arguments.variant != DescriptorVariant::Ours;
         let name = |up: UpAxis| Some(up.to_possible_value()?.get_name().to_owned());
         Self {
-            variant: arguments.variant.name(),
+            variant: arguments.variant.word(),
             distance: arguments.metric().to_string(),
             bins: is_good.then_some(arguments.bins),
             shape_only: is_good || arguments.shape_only,

@@ -3,7 +3,6 @@ use super::super::bin_scene::BinScene;
 use super::super::captured_view::CapturedView;
 use super::super::entropy_prediction::{HypothesisSource, PredictionScore};
 use super::super::published_statistic::{SOURCES, SourceStatistic};
-use super::super::report::source_name;
 use super::*;
 use dataset::bop_scene::{BopImage, BopObject, BopPixels, BopSceneWriter};
 use geometry::RigidTransform;
@@ -153,7 +152,7 @@ fn assert_command_agrees(trip: &RoundTrip) {
     let BopCapture { scene, views } = &trip.read;
     let own = SceneStatistic::of(scene, views, &Config::default(), seed).unwrap();
     for (source, statistic) in own.sources {
-        let written = &entry["sources"][source_name(source)];
+        let written = &entry["sources"][source.word()];
         assert_eq!(written["best_ten_sd"].as_f64(), Some(statistic.best_ten_sd));
         assert_eq!(written["mae"].as_f64(), Some(statistic.score.mae));
     }
