@@ -7,7 +7,6 @@ mod model_store;
 mod name_check;
 
 use crate::arguments::BuildArguments;
-use crate::depth_noise::camera_depth_noise;
 use crate::growth::Growth;
 use crate::model_document::object_model;
 use crate::object_receiver::{ObjectReceiver, TrackedObject};
@@ -20,6 +19,7 @@ use control_client::TrackScope;
 use model_construction::Config;
 use model_store::ModelStore;
 use name_check::check_name;
+use scene_client::camera_depth_noise;
 use sensor_noise::DepthNoise;
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;

@@ -1,9 +1,8 @@
 //! Handling of an object by a person or a robot: it separates the placements of the object.
 
-use crate::scene_table::table_in_world;
-use crate::visibility::is_seen_whole;
 use message::{SceneObject, SceneSummary};
 use nalgebra::{Point3, Vector3};
+use scene_client::{is_seen_whole, table_in_world};
 
 /// Growth of the uncertainty of the tracked rotation that tells of a hand, radians. Chosen: a
 /// tracked object at rest has up to 6°, and one in a hand gains 15° in the first second. One that

@@ -4,21 +4,15 @@
 mod arguments;
 mod build;
 mod camera_motion;
-mod depth_noise;
-mod frame_headers;
 mod growth;
 mod handling;
-mod hypotheses;
 mod model_document;
-mod model_shelf;
 mod next_move;
 mod object_receiver;
 mod obstacle;
 mod plan;
 mod presence;
-mod scene_table;
 mod view_queue;
-mod visibility;
 
 use arguments::{ModellerArguments, ModellerVerb};
 use command_line::Output;

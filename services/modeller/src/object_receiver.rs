@@ -1,16 +1,13 @@
 //! Receiver of the views of one object: its points with the camera and the pose of their frame.
 
-use crate::frame_headers::FrameHeaders;
 use crate::handling::{Handling, TrackedPose};
 use crate::obstacle::Obstacle;
-use crate::scene_table::table_in_world;
-use crate::visibility::{is_seen, is_seen_whole};
-use channel::topic::{CameraCloud, ObjectCloud, Scene};
-use channel::{Domain, Error, Received, Subscriber};
+use channel::{Domain, Error};
 use geometry::PinholeCamera;
 use message::SceneObject;
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use point_cloud::Point;
+use scene_client::{SceneTopics, is_seen, is_seen_whole, table_in_world};
 use service::monotonic_ns;
 use std::time::{Duration, Instant};
 
@@ -48,13 +45,9 @@ pub(crate) struct TrackedObject {
     pub(crate) is_seen: bool,
 }
 
-/// Subscribers of the topics of an object. While they exist, perception publishes the points of
-/// all objects.
+/// Receiver of the views of an object.
 pub(crate) struct ObjectReceiver {
-    frames: Subscriber<CameraCloud>,
-    clouds: Subscriber<ObjectCloud>,
-    scenes: Subscriber<Scene>,
-    headers: FrameHeaders,
+    topics: SceneTopics,
     handling: Handling,
     /// Normal of the table in the world, which is the camera's frame while its pose is not known.
     table_normal: Option<UnitVector3<f64>>,
@@ -68,10 +61,7 @@ pub(crate) struct ObjectReceiver {
 impl ObjectReceiver {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
-            frames: Subscriber::polled(domain)?,
-            clouds: Subscriber::polled(domain)?,
-            scenes: Subscriber::polled(domain)?,
-            headers: FrameHeaders::default(),
+            topics: SceneTopics::join(domain)?,
             handling: Handling::default(),
             table_normal: None,
             is_cut: false,
@@ -83,21 +73,21 @@ impl ObjectReceiver {
     /// Newest view of a track since the last call; `None` when there is no new one, while the
     /// object is handled, and while the image cuts it. All calls are for the same track.
     pub(crate) fn newest_view(&mut self, track: u64) -> Result<Option<ReceivedView>, Error> {
-        self.note_frames()?;
+        self.topics.take_frames(drop)?;
         self.note_scenes(track)?;
         let mut newest = None;
-        while let Received::Message(cloud) = self.clouds.receive()? {
+        self.topics.take_clouds(|cloud| {
             if cloud.header().track_id == track {
                 newest = Some(cloud);
             }
-        }
+        })?;
         let newest = newest.filter(|_| !self.is_cut);
         let Some((cloud, placement)) = newest.zip(self.handling.placement()) else {
             return Ok(None);
         };
         self.last_view = Instant::now();
         let (session, sequence) = (cloud.header().session, cloud.header().sequence);
-        let frame = self.headers.find(session, sequence);
+        let frame = self.topics.header(session, sequence);
         Ok(frame.and_then(|(header, n_points)| {
             let checked = header.checked(*n_points, monotonic_ns()).ok()?;
             let points = message::points(cloud.items()).to_vec();
@@ -130,7 +120,7 @@ impl ObjectReceiver {
 
     /// Follows the placements of a track, and its place in the image, by the new scenes.
     fn note_scenes(&mut self, track: u64) -> Result<(), Error> {
-        while let Received::Message(scene) = self.scenes.receive()? {
+        self.topics.take_scenes(|scene| {
             self.last_scene = Instant::now();
             if let Some(table) = table_in_world(scene.header()) {
                 self.table_normal = Some(table.normal);
@@ -141,23 +131,14 @@ impl ObjectReceiver {
                 self.handling.note(pose);
                 self.is_cut = is_seen(object) && !is_seen_whole(object);
             }
-        }
-        Ok(())
-    }
-
-    /// Keeps the headers of new frames; their points stay where they are.
-    fn note_frames(&mut self) -> Result<(), Error> {
-        while let Received::Message(frame) = self.frames.receive()? {
-            self.headers.push(frame.header(), frame.items().len());
-        }
-        Ok(())
+        })
     }
 
     /// Objects of the newest scene, nearest to the middle of the image first; `None` without a new
     /// scene.
     pub(crate) fn objects(&mut self) -> Result<Option<Vec<TrackedObject>>, Error> {
-        self.note_frames()?;
-        let Some(scene) = self.scenes.latest()? else {
+        self.topics.take_frames(drop)?;
+        let Some(scene) = self.topics.newest_scene()? else {
             return Ok(None);
         };
         let camera_from_world = scene

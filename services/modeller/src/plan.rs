@@ -1,31 +1,22 @@
 //! `tabula view plan`: the next best view of the objects, once or again and again.
 
-mod candidate_poses;
 mod motion;
 mod picture;
 mod plan_document;
 mod plan_text;
-pub(crate) mod planning_frame;
-mod planning_space;
 mod pose_file;
 mod publication;
 mod remarks;
-pub(crate) mod snapshot;
-mod snapshot_receiver;
 mod trigger;
-mod view_plan;
 mod view_planning;
-mod virtual_camera;
-mod visible_shares;
 
 use crate::arguments::PlanArguments;
 use crate::presence::{is_running, require_daemon};
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
 use plan_document::PlanDocument;
+use scene_client::{Snapshot, SnapshotReceiver};
 use service::{CommonArguments, Failure, exit_code};
-use snapshot::Snapshot;
-use snapshot_receiver::SnapshotReceiver;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use trigger::PlanTrigger;

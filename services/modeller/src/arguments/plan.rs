@@ -2,8 +2,9 @@
 
 use super::number_between;
 use clap::Args;
-use next_best_view::{Config, ViewSelection};
+use next_best_view::ViewSelection;
 use std::path::PathBuf;
+use view_planning::PlanSettings;
 
 /// Options of the plan of the next best view.
 #[derive(Debug, Clone, Args)]
@@ -35,11 +36,11 @@ pub(crate) struct PlanArguments {
     pub(crate) seed: u64,
     /// Standard deviation of the weight by distance, as a share of the diameter of the candidates
     /// and the present pose; a large one takes distance out of the choice
-    #[arg(long, value_name = "SHARE", default_value_t = Config::default().sigma_share,
+    #[arg(long, value_name = "SHARE", default_value_t = PlanSettings::default().sigma_share,
           value_parser = sigma_share)]
     pub(crate) sigma_share: f64,
     /// Utility of seeing all unknown space, bit; 0 leaves unknown space out
-    #[arg(long, value_name = "BIT", default_value_t = Config::default().gain_weight,
+    #[arg(long, value_name = "BIT", default_value_t = PlanSettings::default().gain_weight,
           value_parser = gain_weight)]
     pub(crate) gain_weight: f64,
     /// Render virtual views as the camera would see them, in place of parallel to its axis
@@ -58,17 +59,17 @@ pub(crate) struct PlanArguments {
 }
 
 impl PlanArguments {
-    /// Rule of the choice.
-    pub(crate) fn selection(&self) -> ViewSelection {
-        self.sampled
-            .map_or(ViewSelection::Greedy, |beta| ViewSelection::Sampled {
-                beta,
-            })
-    }
-
-    /// True if virtual views are rendered as the camera would see them; detection needs it.
-    pub(crate) fn wants_perspective(&self) -> bool {
-        self.perspective || self.by_segmentation
+    /// Settings of the plan.
+    pub(crate) fn settings(&self) -> PlanSettings {
+        let sampled = self.sampled.map(|beta| ViewSelection::Sampled { beta });
+        PlanSettings {
+            sigma_share: self.sigma_share,
+            gain_weight: self.gain_weight,
+            selection: sampled.unwrap_or(ViewSelection::Greedy),
+            is_perspective: self.perspective,
+            is_segmented: self.by_segmentation,
+            ..PlanSettings::default()
+        }
     }
 }
 

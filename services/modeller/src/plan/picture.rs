@@ -1,13 +1,12 @@
 //! Picture of a plan: the virtual views from the present pose and from the chosen one, side by
 //! side, with a colour for each hypothesis.
 
-use super::view_plan::{PlanInput, ViewPlan, planning_scene};
-use super::virtual_camera;
 use geometry::{PinholeCamera, RigidTransform};
 use next_best_view::{PlanningScene, RenderConfig, ViewLabel, ViewProjection, VirtualView};
 use png::{BitDepth, ColorType, EncodingError};
 use service::Failure;
 use std::path::Path;
+use view_planning::{PlanContent, ViewPlan};
 
 /// Width of one view, pixels, up to which cells are enlarged.
 const VIEW_WIDTH_PX: usize = 640;
@@ -46,16 +45,14 @@ pub(crate) fn color_name(index: usize) -> &'static str {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(crate) fn write(path: &Path, input: &PlanInput<'_>, plan: &ViewPlan) -> Result<(), Failure> {
+pub(crate) fn write(path: &Path, content: &PlanContent, plan: &ViewPlan) -> Result<(), Failure> {
     let failed = |error: &dyn std::fmt::Display| {
         Failure::general(format!(
             "the picture {} could not be written: {error}",
             path.display()
         ))
     };
-    let scene = planning_scene(input)?;
-    let distance_m = input.frame.plan_from_camera.translation.vector.norm();
-    let camera = virtual_camera::coarse(&input.camera, distance_m, input.cell_m);
+    let (scene, camera) = (content.scene()?, content.virtual_camera());
     let views = [
         pixels(&scene, &plan.present.plan_from_camera, &camera)?,
         pixels(&scene, &plan.views[plan.chosen].plan_from_camera, &camera)?,

@@ -1,13 +1,12 @@
 //! Plan of the next best view as a JSON document.
 
 use super::motion::Motion;
-use super::snapshot::Snapshot;
-use super::view_plan::{RatedView, ViewPlan};
-use crate::hypotheses::{HypothesisSource, ObjectHypothesis};
 use geometry::RigidTransform;
 use nalgebra::Vector3;
 use next_best_view::ChoiceReason;
+use scene_client::{HypothesisSource, ObjectHypothesis, Snapshot};
 use serde::Serialize;
+use view_planning::{RatedView, ViewPlan};
 
 /// Plan of the next best view.
 #[derive(Debug, Serialize)]
@@ -131,9 +130,9 @@ pub(crate) fn hypotheses(
 ) -> Vec<HypothesisDocument> {
     let document = |(hypothesis, [now, then]): (&ObjectHypothesis, &[f64; 2])| {
         let pose = world_from_plan * hypothesis.plan_from_object;
-        let (source, contradiction) = match hypothesis.source {
+        let (source, contradiction) = match &hypothesis.source {
             HypothesisSource::Measured => ("measured", None),
-            HypothesisSource::Model { contradiction } => ("model", Some(contradiction)),
+            HypothesisSource::Model { contradiction, .. } => ("model", Some(*contradiction)),
         };
         HypothesisDocument {
             track_id: hypothesis.track,

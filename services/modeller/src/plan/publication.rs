@@ -1,11 +1,11 @@
 //! Publication of plans on the topic `view/plan`.
 
-use super::snapshot::Snapshot;
-use super::view_plan::{RatedView, ViewPlan};
 use channel::topic::ViewPlans;
 use channel::{Domain, Error, Publisher};
 use geometry::RigidTransform;
 use message::{MAX_PLANNED_VIEWS, PlannedView, ViewPlanHeader, WirePose};
+use scene_client::Snapshot;
+use view_planning::{RatedView, ViewPlan};
 
 /// Publisher of plans.
 pub(crate) struct PlanPublisher(Publisher<ViewPlans>);

@@ -1,8 +1,7 @@
 //! Remarks for people on what a plan leaves out.
 
-use super::snapshot::Snapshot;
-use crate::hypotheses::{HypothesisSource, ObjectHypothesis};
 use message::TrackState;
+use scene_client::{HypothesisSource, ObjectHypothesis, Snapshot};
 
 /// Remarks on objects without hypotheses, and on hypotheses without models.
 pub(crate) fn remarks(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> Vec<String> {
@@ -66,11 +65,11 @@ fn without_models(hypotheses: &[ObjectHypothesis]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::snapshot::SnapshotObject;
     use super::*;
     use geometry::{PinholeCamera, RigidTransform};
     use nalgebra::Point3;
     use next_best_view::SurfaceModel;
+    use scene_client::SnapshotObject;
     use std::rc::Rc;
 
     fn object(track: u64, state: TrackState, points: Vec<[f32; 3]>) -> SnapshotObject {
@@ -124,7 +123,10 @@ mod tests {
             "{of_both:?}"
         );
         let placed = ObjectHypothesis {
-            source: HypothesisSource::Model { contradiction: 0.2 },
+            source: HypothesisSource::Model {
+                name: "mug".to_owned(),
+                contradiction: 0.2,
+            },
             ..measured
         };
         assert_eq!(remarks(&all, &[placed]).len(), 2);

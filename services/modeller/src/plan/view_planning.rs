@@ -3,27 +3,18 @@
 
 use super::motion::Motion;
 use super::plan_document::{self, PlanDocument};
-use super::planning_frame::PlanningFrame;
-use super::planning_space::PlanningSpace;
 use super::publication::PlanPublisher;
-use super::snapshot::Snapshot;
-use super::view_plan::{PlanInput, ViewPlan};
-use super::{candidate_poses, picture, pose_file, remarks, view_plan};
+use super::{picture, pose_file, remarks};
 use crate::arguments::PlanArguments;
-use crate::hypotheses::hypotheses;
-use crate::model_shelf::ModelShelf;
 use channel::{Domain, DomainName, Error};
 use geometry::RigidTransform;
 use next_best_view::OccupancyGrid;
 use random::Random;
+use scene_client::{DaemonModels, ModelShelf, Snapshot};
 use service::{CommonArguments, Failure};
 use std::time::Instant;
+use view_planning::{PlanContent, PlanSettings, PlanningFrame, ViewPlan, hemisphere};
 
-/// Side of the cells of virtual views, metres, at least, and in distances of measured points.
-const CELL_MIN_M: f64 = 0.003;
-const CELL_STEPS: f64 = 1.2;
-/// Number of cells along the diagonal of the space at most.
-const N_CELLS_MAX: f64 = 1500.0;
 /// Number of visited views that are kept.
 const N_VISITED_MAX: usize = 1000;
 
@@ -113,45 +104,27 @@ impl<'a> ViewPlanning<'a> {
             ));
         };
         let mut notes = frame.notes.clone();
-        if let Err(failure) = self.shelf.refresh(self.common, snapshot) {
+        let open = || DaemonModels::connect(self.common);
+        if let Err(failure) = self.shelf.refresh(snapshot, open) {
             notes.push(format!("the stored models are not used: {failure}"));
         }
-        let cell_m = cell_m(snapshot, &frame);
-        let hypotheses = hypotheses(&self.shelf, snapshot, &frame, cell_m)?;
-        notes.extend(remarks::remarks(snapshot, &hypotheses));
-        let space = PlanningSpace::around(&hypotheses);
-        let cell_m = cell_m.max(space.diagonal_m() / N_CELLS_MAX);
-        let background = space.background(snapshot, &frame, (&hypotheses, cell_m))?;
-        let wants_gain = self.arguments.gain_weight > 0.0;
-        let occupancy = wants_gain.then(|| space.occupancy(snapshot, &frame));
-        let occupancy = occupancy.transpose()?;
-        let plan_from_world = frame.world_from_plan.inverse();
-        let visited: Vec<_> = self
-            .visited
-            .iter()
-            .map(|pose| plan_from_world * pose)
-            .collect();
-        let candidates = self.candidates(&frame);
-        let input = PlanInput {
-            frame: &frame,
-            camera: snapshot.camera,
-            hypotheses: &hypotheses,
-            background: &background,
-            occupancy: occupancy.as_ref(),
-            candidates: &candidates,
-            visited: &visited,
-            cell_m,
-        };
-        let plan = view_plan::plan(&input, self.arguments, &mut self.random);
+        let settings: PlanSettings = self.arguments.settings();
+        let wants_occupancy = settings.gain_weight > 0.0;
+        let content = PlanContent::of(snapshot, frame, &self.shelf, wants_occupancy)?;
+        notes.extend(remarks::remarks(snapshot, &content.hypotheses));
+        let visited = content.frame.poses(&self.visited);
+        let candidates = self.candidates(&content.frame);
+        let random = &mut self.random;
+        let plan = view_planning::plan(&content, &candidates, &visited, &settings, random);
         // The present view is taken, even where no other is left.
         let n_visited = self.visited.len() + 1;
         self.note_visited(snapshot);
         let plan = plan?;
-        let is_published = self.publish(snapshot, &plan, &frame, &mut notes);
+        let is_published = self.publish(snapshot, &plan, &content.frame, &mut notes);
         if let Some(file) = &self.arguments.picture {
-            picture::write(file, &input, &plan)?;
+            picture::write(file, &content, &plan)?;
         }
-        let mut document = document(snapshot, &plan, &input, n_visited);
+        let mut document = document(snapshot, &plan, &content, n_visited);
         document.is_published = is_published;
         document.notes = notes;
         document.processing_ms = 1e3 * begun.elapsed().as_secs_f64();
@@ -161,11 +134,10 @@ impl<'a> ViewPlanning<'a> {
     /// Candidates in the frame of planning.
     fn candidates(&self, frame: &PlanningFrame) -> Vec<RigidTransform> {
         if let Some(given) = &self.given {
-            let plan_from_world = frame.world_from_plan.inverse();
-            return given.iter().map(|pose| plan_from_world * pose).collect();
+            return frame.poses(given);
         }
         let present_m = frame.plan_from_camera.translation.vector.norm();
-        candidate_poses::hemisphere(
+        hemisphere(
             self.arguments.candidates.into(),
             self.arguments.distance_m.unwrap_or(present_m),
             self.arguments.min_elevation_deg.to_radians(),
@@ -200,24 +172,17 @@ impl<'a> ViewPlanning<'a> {
     }
 }
 
-/// Side of the cells: no less than the distance of measured points.
-fn cell_m(snapshot: &Snapshot, frame: &PlanningFrame) -> f64 {
-    let distance_m = frame.plan_from_camera.translation.vector.norm();
-    let focal_px = snapshot.camera.fx_px.min(snapshot.camera.fy_px);
-    (CELL_STEPS * distance_m / focal_px).clamp(CELL_MIN_M, 0.05)
-}
-
 fn document(
     snapshot: &Snapshot,
     plan: &ViewPlan,
-    input: &PlanInput<'_>,
+    content: &PlanContent,
     n_visited: usize,
 ) -> PlanDocument {
-    let world_from_plan = &input.frame.world_from_plan;
+    let world_from_plan = &content.frame.world_from_plan;
     let (views, present) = plan_document::views(plan, world_from_plan);
     let present_pose = plan.present.plan_from_camera;
     let chosen_pose = plan.views[plan.chosen].plan_from_camera;
-    let target = if input.hypotheses.is_empty() {
+    let target = if content.hypotheses.is_empty() {
         "the place in the middle of the present image"
     } else {
         "the middle of the objects"
@@ -228,10 +193,13 @@ fn document(
         motion: Motion::new(present_pose, chosen_pose).in_words(target),
         present,
         views,
-        hypotheses: plan_document::hypotheses(input.hypotheses, plan, world_from_plan),
-        objects: plan_document::objects(snapshot, input.hypotheses),
-        n_background_points: input.background.len(),
-        n_unknown_voxels: input.occupancy.map_or(0, OccupancyGrid::n_unknown),
+        hypotheses: plan_document::hypotheses(&content.hypotheses, plan, world_from_plan),
+        objects: plan_document::objects(snapshot, &content.hypotheses),
+        n_background_points: content.background.len(),
+        n_unknown_voxels: content
+            .occupancy
+            .as_ref()
+            .map_or(0, OccupancyGrid::n_unknown),
         n_visited,
         frame_sequence: snapshot.sequence,
         source_name: snapshot.source_name.clone(),

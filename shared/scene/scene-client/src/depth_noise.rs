@@ -9,7 +9,7 @@ use service::{CommonArguments, Failure};
 ///
 /// # Errors
 /// If perception does not answer, or its law is not known here.
-pub(crate) fn camera_depth_noise(common: &CommonArguments) -> Result<DepthNoise, Failure> {
+pub fn camera_depth_noise(common: &CommonArguments) -> Result<DepthNoise, Failure> {
     let report = match call_once(common, &Command::DepthNoise)? {
         Reply::DepthNoise(report) => report,
         other => return Err(unexpected_reply(&other)),

@@ -1,16 +1,15 @@
 //! Plan of the next best view: rating of the candidates and choice among them.
 
-use super::planning_frame::PlanningFrame;
-use super::virtual_camera;
-use super::visible_shares::VisibleShares;
-use crate::arguments::PlanArguments;
-use crate::hypotheses::ObjectHypothesis;
-use geometry::{PinholeCamera, RigidTransform};
+use crate::plan_content::PlanContent;
+use crate::plan_settings::PlanSettings;
+use crate::planning_frame::PlanningFrame;
+use crate::visible_shares::VisibleShares;
+use geometry::RigidTransform;
 use message::ViewState;
 use nalgebra::{Unit, Vector3};
 use next_best_view::{
-    CandidateState, CandidateViews, ChoiceReason, Config, Hypothesis, OccupancyGrid, PlanningScene,
-    ViewPlanner, ViewProjection, ViewScore, ViewSegmenter, VirtualView, choose_view, view_entropy,
+    CandidateState, CandidateViews, ChoiceReason, Config, PlanningScene, ViewPlanner,
+    ViewProjection, ViewScore, ViewSegmenter, VirtualView, choose_view, view_entropy,
 };
 use random::Random;
 use service::Failure;
@@ -20,72 +19,64 @@ const TABLE_CLEARANCE_M: f64 = 0.05;
 
 /// Rated camera pose, frame of planning.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct RatedView {
-    pub(crate) plan_from_camera: RigidTransform,
-    pub(crate) score: ViewScore,
-    pub(crate) state: ViewState,
+pub struct RatedView {
+    /// Pose of the camera.
+    pub plan_from_camera: RigidTransform,
+    /// Entropy, gain, weight and utility.
+    pub score: ViewScore,
+    /// State as a candidate.
+    pub state: ViewState,
     /// Rank by utility among the open ones, from 1.
-    pub(crate) rank: Option<usize>,
-    pub(crate) n_objects_seen: usize,
+    pub rank: Option<usize>,
+    /// Number of hypotheses of which at least a tenth is visible.
+    pub n_objects_seen: usize,
 }
 
 /// Plan of the next best view.
 #[derive(Debug, Clone)]
-pub(crate) struct ViewPlan {
+pub struct ViewPlan {
     /// Candidates in their order.
-    pub(crate) views: Vec<RatedView>,
+    pub views: Vec<RatedView>,
     /// Index of the chosen candidate.
-    pub(crate) chosen: usize,
-    pub(crate) reason: ChoiceReason,
+    pub chosen: usize,
+    /// Reason of the choice.
+    pub reason: ChoiceReason,
     /// View from the present pose.
-    pub(crate) present: RatedView,
+    pub present: RatedView,
     /// Visible share of each object from the present pose and from the chosen one.
-    pub(crate) shares: Vec<[f64; 2]>,
+    pub shares: Vec<[f64; 2]>,
 }
 
-/// Content of a plan: hypotheses and background in the frame of planning.
-pub(crate) struct PlanInput<'a> {
-    pub(crate) frame: &'a PlanningFrame,
-    pub(crate) camera: PinholeCamera,
-    pub(crate) hypotheses: &'a [ObjectHypothesis],
-    pub(crate) background: &'a [[f32; 3]],
-    pub(crate) occupancy: Option<&'a OccupancyGrid>,
-    pub(crate) candidates: &'a [RigidTransform],
-    pub(crate) visited: &'a [RigidTransform],
-    pub(crate) cell_m: f64,
-}
-
-/// Rates all candidates and chooses one.
+/// Rates all candidates and chooses one. Candidates and visited views are poses in the frame of
+/// planning; the present pose counts as visited.
 ///
 /// # Errors
 /// When no candidate is left, or a pose or setting is impossible.
-pub(crate) fn plan(
-    input: &PlanInput<'_>,
-    arguments: &PlanArguments,
+pub fn plan(
+    content: &PlanContent,
+    candidates: &[RigidTransform],
+    visited: &[RigidTransform],
+    settings: &PlanSettings,
     random: &mut Random,
 ) -> Result<ViewPlan, Failure> {
-    let scene = planning_scene(input)?;
-    let config = config(input, arguments);
+    let (scene, config) = (content.scene()?, config(content, settings));
     // The present pose is rated among the candidates, so that the diameter of them all, of which
     // the weights are shares, includes the way to them.
-    let mut poses = input.candidates.to_vec();
-    poses.push(input.frame.plan_from_camera);
-    let mut scores = scores(&scene, input, &poses, &config)?;
-    if arguments.by_segmentation {
-        rate_by_segments(&scene, &poses, &config, &mut scores)?;
-    }
-    let mut shares = VisibleShares::new(input.hypotheses)?;
+    let mut poses = candidates.to_vec();
+    poses.push(content.frame.plan_from_camera);
+    let scores = rate(content, &poses, visited, settings)?;
+    let mut shares = VisibleShares::new(&content.hypotheses)?;
     let mut views = Vec::with_capacity(poses.len());
     for (pose, score) in poses.iter().zip(&scores) {
         let n_seen = shares.seen_from(&scene, pose, &config.render)?;
-        views.push(rated(pose, score, n_seen, input.frame));
+        views.push(rated(pose, score, n_seen, &content.frame));
     }
     let shares_now = shares.shares().to_vec();
     let Some(present) = views.pop().filter(|_| !views.is_empty()) else {
         return Err(Failure::general(next_best_view::Error::NoCandidates));
     };
     rank(&mut views);
-    let (chosen, reason) = chosen(&views, arguments, random)?;
+    let (chosen, reason) = chosen(&views, settings, random)?;
     shares.seen_from(&scene, &views[chosen].plan_from_camera, &config.render)?;
     let pairs = shares_now.iter().zip(shares.shares());
     Ok(ViewPlan {
@@ -97,51 +88,48 @@ pub(crate) fn plan(
     })
 }
 
-/// Scene of the hypotheses, numbered by their order, and the background.
-pub(crate) fn planning_scene(input: &PlanInput<'_>) -> Result<PlanningScene, Failure> {
-    let numbered = input.hypotheses.iter().zip(0_u32..);
-    let hypotheses: Vec<Hypothesis<'_>> = numbered
-        .map(|(hypothesis, id)| Hypothesis {
-            id,
-            model: &hypothesis.surface,
-            world_from_object: hypothesis.plan_from_object,
-        })
-        .collect();
-    PlanningScene::new(&hypotheses, input.background).map_err(Failure::general)
+/// Scores of poses in the frame of planning, in their order.
+///
+/// # Errors
+/// When a pose or setting is impossible.
+pub fn rate(
+    content: &PlanContent,
+    poses: &[RigidTransform],
+    visited: &[RigidTransform],
+    settings: &PlanSettings,
+) -> Result<Vec<ViewScore>, Failure> {
+    let (scene, config) = (content.scene()?, config(content, settings));
+    let views = CandidateViews {
+        world_from_candidates: poses,
+        world_from_current: content.frame.plan_from_camera,
+        world_from_visited: visited,
+    };
+    let occupancy = content.occupancy.as_ref();
+    let occupancy = occupancy.filter(|_| settings.gain_weight > 0.0);
+    let mut planner = ViewPlanner::default();
+    let scores = planner.score(&scene, &views, &config, occupancy);
+    let mut scores = scores.map_err(Failure::general)?.to_vec();
+    if settings.is_segmented {
+        rate_by_segments(&scene, poses, &config, &mut scores)?;
+    }
+    Ok(scores)
 }
 
-fn config(input: &PlanInput<'_>, arguments: &PlanArguments) -> Config {
+fn config(content: &PlanContent, settings: &PlanSettings) -> Config {
     let mut config = Config {
-        sigma_share: arguments.sigma_share,
-        gain_weight: arguments.gain_weight,
+        sigma_share: settings.sigma_share,
+        visited_share: settings.visited_share,
+        gain_weight: settings.gain_weight,
         ..Config::default()
     };
-    config.render.projection = if arguments.wants_perspective() {
-        let distance_m = input.frame.plan_from_camera.translation.vector.norm();
-        let camera = virtual_camera::coarse(&input.camera, distance_m, input.cell_m);
-        ViewProjection::Perspective(camera)
+    config.render.projection = if settings.is_perspective || settings.is_segmented {
+        ViewProjection::Perspective(content.virtual_camera())
     } else {
         ViewProjection::Orthographic {
-            cell_m: input.cell_m,
+            cell_m: content.cell_m,
         }
     };
     config
-}
-
-fn scores(
-    scene: &PlanningScene,
-    input: &PlanInput<'_>,
-    candidates: &[RigidTransform],
-    config: &Config,
-) -> Result<Vec<ViewScore>, Failure> {
-    let views = CandidateViews {
-        world_from_candidates: candidates,
-        world_from_current: input.frame.plan_from_camera,
-        world_from_visited: input.visited,
-    };
-    let mut planner = ViewPlanner::default();
-    let scores = planner.score(scene, &views, config, input.occupancy);
-    Ok(scores.map_err(Failure::general)?.to_vec())
 }
 
 /// Replaces entropies by those of the segments that detection finds in the virtual views.
@@ -210,7 +198,7 @@ fn rank(views: &mut [RatedView]) {
 
 fn chosen(
     views: &[RatedView],
-    arguments: &PlanArguments,
+    settings: &PlanSettings,
     random: &mut Random,
 ) -> Result<(usize, ChoiceReason), Failure> {
     let score = |view: &RatedView| ViewScore {
@@ -226,7 +214,7 @@ fn chosen(
     if !views.iter().any(|view| view.state == ViewState::Open) {
         return Err(Failure::general(none_left(views)));
     }
-    let choice = choose_view(&scores, arguments.selection(), random);
+    let choice = choose_view(&scores, settings.selection, random);
     let choice = choice.map_err(Failure::general)?;
     Ok((choice.candidate, choice.reason))
 }

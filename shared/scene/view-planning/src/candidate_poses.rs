@@ -11,7 +11,7 @@ const VERTICAL: f64 = 1e-6;
 
 /// Cameras at a distance from the origin that look at it with the image upright, of least elevation
 /// first; z is up.
-pub(crate) fn hemisphere(
+pub fn hemisphere(
     n_candidates: usize,
     distance_m: f64,
     elevation_min_rad: f64,

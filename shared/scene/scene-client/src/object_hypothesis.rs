@@ -2,8 +2,7 @@
 //! measured points of the object.
 
 use crate::model_shelf::ModelShelf;
-use crate::plan::planning_frame::PlanningFrame;
-use crate::plan::snapshot::{Snapshot, SnapshotObject};
+use crate::snapshot::{Snapshot, SnapshotObject};
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
 use next_best_view::SurfaceModel;
@@ -13,41 +12,52 @@ use std::rc::Rc;
 /// Number of points of the frame around a segment, at most. Chosen.
 const N_SCENE_POINTS: usize = 100_000;
 
-/// Object hypothesis of a track.
+/// Object hypothesis of a track, in the frame of planning.
 #[derive(Debug, Clone)]
-pub(crate) struct ObjectHypothesis {
-    pub(crate) track: u64,
-    pub(crate) label: Option<String>,
-    pub(crate) source: HypothesisSource,
-    pub(crate) surface: Rc<SurfaceModel>,
-    pub(crate) plan_from_object: RigidTransform,
+pub struct ObjectHypothesis {
+    /// Track-id.
+    pub track: u64,
+    /// Label of the track.
+    pub label: Option<String>,
+    /// Source of the surface.
+    pub source: HypothesisSource,
+    /// Surface of the object.
+    pub surface: Rc<SurfaceModel>,
+    /// Pose of the surface.
+    pub plan_from_object: RigidTransform,
     /// Reason why no stored model is used, or that of another category; empty otherwise.
-    pub(crate) note: String,
+    pub note: String,
 }
 
 /// Source of the surface of a hypothesis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum HypothesisSource {
+#[derive(Debug, Clone, PartialEq)]
+pub enum HypothesisSource {
     /// Measured points of the track.
     Measured,
-    /// Stored model, with the contradiction of its pose: 0 for a perfect fit, up to 2.
-    Model { contradiction: f64 },
+    /// Stored model.
+    Model {
+        /// Name of the model.
+        name: String,
+        /// Contradiction of its pose: 0 for a perfect fit, up to 2.
+        contradiction: f64,
+    },
 }
 
-/// Hypotheses of all objects with measured points, thinned to one point in each cell.
+/// Hypotheses of all objects with measured points, thinned to one point in each cell, in a frame
+/// such as that of planning. The models on the shelf are those of the last refresh.
 ///
 /// # Errors
 /// When the points of an object make no surface.
-pub(crate) fn hypotheses(
+pub fn hypotheses(
     shelf: &ModelShelf,
     snapshot: &Snapshot,
-    frame: &PlanningFrame,
+    plan_from_camera: &RigidTransform,
     cell_m: f64,
 ) -> Result<Vec<ObjectHypothesis>, Failure> {
     let scene = thinned_scene(snapshot);
     let seen = snapshot.objects.iter().filter(|o| !o.points.is_empty());
     let hypothesis = |object: &SnapshotObject| {
-        let measured = measured_hypothesis(object, frame, cell_m)?;
+        let measured = measured_hypothesis(object, plan_from_camera, cell_m)?;
         Ok(match shelf.place(object, &scene) {
             Ok(None) => measured,
             Err(reason) => ObjectHypothesis {
@@ -56,10 +66,11 @@ pub(crate) fn hypotheses(
             },
             Ok(Some(placed)) => ObjectHypothesis {
                 source: HypothesisSource::Model {
+                    name: placed.name.to_owned(),
                     contradiction: placed.pose.contradiction,
                 },
                 surface: placed.surface.clone(),
-                plan_from_object: frame.plan_from_camera * placed.pose.camera_from_model,
+                plan_from_object: plan_from_camera * placed.pose.camera_from_model,
                 note: note_of_other(object, placed.name),
                 ..measured
             },
@@ -79,10 +90,10 @@ fn note_of_other(object: &SnapshotObject, model: &str) -> String {
 /// Hypothesis of the measured points of an object, about their middle.
 fn measured_hypothesis(
     object: &SnapshotObject,
-    frame: &PlanningFrame,
+    plan_from_camera: &RigidTransform,
     cell_m: f64,
 ) -> Result<ObjectHypothesis, Failure> {
-    let in_plan = |point: &[f32; 3]| frame.plan_from_camera * Point3::from(*point).cast::<f64>();
+    let in_plan = |point: &[f32; 3]| plan_from_camera * Point3::from(*point).cast::<f64>();
     let n = object.points.len() as f64;
     let sum = object
         .points

@@ -1,11 +1,10 @@
 //! Space around the objects: its background points, and its unknown voxels.
 
-use super::planning_frame::PlanningFrame;
-use super::snapshot::Snapshot;
-use crate::hypotheses::ObjectHypothesis;
+use crate::planning_frame::PlanningFrame;
 use nalgebra::{Point3, Vector3};
 use next_best_view::{ExplainedSpace, OccupancyGrid, SurfaceModel};
 use point_cloud::Point;
+use scene_client::{ObjectHypothesis, Snapshot};
 use service::Failure;
 
 /// Margins around the objects: to the sides and above, and below the lowest, metres. Chosen: the
@@ -24,14 +23,14 @@ const WIDTH_FINE: usize = 320;
 
 /// Box around the objects in the frame of planning, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PlanningSpace {
+pub struct PlanningSpace {
     least: Point3<f64>,
     greatest: Point3<f64>,
 }
 
 impl PlanningSpace {
     /// Space around hypotheses, or around the origin without any.
-    pub(crate) fn around(hypotheses: &[ObjectHypothesis]) -> Self {
+    pub fn around(hypotheses: &[ObjectHypothesis]) -> Self {
         let (mut least, mut greatest) = (
             Vector3::repeat(f64::INFINITY),
             Vector3::repeat(-f64::INFINITY),
@@ -54,11 +53,12 @@ impl PlanningSpace {
     }
 
     /// Longest diagonal, metres.
-    pub(crate) fn diagonal_m(&self) -> f64 {
+    pub fn diagonal_m(&self) -> f64 {
         (self.greatest - self.least).norm()
     }
 
-    fn contains(&self, place: &Point3<f64>) -> bool {
+    /// True for a place in the space.
+    pub fn contains(&self, place: &Point3<f64>) -> bool {
         (0..3).all(|axis| (self.least[axis]..=self.greatest[axis]).contains(&place[axis]))
     }
 
@@ -66,7 +66,7 @@ impl PlanningSpace {
     ///
     /// # Errors
     /// When the cells are impossible.
-    pub(crate) fn background(
+    pub fn background(
         &self,
         snapshot: &Snapshot,
         frame: &PlanningFrame,
@@ -92,7 +92,7 @@ impl PlanningSpace {
     ///
     /// # Errors
     /// When there are too many voxels.
-    pub(crate) fn occupancy(
+    pub fn occupancy(
         &self,
         snapshot: &Snapshot,
         frame: &PlanningFrame,

@@ -9,42 +9,50 @@ use registration::ModelCandidate;
 /// Frame with its scene. Places are in the world, or, where the camera's pose is unknown, in the
 /// frame of the camera.
 #[derive(Debug, Clone)]
-pub(crate) struct Snapshot {
+pub struct Snapshot {
     /// Points of the frame, row-major, camera frame.
-    pub(crate) points: Vec<Point>,
-    pub(crate) camera: PinholeCamera,
+    pub points: Vec<Point>,
+    /// Camera of the frame.
+    pub camera: PinholeCamera,
     /// Pose of the camera; `None` when it is unknown.
-    pub(crate) world_from_camera: Option<RigidTransform>,
+    pub world_from_camera: Option<RigidTransform>,
     /// Direction against gravity in the camera frame, as the camera measures it.
-    pub(crate) up_in_camera: Option<Unit<Vector3<f64>>>,
-    pub(crate) table_in_world: Option<Plane>,
+    pub up_in_camera: Option<Unit<Vector3<f64>>>,
+    /// Plane of the table; `None` without one.
+    pub table_in_world: Option<Plane>,
     /// Tracked objects, by track-id; tentative ones are left out.
-    pub(crate) objects: Vec<SnapshotObject>,
-    pub(crate) session: u64,
-    pub(crate) sequence: u64,
+    pub objects: Vec<SnapshotObject>,
+    /// Run of the source that the frame is of.
+    pub session: u64,
+    /// Number of the frame in its run.
+    pub sequence: u64,
     /// Capture time, nanoseconds of the camera's clock.
-    pub(crate) capture_ns: u64,
-    pub(crate) source_name: String,
+    pub capture_ns: u64,
+    /// Name of the source.
+    pub source_name: String,
 }
 
 /// Tracked object of a snapshot.
 #[derive(Debug, Clone)]
-pub(crate) struct SnapshotObject {
-    pub(crate) track: u64,
-    pub(crate) label: Option<String>,
+pub struct SnapshotObject {
+    /// Track-id.
+    pub track: u64,
+    /// Label; `None` for an unknown object.
+    pub label: Option<String>,
     /// Most probable categories with their probabilities, 0 to 1.
-    pub(crate) categories: Vec<(String, f64)>,
-    pub(crate) state: TrackState,
+    pub categories: Vec<(String, f64)>,
+    /// State of the track.
+    pub state: TrackState,
     /// Middle of its box.
-    pub(crate) middle_in_world: Point3<f64>,
+    pub middle_in_world: Point3<f64>,
     /// Measured points, camera frame, metres; empty for an object that is not seen.
-    pub(crate) points: Vec<[f32; 3]>,
+    pub points: Vec<[f32; 3]>,
 }
 
 impl SnapshotObject {
     /// Categories whose models the object may show: its label, and the most probable others. One
     /// without a label is unknown, and shows none.
-    pub(crate) fn candidates(&self) -> impl Iterator<Item = ModelCandidate<&str>> {
+    pub fn candidates(&self) -> impl Iterator<Item = ModelCandidate<&str>> {
         let label = self.label.as_deref();
         let near = self.categories.iter().filter(move |_| label.is_some());
         let near = near.map(|(name, probability)| (name.as_str(), *probability));
@@ -62,18 +70,17 @@ impl SnapshotObject {
 
 impl Snapshot {
     /// Pose of the camera in the frame of all places: the identity when it is unknown.
-    pub(crate) fn pose(&self) -> RigidTransform {
+    pub fn pose(&self) -> RigidTransform {
         self.world_from_camera.unwrap_or_default()
     }
 
     /// Points of the frame with depth.
-    pub(crate) fn measured(&self) -> impl Iterator<Item = &Point> {
+    pub fn measured(&self) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(|point| point.is_finite())
     }
 
     /// Snapshot of points that nothing else is known of.
-    #[cfg(test)]
-    pub(crate) fn of_points(camera: PinholeCamera, points: Vec<Point>) -> Self {
+    pub fn of_points(camera: PinholeCamera, points: Vec<Point>) -> Self {
         Self {
             points,
             camera,

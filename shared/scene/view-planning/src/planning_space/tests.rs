@@ -1,9 +1,8 @@
-use super::super::snapshot::Snapshot;
 use super::*;
-use crate::hypotheses::HypothesisSource;
 use geometry::{PinholeCamera, RigidTransform};
 use next_best_view::VoxelState;
 use point_cloud::Rgba;
+use scene_client::HypothesisSource;
 use std::rc::Rc;
 
 /// Camera above the origin that looks straight down, 0.8 m high.

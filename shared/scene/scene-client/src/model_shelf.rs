@@ -1,15 +1,12 @@
-//! Stored models, read from the memory when objects that they may be are seen.
+//! Stored models, read from their source when objects that they may be are seen.
 
-use crate::depth_noise::camera_depth_noise;
-use crate::plan::snapshot::{Snapshot, SnapshotObject};
-use control_client::{MemoryClient, connect_if_running};
-use mesh::{Triangle, TriangleMesh};
-use message::control::{DocumentKind, DocumentName, DocumentReport};
+use crate::snapshot::{Snapshot, SnapshotObject};
+use crate::stored_models::StoredModels;
+use mesh::TriangleMesh;
 use next_best_view::SurfaceModel;
-use object_model::ObjectModel;
 use registration::{ModelCandidate, ModelPose, PoseModel, SegmentView, estimate_pose, identify};
 use sensor_noise::DepthNoise;
-use service::{CommonArguments, Failure};
+use service::Failure;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -25,27 +22,31 @@ struct StoredModel {
 /// Stored models by name, each read once for each of its versions. An unusable one is kept as the
 /// reason.
 #[derive(Default)]
-pub(crate) struct ModelShelf {
+pub struct ModelShelf {
     depth_noise: DepthNoise,
     models: BTreeMap<String, (u64, Result<StoredModel, String>)>,
 }
 
 /// Stored model in the pose of an object.
-pub(crate) struct PlacedModel<'a> {
-    pub(crate) name: &'a str,
-    pub(crate) surface: &'a Rc<SurfaceModel>,
-    pub(crate) pose: ModelPose,
+pub struct PlacedModel<'a> {
+    /// Name of the model.
+    pub name: &'a str,
+    /// Surface of the model.
+    pub surface: &'a Rc<SurfaceModel>,
+    /// Pose in the frame of the camera.
+    pub pose: ModelPose,
 }
 
 impl ModelShelf {
-    /// Reads the stored models of the categories that the labelled objects of a snapshot may be.
+    /// Reads the stored models of the categories that the labelled objects of a snapshot may be,
+    /// from a source that is opened when there are any.
     ///
     /// # Errors
-    /// If the memory does not answer.
-    pub(crate) fn refresh(
+    /// If the source does not answer.
+    pub fn refresh<S: StoredModels>(
         &mut self,
-        common: &CommonArguments,
         snapshot: &Snapshot,
+        open: impl FnOnce() -> Result<S, Failure>,
     ) -> Result<(), Failure> {
         let seen = snapshot.objects.iter().filter(|o| !o.points.is_empty());
         let names: Vec<&str> = seen
@@ -56,28 +57,22 @@ impl ModelShelf {
             self.models.clear();
             return Ok(());
         }
-        let client = connect_if_running(common)?;
-        let client = client.ok_or_else(|| Failure::general("the memory does not run"))?;
-        // While perception does not answer, the camera has the noise that it had.
-        self.depth_noise = camera_depth_noise(common).unwrap_or(self.depth_noise);
-        let mut memory = MemoryClient::of_daemon(common, client);
-        let stored = memory.documents(DocumentKind::ObjectModel)?;
+        let mut source = open()?;
+        // While nobody knows it, the camera has the noise that it had.
+        self.depth_noise = source.depth_noise().unwrap_or(self.depth_noise);
+        let stored = source.versions()?;
         self.models
-            .retain(|name, _| stored.iter().any(|report| report.document.name == *name));
-        for report in stored {
-            let name = &report.document.name;
-            if !names.contains(&name.as_str()) || self.has(&report) {
+            .retain(|name, _| stored.iter().any(|(other, _)| other == name));
+        for (name, version) in stored {
+            let known = self.models.get(&name);
+            let has_it = known.is_some_and(|(known, _)| *known == version);
+            if has_it || !names.contains(&name.as_str()) {
                 continue;
             }
-            let model = read_model(&mut memory, name);
-            self.models.insert(name.clone(), (report.sequence, model));
+            let model = source.mesh(&name).and_then(|mesh| StoredModel::of(&mesh));
+            self.models.insert(name, (version, model));
         }
         Ok(())
-    }
-
-    fn has(&self, report: &DocumentReport) -> bool {
-        let known = self.models.get(&report.document.name);
-        known.is_some_and(|(sequence, _)| *sequence == report.sequence)
     }
 
     /// Places the model that an object shows, by its categories and by the poses of their models,
@@ -85,7 +80,7 @@ impl ModelShelf {
     ///
     /// # Errors
     /// The reason, where models are stored and none fits.
-    pub(crate) fn place(
+    pub fn place(
         &self,
         object: &SnapshotObject,
         scene: &[[f32; 3]],
@@ -142,35 +137,13 @@ fn unused_model(label: Option<&str>, stored: &[&str], name: &str, why: &str) -> 
     }
 }
 
-/// Reads a model; the reason why it cannot be used otherwise.
-fn read_model(memory: &mut MemoryClient, name: &str) -> Result<StoredModel, String> {
-    let document = DocumentName {
-        kind: DocumentKind::ObjectModel,
-        name: name.to_owned(),
-    };
-    let stored = memory
-        .document(&document)
-        .map_err(|error| error.to_string())?;
-    let model = ObjectModel::from_bytes(&stored.content).map_err(|error| error.to_string())?;
-    StoredModel::of(&model)
-}
-
 impl StoredModel {
-    fn of(model: &ObjectModel) -> Result<Self, String> {
-        let triangle = |vertices: &[u32; 3]| Triangle {
-            vertices: *vertices,
-            surface: 0,
-        };
-        let mesh = TriangleMesh {
-            vertices: model.mesh.vertices.clone(),
-            triangles: model.mesh.triangles.iter().map(triangle).collect(),
-            surfaces: Vec::new(),
-        };
+    fn of(mesh: &TriangleMesh) -> Result<Self, String> {
         let surface = if mesh.triangles.is_empty() {
             let points: Vec<[f32; 3]> = mesh.vertices.iter().map(|v| v.position.into()).collect();
             SurfaceModel::of_points(&points, MODEL_SPACING_M)
         } else {
-            SurfaceModel::of_mesh(&mesh, MODEL_SPACING_M)
+            SurfaceModel::of_mesh(mesh, MODEL_SPACING_M)
         };
         let surface = surface.map_err(|error| error.to_string())?;
         let pose_model = PoseModel::new(surface.points(), MODEL_SPACING_M);

@@ -1,8 +1,8 @@
 //! Visible share of each object in a virtual view: its area beside the others over its area alone.
 
-use crate::hypotheses::ObjectHypothesis;
 use geometry::RigidTransform;
 use next_best_view::{Hypothesis, PlanningScene, RenderConfig, VirtualView};
+use scene_client::ObjectHypothesis;
 use service::Failure;
 
 /// Visible share from which on an object counts as seen. Chosen.

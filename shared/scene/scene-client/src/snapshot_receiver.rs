@@ -1,11 +1,11 @@
 //! Receiver of snapshots: matches frames, scenes and clouds of objects.
 
-use super::snapshot::{Snapshot, SnapshotObject};
-use crate::frame_headers::FrameHeaders;
 use crate::scene_table::table_in_world;
+use crate::scene_topics::SceneTopics;
+use crate::snapshot::{Snapshot, SnapshotObject};
 use crate::visibility::is_seen;
-use channel::topic::{CameraCloud, ObjectCloud, Scene};
-use channel::{Domain, Error, Received, SharedMessage, Subscriber};
+use channel::topic::CameraCloud;
+use channel::{Domain, Error, SharedMessage};
 use geometry::{Plane, RigidTransform};
 use message::{FrameHeader, SceneObject, TrackState};
 use point_cloud::Point;
@@ -36,26 +36,24 @@ struct SceneOfFrame {
     objects: Vec<SceneObject>,
 }
 
-/// Subscribers of frames, scenes and the clouds of objects.
-pub(crate) struct SnapshotReceiver {
-    frames: Subscriber<CameraCloud>,
-    clouds: Subscriber<ObjectCloud>,
-    scenes: Subscriber<Scene>,
+/// Join of frames, scenes and the clouds of objects.
+pub struct SnapshotReceiver {
+    topics: SceneTopics,
     held: VecDeque<SharedMessage<CameraCloud>>,
-    headers: FrameHeaders,
     newest_clouds: BTreeMap<u64, TrackCloud>,
     scene: Option<SceneOfFrame>,
     has_frame: bool,
 }
 
 impl SnapshotReceiver {
-    pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
+    /// Receiver in a domain.
+    ///
+    /// # Errors
+    /// When a topic has no room for another subscriber, or shared memory fails.
+    pub fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
-            frames: Subscriber::polled(domain)?,
-            clouds: Subscriber::polled(domain)?,
-            scenes: Subscriber::polled(domain)?,
+            topics: SceneTopics::join(domain)?,
             held: VecDeque::new(),
-            headers: FrameHeaders::default(),
             newest_clouds: BTreeMap::new(),
             scene: None,
             has_frame: false,
@@ -63,15 +61,17 @@ impl SnapshotReceiver {
     }
 
     /// True if any frame has come so far.
-    pub(crate) fn has_frame(&self) -> bool {
+    pub fn has_frame(&self) -> bool {
         self.has_frame
     }
 
     /// Receives all messages that are queued; true if there is a new scene.
-    pub(crate) fn receive(&mut self) -> Result<bool, Error> {
-        while let Received::Message(frame) = self.frames.receive()? {
+    ///
+    /// # Errors
+    /// When shared memory fails.
+    pub fn receive(&mut self) -> Result<bool, Error> {
+        self.topics.take_frames(|frame| {
             self.has_frame = true;
-            self.headers.push(frame.header(), frame.items().len());
             // Frames of another run of the source have no scene any more.
             let session = frame.header().session;
             self.held.retain(|held| held.header().session == session);
@@ -79,8 +79,8 @@ impl SnapshotReceiver {
                 self.held.pop_back();
             }
             self.held.push_back(frame);
-        }
-        while let Received::Message(cloud) = self.clouds.receive()? {
+        })?;
+        self.topics.take_clouds(|cloud| {
             let header = cloud.header();
             self.newest_clouds.insert(
                 header.track_id,
@@ -90,8 +90,8 @@ impl SnapshotReceiver {
                     points: message::points(cloud.items()).to_vec(),
                 },
             );
-        }
-        let Some(scene) = self.scenes.latest()? else {
+        })?;
+        let Some(scene) = self.topics.newest_scene()? else {
             return Ok(false);
         };
         let header = scene.header();
@@ -110,19 +110,19 @@ impl SnapshotReceiver {
     }
 
     /// Objects of the newest scene; `None` before the first one.
-    pub(crate) fn objects(&self) -> Option<&[SceneObject]> {
+    pub fn objects(&self) -> Option<&[SceneObject]> {
         self.scene.as_ref().map(|scene| scene.objects.as_slice())
     }
 
     /// Pose of the camera in the frame of the newest scene; `None` when it is unknown.
-    pub(crate) fn world_from_camera(&self) -> Option<RigidTransform> {
+    pub fn world_from_camera(&self) -> Option<RigidTransform> {
         let scene = self.scene.as_ref()?;
-        let (header, _) = self.headers.find(scene.session, scene.sequence)?;
+        let (header, _) = self.topics.header(scene.session, scene.sequence)?;
         pose_of(header)
     }
 
     /// True if the newest scene shows objects, and the points of all of them have come.
-    pub(crate) fn is_complete(&self) -> bool {
+    pub fn is_complete(&self) -> bool {
         let Some(scene) = &self.scene else {
             return false;
         };
@@ -136,7 +136,7 @@ impl SnapshotReceiver {
 
     /// Snapshot of the newest scene; `None` when its frame is not held any more. Objects whose
     /// points have not come have none.
-    pub(crate) fn snapshot(&self) -> Option<Snapshot> {
+    pub fn snapshot(&self) -> Option<Snapshot> {
         let scene = self.scene.as_ref()?;
         let is_its = |frame: &&SharedMessage<CameraCloud>| {
             let header = frame.header();
@@ -180,7 +180,7 @@ impl SnapshotReceiver {
         let Some(cloud) = self.cloud_of(object, scene).filter(|_| is_seen(object)) else {
             return Vec::new();
         };
-        let Some((header, _)) = self.headers.find(cloud.session, cloud.sequence) else {
+        let Some((header, _)) = self.topics.header(cloud.session, cloud.sequence) else {
             return Vec::new();
         };
         let now_from_then = match (world_from_camera, pose_of(header)) {

@@ -6,7 +6,7 @@ use nalgebra::{Unit, Vector3};
 
 /// Plane of the table in the world, which is the camera's frame while its pose is not known; `None`
 /// without a table.
-pub(crate) fn table_in_world(scene: &SceneSummary) -> Option<Plane> {
+pub fn table_in_world(scene: &SceneSummary) -> Option<Plane> {
     let [x, y, z, offset_m] = scene.table_plane;
     let normal = Unit::try_new(Vector3::new(x, y, z), 1e-6);
     normal

@@ -3,10 +3,10 @@
 //! Numbers of single precision are exact enough in it, however far away the origin of the world is,
 //! and a camera whose pose is unknown is levelled by it.
 
-use super::snapshot::Snapshot;
 use geometry::{Plane, RigidTransform};
 use nalgebra::{Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use point_cloud::Point;
+use scene_client::Snapshot;
 
 /// Radius of the image's middle, as a share of its height, in which a place is looked for when
 /// there are no objects.
@@ -17,20 +17,21 @@ const TOP_M: f64 = 100.0;
 
 /// Pose of the frame of planning, with the camera and the table in it.
 #[derive(Debug, Clone)]
-pub(crate) struct PlanningFrame {
+pub struct PlanningFrame {
     /// Pose in the world, or in the frame of a camera whose pose is unknown.
-    pub(crate) world_from_plan: RigidTransform,
-    pub(crate) plan_from_camera: RigidTransform,
+    pub world_from_plan: RigidTransform,
+    /// Pose of the camera.
+    pub plan_from_camera: RigidTransform,
     /// Plane of the table with an upward normal.
-    pub(crate) table_in_plan: Option<Plane>,
+    pub table_in_plan: Option<Plane>,
     /// Remarks for people.
-    pub(crate) notes: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 impl PlanningFrame {
     /// Frame of a snapshot; `None` if there is neither an object nor a measured point in the middle
     /// of the image.
-    pub(crate) fn of(snapshot: &Snapshot) -> Option<Self> {
+    pub fn of(snapshot: &Snapshot) -> Option<Self> {
         let world_from_camera = snapshot.pose();
         let mut notes = Vec::new();
         let up_in_world = up_in_world(snapshot, &mut notes);
@@ -58,12 +59,18 @@ impl PlanningFrame {
     }
 
     /// Height of a place above the table, metres; `None` without a table.
-    pub(crate) fn height_m(&self, in_plan: &Point3<f64>) -> Option<f64> {
+    pub fn height_m(&self, in_plan: &Point3<f64>) -> Option<f64> {
         Some(self.table_in_plan?.height_m(in_plan))
     }
 
+    /// Poses in this frame.
+    pub fn poses(&self, in_world: &[RigidTransform]) -> Vec<RigidTransform> {
+        let plan_from_world = self.world_from_plan.inverse();
+        in_world.iter().map(|pose| plan_from_world * pose).collect()
+    }
+
     /// Measured point in this frame, metres.
-    pub(crate) fn place(&self, in_camera: &Point) -> Point3<f64> {
+    pub fn place(&self, in_camera: &Point) -> Point3<f64> {
         self.plan_from_camera * in_camera.position()
     }
 }
@@ -116,11 +123,11 @@ fn middle_in_world(snapshot: &Snapshot) -> Option<Point3<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::snapshot::SnapshotObject;
     use super::*;
     use geometry::PinholeCamera;
     use message::TrackState;
     use point_cloud::Rgba;
+    use scene_client::SnapshotObject;
 
     /// Frame whose points are all 1 m deep.
     fn snapshot() -> Snapshot {
