@@ -14,7 +14,10 @@ fn main() -> ExitCode {
     let check = move |found: &Configuration, purpose: Purpose| {
         let config = Config::new(&arguments, found)?;
         match purpose {
-            Purpose::Check => camera::check_source(&config)?,
+            Purpose::Check => {
+                let places = service::guest_places(found)?;
+                camera::check_source(&config, &arguments.process.common.domain, places)?;
+            }
             Purpose::Start => camera::restart_with_recording(&config)?,
             Purpose::Reload => {}
         }

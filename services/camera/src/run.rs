@@ -4,6 +4,8 @@ use crate::config::Config;
 use crate::fakenect_restart;
 use crate::source::{self, Source, SourceError, SourceSpec};
 use ::capture::{CaptureEnd, CaptureLoop, Outage};
+use channel::topic::MAX_FRAME_POINTS;
+use channel::{DomainName, check_shared_memory};
 use message::ProcessState;
 use point_cloud::Point;
 use service::{Context, Failure};
@@ -61,21 +63,27 @@ pub async fn run(context: Context, config: Config, again: ReplayRequest) -> Resu
     }
 }
 
-/// Checks that the source exists and that a frame of it can be played.
+/// Checks that the source exists, that a frame of it can be played, and that the memory that a
+/// domain with frames of this size and so many guest places needs is free.
 ///
 /// # Errors
-/// When the source cannot be played. A device may be connected later and is not checked.
-pub fn check_source(config: &Config) -> Result<(), Failure> {
-    let checked = match &config.source {
+/// When the source cannot be played, or the memory is not free. A device may be connected later
+/// and is not checked.
+pub fn check_source(config: &Config, domain: &DomainName, places: u32) -> Result<(), Failure> {
+    let max_points = match &config.source {
         SourceSpec::Fakenect(folder) => freenect::check_recording(folder)
-            .map(drop)
+            .map(|_| MAX_FRAME_POINTS)
             .map_err(|error| error.to_string()),
-        SourceSpec::Kinect => Ok(()),
+        SourceSpec::Kinect => Ok(MAX_FRAME_POINTS),
         _ => source::open(&config.source, &config.playback, None)
-            .and_then(|mut source| first_frame(&mut *source))
+            .and_then(|mut source| {
+                first_frame(&mut *source)?;
+                Ok(source.max_points())
+            })
             .map_err(|e| e.to_string()),
     };
-    checked.map_err(Failure::usage)
+    let max_points = max_points.map_err(Failure::usage)?;
+    Ok(check_shared_memory(domain, max_points, places)?)
 }
 
 /// Reads frames until one of them is usable.

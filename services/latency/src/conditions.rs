@@ -2,7 +2,8 @@
 
 use crate::process_usage::ProcessUsage;
 use crate::trace_reader::TraceReader;
-use channel::{DomainName, SharedMemory};
+use channel::topic::MAX_FRAME_POINTS;
+use channel::{Domain, SharedMemory};
 use latency_report::{Conditions, SharedMemoryReport};
 use serde::Serialize;
 use service::{wall_clock_ns, wall_clock_offset_ns};
@@ -46,11 +47,12 @@ impl ConditionsMonitor {
     pub(crate) fn end(
         self,
         source: String,
-        domain: &DomainName,
+        domain: &Domain,
         trace_reader: &TraceReader,
     ) -> Conditions {
         let lost_messages = trace_reader.n_lost() - self.lost_before;
-        let memory = SharedMemory::of_domain(domain);
+        let memory =
+            SharedMemory::of_domain(domain.name(), MAX_FRAME_POINTS, domain.guest_places());
         let mut warnings = self.warnings(trace_reader, lost_messages);
         let processes: Vec<_> = self
             .processes

@@ -80,7 +80,7 @@ pub(crate) fn measure(
     }
     let conditions = monitor.end(
         source_name(daemon, arguments),
-        daemon.domain.name(),
+        &daemon.domain,
         &trace_reader,
     );
     let overhead = MeasurementOverhead {

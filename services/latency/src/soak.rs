@@ -6,7 +6,8 @@ use crate::measured_daemon::MeasuredDaemon;
 use crate::process_usage::ProcessUsage;
 use crate::results::not_written;
 use crate::trace_reader::{ReadEnd, TraceReader, no_frames};
-use channel::SharedMemory;
+use channel::topic::MAX_FRAME_POINTS;
+use channel::{Domain, SharedMemory};
 use command_line::{Output, StopSignal, format_table, progress_bar};
 use latency_report::{
     DurationPercentiles, Growth, ProcessReport, LatencyRecorder, SoakWindow, find_growth,
@@ -111,14 +112,19 @@ fn soak(
         windows.push(SoakWindow {
             at_s: begun.elapsed().as_secs_f64(),
             clock_drift_ns: wall_clock_offset_ns() - offset_ns,
-            shared_memory_bytes: SharedMemory::of_domain(daemon.domain.name())
-                .map_or(0, |memory| memory.used_by_domain),
+            shared_memory_bytes: used_bytes(&daemon.domain),
             processes: usages.iter().filter_map(ProcessUsage::report).collect(),
             ..window(&recorder)
         });
     }
     progress.finish_and_clear();
     Ok((windows, trace_reader.n_lost()))
+}
+
+fn used_bytes(domain: &Domain) -> u64 {
+    let places = domain.guest_places();
+    let memory = SharedMemory::of_domain(domain.name(), MAX_FRAME_POINTS, places);
+    memory.map_or(0, |memory| memory.used_by_domain)
 }
 
 fn usages(trace_reader: &TraceReader) -> Vec<ProcessUsage> {

@@ -46,7 +46,7 @@ pub(crate) struct FrameReceiver {
 impl FrameReceiver {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
-            subscriber: Subscriber::waiting(domain)?,
+            subscriber: Subscriber::owner(domain)?,
             counter: FrameCounter::default(),
             invalid_log: LogOnce::default(),
         })

@@ -10,7 +10,7 @@ use command_line::{Output, StopSignal};
 use message::ProcessKind;
 use message::control::{Command, Reply};
 use serde::Serialize;
-use service::{CommonArguments, Configuration, Failure, start_log, stop_with_parent};
+use service::{CommonArguments, Configuration, Failure, guest_places, start_log, stop_with_parent};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -63,7 +63,12 @@ pub(crate) fn run(
     }
     // A member of the domain until all children have ended: the last member removes its files,
     // even those of killed processes.
-    let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Only(ROLE))?;
+    let domain = Domain::join_with(
+        &common.domain,
+        &RunFolder::of_user(),
+        Role::Only(ROLE),
+        guest_places(&found)?,
+    )?;
     let mut supervision = Supervision::new(&domain, config)?;
     let mut reload = DaemonReload::new(&domain, hang_ups, found, (common, run))?;
     let outcome = processes

@@ -3,12 +3,16 @@
 
 use super::{Finding, Severity, configuration, depth_noise, expected_processes};
 use channel::control::{CallError, SocketClient};
-use channel::{DomainState, RunFolder, SharedMemory, domain_reservation};
+use channel::topic::MAX_FRAME_POINTS;
+use channel::{
+    DomainState, GUEST_PLACES, RunFolder, SharedMemory, domain_bytes, domain_reservation,
+    fitting_guest_places,
+};
 use freenect::{Library, LibraryKind, Presence};
 use message::ProcessKind;
 use message::control::{Command, Reply};
 use rustix::process::{Resource, getrlimit};
-use service::CommonArguments;
+use service::{CommonArguments, Configuration, guest_places};
 use std::path::Path;
 use std::time::Duration;
 
@@ -30,7 +34,7 @@ pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
         .map(|mut client| client.call(Command::Health));
     vec![
         shared_memory(common),
-        reservations(),
+        reservations(common),
         descriptors(),
         domain(common, &run_folder, &state),
         crashed_run(&state),
@@ -52,7 +56,8 @@ fn megabytes(bytes: u64) -> u64 {
 
 fn shared_memory(common: &CommonArguments) -> Finding {
     let name = "shared memory";
-    let Some(state) = SharedMemory::of_domain(&common.domain) else {
+    let places = guest_places_of(common);
+    let Some(state) = SharedMemory::of_domain(&common.domain, MAX_FRAME_POINTS, places) else {
         let sentence = "/dev/shm is not there; mount a tmpfs at /dev/shm";
         return Finding::new(name, Severity::Failure, sentence);
     };
@@ -60,19 +65,46 @@ fn shared_memory(common: &CommonArguments) -> Finding {
     let total = megabytes(state.total_bytes);
     if state.is_sufficient() {
         let sentence = format!(
-            "the services will reserve up to {needed} MB; {available} MB of {total} MB are free for them"
+            "the services will reserve up to {needed} MB with {places} places for guests; \
+             {available} MB of {total} MB are free for them; {}",
+            larger_images(places, state.available())
         );
         return Finding::new(name, Severity::Ok, sentence);
     }
     let sentence = format!(
         "the services will reserve up to {needed} MB and only {available} MB of {total} MB are free; \
-         enlarge it (mount -o remount,size=512M /dev/shm; in a container --shm-size=512m)"
+         enlarge it (mount -o remount,size=512M /dev/shm; in a container --shm-size=512m){}",
+        fitting_guest_places(MAX_FRAME_POINTS, places, state.available())
+            .map_or_else(String::new, |fit| format!(
+                "; {fit} places for guests would fit"
+            ))
     );
     Finding::new(name, Severity::Failure, sentence)
 }
 
-fn reservations() -> Finding {
-    let mut all = domain_reservation();
+/// Configured number of guest places; the default while the configuration is wrong.
+fn guest_places_of(common: &CommonArguments) -> u32 {
+    let found = Configuration::find(common.config.as_deref(), common.home().path());
+    let places = found.and_then(|found| guest_places(&found));
+    places.unwrap_or(GUEST_PLACES)
+}
+
+/// Need of cameras with larger images, and the number of guests that would fit beside each.
+fn larger_images(places: u32, available: u64) -> String {
+    let of_size = |(width, height): (usize, usize)| {
+        let needed = megabytes(domain_bytes(width * height, places));
+        let fit = match fitting_guest_places(width * height, places, available) {
+            Some(fit) if fit == places => "free".to_owned(),
+            Some(fit) => format!("{fit} guests would fit"),
+            None => "too much".to_owned(),
+        };
+        format!("a camera of {width} x {height} needs {needed} MB ({fit})")
+    };
+    [(1280, 720), (1920, 1080)].map(of_size).join(", ")
+}
+
+fn reservations(common: &CommonArguments) -> Finding {
+    let mut all = domain_reservation(MAX_FRAME_POINTS, guest_places_of(common));
     all.sort_by_key(|reservation| std::cmp::Reverse(reservation.bytes()));
     let largest: Vec<String> = all
         .iter()

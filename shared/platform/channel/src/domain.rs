@@ -1,7 +1,9 @@
 //! Membership of a process in a domain: role lock, domain lock, iceoryx2 node.
 
+use crate::guest_places::{self, GUEST_PLACES};
 use crate::lock_file::LockFile;
 use crate::shared_memory::{check_shared_memory, refuse_foreign_files, remove_leftovers};
+use crate::topic::MAX_FRAME_POINTS;
 use crate::trusted_folder::TrustedFolder;
 use crate::{DomainName, RunFolder};
 use crate::{Error, log_bridge};
@@ -49,6 +51,9 @@ struct Membership {
     name: DomainName,
     folder: PathBuf,
     run_folder: RunFolder,
+    guest_places: u32,
+    /// Folder of the domain, for the locks of guests.
+    locks: Arc<TrustedFolder>,
     /// Node of iceoryx2; `None` only while joining and during drop.
     node: Option<Node<Service>>,
     /// Lock file of the exclusive role.
@@ -57,25 +62,42 @@ struct Membership {
 }
 
 impl Domain {
-    /// Joins a domain; creates it when it has no members.
+    /// Joins a domain; creates it, with the default number of guest places, when it has no
+    /// members.
     ///
     /// # Errors
     /// When the run folder cannot be written or is under another user's control, the
     /// role is taken, the domain's limits do not fit into the free shared memory, or
     /// iceoryx2 fails.
     pub fn join(name: &DomainName, run_folder: &RunFolder, role: Role<'_>) -> Result<Self, Error> {
+        Self::join_with(name, run_folder, role, GUEST_PLACES)
+    }
+
+    /// Joins a domain; creates it, with this number of guest places, when it has no members.
+    ///
+    /// # Errors
+    /// As [`join`](Self::join).
+    pub fn join_with(
+        name: &DomainName,
+        run_folder: &RunFolder,
+        role: Role<'_>,
+        guest_places: u32,
+    ) -> Result<Self, Error> {
         log_bridge::install();
-        let (folder, role, presence) = enter_folder(name, run_folder, role)?;
+        let (folder, role, presence) = enter_folder(name, run_folder, role, guest_places)?;
+        let guest_places = guest_places::of_domain(&folder);
         // A membership from here on, so that a failed start removes what it has made.
         let mut membership = Membership {
             name: name.clone(),
             folder: folder.path().to_owned(),
             run_folder: run_folder.clone(),
+            guest_places,
+            locks: folder.clone(),
             node: None,
             _role: role,
             presence,
         };
-        check_shared_memory(name, 0)?;
+        check_shared_memory(name, MAX_FRAME_POINTS, guest_places)?;
         membership.node = Some(make_node(name, &folder)?);
         Ok(Self(Arc::new(membership)))
     }
@@ -93,6 +115,15 @@ impl Domain {
     /// Path of the domain's control socket.
     pub fn control_socket(&self) -> PathBuf {
         self.0.run_folder.control_socket(&self.0.name)
+    }
+
+    /// Number of guest places of each topic with large messages.
+    pub fn guest_places(&self) -> u32 {
+        self.0.guest_places
+    }
+
+    pub(crate) fn locks(&self) -> &Arc<TrustedFolder> {
+        &self.0.locks
     }
 
     /// Removes the iceoryx2 resources of crashed processes, whose death is not
@@ -130,11 +161,12 @@ fn enter_folder(
     name: &DomainName,
     run_folder: &RunFolder,
     role: Role<'_>,
+    guest_places: u32,
 ) -> Result<(Arc<TrustedFolder>, Option<LockFile>, LockFile), Error> {
     let enter = || {
         let folder = Arc::new(open_folder(name, run_folder)?);
         let role = take_role(name, &folder, role)?;
-        let presence = enter(name, &folder)?;
+        let presence = enter(name, &folder, guest_places)?;
         Ok((folder, role, presence))
     };
     for _ in 1..MAX_ATTEMPTS {
@@ -195,8 +227,12 @@ fn take_role(
 }
 
 /// Takes the domain's lock together with the other members; removes the remains of a
-/// crash when there are none.
-fn enter(name: &DomainName, folder: &Arc<TrustedFolder>) -> Result<LockFile, Error> {
+/// crash, and decides the number of guest places, when there are none.
+fn enter(
+    name: &DomainName,
+    folder: &Arc<TrustedFolder>,
+    guest_places: u32,
+) -> Result<LockFile, Error> {
     let Some(lock) = LockFile::try_exclusive(folder, DOMAIN_LOCK)? else {
         refuse_foreign_files(name)?;
         return LockFile::shared(folder, DOMAIN_LOCK);
@@ -210,6 +246,7 @@ fn enter(name: &DomainName, folder: &Arc<TrustedFolder>) -> Result<LockFile, Err
     if n_files > 0 {
         tracing::info!("removed {n_files} shared memory files of an earlier run that had crashed");
     }
+    guest_places::decide(folder, guest_places)?;
     lock.share()?;
     Ok(lock)
 }

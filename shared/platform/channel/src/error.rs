@@ -52,20 +52,37 @@ pub enum Error {
         /// Id of the process that has the role, when it could be read.
         pid: Option<u32>,
     },
+    /// Topic whose guest places are all taken.
+    #[error(
+        "all {places} places for guests that read {service} are taken{}; end one of them, or raise \
+         guest_places in the section [shared_memory] of the configuration and restart the daemon",
+        by_processes(holders)
+    )]
+    NoGuestPlace {
+        /// Name of the topic.
+        service: &'static str,
+        /// Number of guest places of the domain.
+        places: u32,
+        /// Ids of the processes that have them.
+        holders: Vec<u32>,
+    },
     /// Insufficient shared memory for the daemon.
     #[error(
         "the daemon may use up to {} MB of shared memory and only {} MB of /dev/shm are free; \
          stop what uses it, or enlarge it (mount -o remount,size={}M /dev/shm; \
-         in a container start it with a larger --shm-size)",
+         in a container start it with a larger --shm-size){}",
         .needed.div_ceil(1_000_000),
         .available / 1_000_000,
-        ample_mib(*.needed)
+        ample_mib(*.needed),
+        with_fewer_guests(*.fitting_places)
     )]
     SharedMemory {
         /// Upper bound of the domain's use, bytes.
         needed: u64,
         /// Shared memory that is free and not reserved by others, bytes.
         available: u64,
+        /// Number of guest places with which it would fit; `None` when even none is too many.
+        fitting_places: Option<u32>,
     },
     /// Memory of a segment that could not be allocated.
     #[error(
@@ -149,6 +166,26 @@ fn own_uid() -> u32 {
 /// Size of shared memory that leaves as much free as is needed, MiB.
 fn ample_mib(needed: u64) -> u64 {
     (needed.div_ceil(1 << 20) * 2).next_multiple_of(256)
+}
+
+fn by_processes(holders: &[u32]) -> String {
+    match holders {
+        [] => String::new(),
+        [one] => format!(" (by process {one})"),
+        several => {
+            let ids: Vec<String> = several.iter().map(u32::to_string).collect();
+            format!(" (by processes {})", ids.join(", "))
+        }
+    }
+}
+
+fn with_fewer_guests(places: Option<u32>) -> String {
+    places.map_or_else(String::new, |places| {
+        format!(
+            "; it fits with guest_places = {places} in the section [shared_memory] of the \
+             configuration"
+        )
+    })
 }
 
 fn in_process(pid: Option<u32>) -> String {

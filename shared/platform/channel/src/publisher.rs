@@ -30,6 +30,7 @@ pub struct Publisher<T: Topic> {
     waker: WakeNotifier,
     segments: SegmentMap,
     max_items: usize,
+    guest_places: u32,
     sent: u64,
     _domain: Domain,
 }
@@ -57,14 +58,15 @@ impl<T: Topic> Publisher<T> {
     /// # Errors
     /// As [`new`](Self::new), and when the additional memory is not free.
     pub fn for_items(domain: &Domain, max_items: usize) -> Result<Self, Error> {
-        let reserved = topic::reservation::<T>(T::MAX_ITEMS).bytes();
-        let needed = topic::reservation::<T>(max_items).bytes();
-        check_shared_memory(domain.name(), needed.saturating_sub(reserved))?;
+        let places = domain.guest_places();
+        let frame_points = topic::frame_points::<T>(max_items);
+        check_shared_memory(domain.name(), frame_points, places)?;
         let service = open_service::<T>(domain)?;
         let publisher = service
             .publisher_builder()
             .initial_max_slice_len(max_items)
             .max_loaned_samples(T::LIMITS.loaned)
+            .override_sample_preallocation(move |_| T::LIMITS.slots(places))
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .set_backpressure_handler(|_| BackpressureAction::DiscardDataAndFail)
             .create()
@@ -76,6 +78,7 @@ impl<T: Topic> Publisher<T> {
             waker: WakeNotifier::new(domain, T::NAME)?,
             segments: SegmentMap::default(),
             max_items,
+            guest_places: places,
             sent: 0,
             _domain: domain.clone(),
         })
@@ -164,7 +167,7 @@ impl<T: Topic> Publisher<T> {
 
     /// Shared memory reserved by this publisher.
     pub fn reservation(&self) -> Reservation {
-        let all = topic::reservation::<T>(self.max_items);
+        let all = topic::reservation::<T>(self.max_items, self.guest_places);
         Reservation {
             slots: all.slots / T::LIMITS.publishers as u64,
             ..all

@@ -1,7 +1,7 @@
 //! Use of `/dev/shm` by a domain: sizes, checks, removal of leftovers.
 
 use crate::trusted_folder::SHARED_MEMORY_FOLDER as FOLDER;
-use crate::{DomainName, Error, Reservation, domain_reservation};
+use crate::{DomainName, Error, domain_bytes, fitting_guest_places};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
@@ -22,14 +22,15 @@ pub struct SharedMemory {
 }
 
 impl SharedMemory {
-    /// Measures `/dev/shm`; `None` when it does not exist.
-    pub fn of_domain(domain: &DomainName) -> Option<Self> {
+    /// Measures `/dev/shm` for a domain with frames of so many points, and so many guest places;
+    /// `None` when it does not exist.
+    pub fn of_domain(domain: &DomainName, frame_points: usize, guest_places: u32) -> Option<Self> {
         let fs = rustix::fs::statvfs(FOLDER).ok()?;
         let mut state = Self {
             total_bytes: fs.f_blocks * fs.f_frsize,
             free_bytes: fs.f_bavail * fs.f_frsize,
             used_by_domain: 0,
-            needed: domain_reservation().iter().map(Reservation::bytes).sum(),
+            needed: domain_bytes(frame_points, guest_places),
         };
         let own_prefix = domain.prefix();
         for entry in std::fs::read_dir(FOLDER).ok()?.flatten() {
@@ -53,18 +54,25 @@ impl SharedMemory {
     }
 }
 
-/// Checks that the domain's upper bound and this many bytes more are free.
-pub(crate) fn check_shared_memory(name: &DomainName, additional_bytes: u64) -> Result<(), Error> {
-    let Some(mut state) = SharedMemory::of_domain(name) else {
+/// Checks that what a domain with frames of so many points and so many guest places may use is
+/// free.
+///
+/// # Errors
+/// [`Error::SharedMemory`], with the number of places that would fit.
+pub fn check_shared_memory(
+    name: &DomainName,
+    frame_points: usize,
+    guest_places: u32,
+) -> Result<(), Error> {
+    let state = SharedMemory::of_domain(name, frame_points, guest_places);
+    let Some(state) = state.filter(|state| !state.is_sufficient()) else {
         return Ok(());
     };
-    state.needed = state.needed.saturating_add(additional_bytes);
-    if state.is_sufficient() {
-        return Ok(());
-    }
+    let available = state.available();
     Err(Error::SharedMemory {
         needed: state.needed,
-        available: state.available(),
+        available,
+        fitting_places: fitting_guest_places(frame_points, guest_places, available),
     })
 }
 
@@ -123,6 +131,8 @@ pub(crate) fn remove_leftovers(domain: &DomainName, domain_folder: &Path) -> usi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::GUEST_PLACES;
+    use crate::topic::MAX_FRAME_POINTS;
     use std::os::unix::fs::{chown, symlink};
 
     /// Name in `/dev/shm` that is removed at the end of the test.
@@ -140,7 +150,7 @@ mod tests {
         let sparse = Taken(Path::new(FOLDER).join(format!("sparse-{}", std::process::id())));
         let file = std::fs::File::create(&sparse.0).unwrap();
         file.set_len(1 << 40).unwrap();
-        let state = SharedMemory::of_domain(&name).unwrap();
+        let state = SharedMemory::of_domain(&name, MAX_FRAME_POINTS, GUEST_PLACES).unwrap();
         assert!(state.is_sufficient(), "{state:?}");
     }
 

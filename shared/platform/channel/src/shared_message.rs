@@ -7,6 +7,7 @@ use crate::topic::Topic;
 use iceoryx2::sample::Sample;
 use message::SegmentLocation;
 use std::ptr::NonNull;
+use std::sync::Arc;
 
 /// Received message, still in shared memory. Wrapped in an `Arc` it can be read by
 /// any number of threads; the last one returns the memory to the publisher.
@@ -19,6 +20,8 @@ pub struct SharedMessage<T: Topic> {
     /// Result of `sample.payload()`, which takes the subscriber's lock at each call.
     items: NonNull<[T::Item]>,
     location: SegmentLocation,
+    /// Counts the messages that a guest holds.
+    _held: Option<Arc<()>>,
 }
 
 // SAFETY: `Sample` is Send, and `items` points into the memory that it holds, which
@@ -35,6 +38,7 @@ impl<T: Topic> SharedMessage<T> {
     pub(crate) fn new(
         sample: Sample<Service, [T::Item], T::Header>,
         segments: &mut SegmentMap,
+        held: Option<Arc<()>>,
     ) -> Self {
         let header = *sample.user_header();
         let items = NonNull::from(sample.payload());
@@ -44,6 +48,7 @@ impl<T: Topic> SharedMessage<T> {
             header,
             items,
             location,
+            _held: held,
         }
     }
 

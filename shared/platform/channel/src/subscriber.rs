@@ -1,6 +1,7 @@
 //! Subscriber of a topic.
 
 use crate::domain::{Domain, Service};
+use crate::guest_places::GuestPlace;
 use crate::shared_message::SharedMessage;
 use crate::topic::Topic;
 use crate::topic_service::open_service;
@@ -8,6 +9,7 @@ use crate::wake_event::WakeListener;
 use crate::{Error, segment_map::SegmentMap};
 use iceoryx2::port::ReceiveError;
 use message::SequencedHeader;
+use std::sync::Arc;
 
 type IoxSubscriber<T> =
     iceoryx2::port::subscriber::Subscriber<Service, [<T as Topic>::Item], <T as Topic>::Header>;
@@ -18,10 +20,19 @@ pub struct Subscriber<T: Topic> {
     port: IoxSubscriber<T>,
     listener: Option<WakeListener>,
     segments: SegmentMap,
+    guest: Option<Guest>,
     /// Last message of each publisher: mostly one entry.
     last: Vec<LastMessage>,
     n_lost: u64,
     _domain: Domain,
+}
+
+/// Guest of a topic: its place, and a count of the messages that it holds.
+#[derive(Debug)]
+struct Guest {
+    _place: GuestPlace,
+    borrowed: usize,
+    held: Arc<()>,
 }
 
 /// Number of the last message received from a publisher.
@@ -43,15 +54,42 @@ pub enum Received<T: Topic> {
 }
 
 impl<T: Topic> Subscriber<T> {
-    /// Creates a polled subscriber, which costs nothing between calls.
+    /// Creates a polled subscriber, which costs nothing between calls; of a topic with guest
+    /// places it is a guest.
     ///
     /// # Errors
-    /// When the service is of another version or has its subscribers already.
+    /// When the service is of another version or has its subscribers already, or no place for a
+    /// guest is free.
     pub fn polled(domain: &Domain) -> Result<Self, Error> {
+        let Some(limits) = T::LIMITS.guest else {
+            return Self::with(domain, T::LIMITS.buffer, None);
+        };
+        let guest = Guest {
+            _place: GuestPlace::take(domain.locks(), T::NAME, domain.guest_places())?,
+            borrowed: limits.borrowed,
+            held: Arc::new(()),
+        };
+        Self::with(domain, limits.buffer, Some(guest))
+    }
+
+    /// Creates the subscriber for which a topic with guest places has one more place, with a
+    /// longer queue and more borrowed messages. It can wait; within a tokio runtime.
+    ///
+    /// # Errors
+    /// As [`polled`](Self::polled).
+    pub fn owner(domain: &Domain) -> Result<Self, Error> {
+        let listener = WakeListener::new(domain, T::NAME)?;
+        Ok(Self {
+            listener: Some(listener),
+            ..Self::with(domain, T::LIMITS.buffer, None)?
+        })
+    }
+
+    fn with(domain: &Domain, buffer: usize, guest: Option<Guest>) -> Result<Self, Error> {
         let service = open_service::<T>(domain)?;
         let subscriber = service
             .subscriber_builder()
-            .buffer_size(T::LIMITS.buffer)
+            .buffer_size(buffer)
             .history_request(T::LIMITS.history)
             .create()
             .map_err(|e| Error::transport("make a subscriber of", T::NAME, e))?;
@@ -59,6 +97,7 @@ impl<T: Topic> Subscriber<T> {
             port: subscriber,
             listener: None,
             segments: SegmentMap::default(),
+            guest,
             last: Vec::new(),
             n_lost: 0,
             _domain: domain.clone(),
@@ -82,6 +121,12 @@ impl<T: Topic> Subscriber<T> {
     /// # Errors
     /// When shared memory fails.
     pub fn receive(&mut self) -> Result<Received<T>, Error> {
+        let held = self.guest.as_ref().map(|guest| &guest.held);
+        let is_full = |guest: &Guest| Arc::strong_count(&guest.held) > guest.borrowed;
+        if self.guest.as_ref().is_some_and(is_full) {
+            return Ok(Received::BorrowLimitReached);
+        }
+        let held = held.cloned();
         let sample = match self.port.receive() {
             Ok(Some(sample)) => sample,
             Ok(None) => return Ok(Received::Nothing),
@@ -94,7 +139,7 @@ impl<T: Topic> Subscriber<T> {
         // among them because it is requested here: a memory barrier that moves the
         // frame waits for lines requested before it and allows none to be requested
         // behind it.
-        let frame = SharedMessage::<T>::new(sample, &mut self.segments);
+        let frame = SharedMessage::<T>::new(sample, &mut self.segments, held);
         self.count(publisher, frame.header().sent());
         Ok(Received::Message(frame))
     }

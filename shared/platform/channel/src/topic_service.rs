@@ -15,12 +15,12 @@ pub(crate) type IoxService<T> = PortFactory<Service, [<T as Topic>::Item], <T as
 pub(crate) fn open_service<T: Topic>(domain: &Domain) -> Result<IoxService<T>, Error> {
     let Limits {
         publishers,
-        subscribers,
         buffer,
         borrowed,
         history,
         ..
     } = T::LIMITS;
+    let subscribers = T::LIMITS.all_subscribers(domain.guest_places());
     let name: ServiceName = T::NAME
         .try_into()
         .map_err(|e| Error::transport("name", T::NAME, e))?;

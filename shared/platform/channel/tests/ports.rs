@@ -2,6 +2,7 @@
 //! separate domain.
 #![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
+use channel::GUEST_PLACES;
 use channel::control::{
     AnswerFuture, CallError, Client, RoleGroups, Server, SocketClient, SocketServer,
 };
@@ -105,7 +106,7 @@ async fn publisher_reserves_memory_for_larger_frames() {
     let (camera, reader) = (test_domain.join(), test_domain.join());
     let mut subscriber = Subscriber::<CameraCloud>::polled(&reader).unwrap();
     let mut publisher = Publisher::<CameraCloud>::for_items(&camera, N_POINTS).unwrap();
-    assert!(publisher.reservation().bytes() > 26 * 16 * N_POINTS as u64);
+    assert!(publisher.reservation().bytes() > 34 * 16 * N_POINTS as u64);
     for sequence in 0..40 {
         let mut loan = publisher.loan(N_POINTS).unwrap();
         loan.header_mut().sequence = sequence;
@@ -136,7 +137,7 @@ async fn overflow_of_sensor_data_drops_and_counts_the_oldest() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
     let mut publisher = Publisher::<CameraCloud>::new(&domain).unwrap();
-    let mut subscriber = Subscriber::<CameraCloud>::polled(&domain).unwrap();
+    let mut subscriber = Subscriber::<CameraCloud>::owner(&domain).unwrap();
     let mut send = |sequence| {
         let mut loan = publisher.loan(1).unwrap();
         loan.header_mut().sequence = sequence;
@@ -161,7 +162,7 @@ async fn subscriber_reports_its_borrow_limit_and_recovers() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
     let mut publisher = Publisher::<CameraCloud>::new(&domain).unwrap();
-    let mut subscriber = Subscriber::<CameraCloud>::polled(&domain).unwrap();
+    let mut subscriber = Subscriber::<CameraCloud>::owner(&domain).unwrap();
     let mut held = Vec::new();
     loop {
         publisher.send(publisher.loan(1).unwrap()).unwrap();
@@ -177,6 +178,42 @@ async fn subscriber_reports_its_borrow_limit_and_recovers() {
         subscriber.receive().unwrap(),
         Received::Message(_)
     ));
+}
+
+#[tokio::test]
+async fn eight_guests_read_beside_the_owner_and_the_ninth_gets_a_sentence() {
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
+    let mut publisher = Publisher::<CameraCloud>::new(&domain).unwrap();
+    let guest = || Subscriber::<CameraCloud>::polled(&domain);
+    let mut guests: Vec<_> = (0..GUEST_PLACES).map(|_| guest().unwrap()).collect();
+    let sentence = guest().unwrap_err().to_string();
+    let words = ["all 8 places", "camera/cloud", "guest_places"];
+    assert!(
+        words.iter().all(|word| sentence.contains(word)),
+        "{sentence}"
+    );
+    // The guests leave the owner its place, and all hold and queue what they may.
+    let mut owner = Subscriber::<CameraCloud>::owner(&domain).unwrap();
+    let mut held = Vec::new();
+    for sequence in 0..20 {
+        let mut loan = publisher.loan(1).unwrap();
+        loan.header_mut().sequence = sequence;
+        publisher.send(loan).unwrap();
+        for subscriber in guests.iter_mut().chain([&mut owner]) {
+            if let Received::Message(frame) = subscriber.receive().unwrap() {
+                held.push(frame);
+            }
+        }
+    }
+    assert_eq!(held.len(), 8 * 2 + 6);
+    held.clear();
+    for guest in &mut guests {
+        let newest = guest.latest().unwrap().unwrap();
+        assert_eq!(newest.header().sequence, 19);
+    }
+    guests.pop();
+    assert!(guest().is_ok(), "the place of a guest that left is free");
 }
 
 #[tokio::test]

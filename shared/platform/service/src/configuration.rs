@@ -24,7 +24,14 @@ use std::sync::Arc;
 use toml::{Table, Value};
 
 /// Sections of the configuration: one for each process, and `run` for their parent.
-pub const SECTIONS: [&str; 5] = ["run", "camera", "simulator", "perception", "memory"];
+pub const SECTIONS: [&str; 6] = [
+    "run",
+    "shared_memory",
+    "camera",
+    "simulator",
+    "perception",
+    "memory",
+];
 
 /// Beginning of keys that only test programs have, which check them themselves.
 const TEST_KEY_PREFIX: &str = "fault_";

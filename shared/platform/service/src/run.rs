@@ -7,7 +7,7 @@ use crate::service_manager::{clear_readiness_marker, has_been_ready};
 use crate::shutdown::on_signals;
 use crate::{
     Configuration, Context, Failure, HealthCounters, Home, LiveConfig, ProcessArguments, Shutdown,
-    start_log,
+    guest_places, start_log,
 };
 use channel::{Domain, Role, RunFolder};
 use message::ProcessKind;
@@ -121,7 +121,12 @@ where
     let outcome = runtime.block_on(async {
         let program = process.program();
         let common = &arguments.common;
-        let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Only(&program))?;
+        let domain = Domain::join_with(
+            &common.domain,
+            &RunFolder::of_user(),
+            Role::Only(&program),
+            guest_places(&started.0)?,
+        )?;
         tracing::info!(
             "{program} {} started: domain {}, data {}, configuration {}",
             env!("CARGO_PKG_VERSION"),
