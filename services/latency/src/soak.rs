@@ -10,7 +10,7 @@ use channel::topic::MAX_FRAME_POINTS;
 use channel::{Domain, SharedMemory};
 use command_line::{Output, StopSignal, format_table, progress_bar};
 use latency_report::{
-    DurationPercentiles, Growth, ProcessReport, LatencyRecorder, SoakWindow, find_growth,
+    DurationPercentiles, Growth, LatencyRecorder, ProcessReport, SoakWindow, find_growth,
     soak_figure,
 };
 use serde::Serialize;

@@ -161,7 +161,7 @@ impl OfflineMemory {
             store,
             scratch: home.path().join("exchange"),
             uploads: UPLOADS,
-            descriptor_kind: pipeline::DESCRIPTOR_KIND,
+            descriptor_kind: learning::DESCRIPTOR_KIND,
         });
         Ok((handler, thread))
     }

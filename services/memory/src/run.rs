@@ -41,7 +41,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
         store: store.clone(),
         scratch: context.home.path().join("exchange"),
         uploads: config.uploads,
-        descriptor_kind: pipeline::DESCRIPTOR_KIND,
+        descriptor_kind: learning::DESCRIPTOR_KIND,
     });
     let handler = Arc::new(handler);
     let domain = &context.domain;

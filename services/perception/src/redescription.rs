@@ -5,8 +5,9 @@
 //! loses nothing either.
 
 use learning::CategoryName;
+use learning::DESCRIPTOR_KIND;
 use message::control::{LearnedView, PackedCloud};
-use pipeline::{DESCRIPTOR_KIND, StoredViewDescriber};
+use pipeline::StoredViewDescriber;
 use point_cloud::Point;
 
 /// Labelled view with a descriptor of this version.

@@ -6,14 +6,14 @@ use crate::object_actor::ObservedView;
 use constraint::Assumption;
 use detection::{Candidate, Detection};
 use geometry::RigidTransform;
-use learning::{N_NEAREST, Neighbour, Recognition};
+use learning::{DESCRIPTOR_KIND, N_NEAREST, Neighbour, Recognition};
 use message::control::{StoredView, ViewId};
 use message::{
     DescriptorBytes, MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
     ObjectViewHeader, RejectedCandidate, SceneObject, SceneSummary, StageStamps, Text, TrackState,
     WirePose, upper_triangle,
 };
-use pipeline::{CandidateMeasurement, DESCRIPTOR_KIND, Sighting, Track};
+use pipeline::{CandidateMeasurement, Sighting, Track};
 use point_cloud::Rgba;
 use std::mem;
 use tracking::{TrackPhase, Visibility};

@@ -5,13 +5,13 @@
 
 use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
 use geometry::OrientedBox;
+use learning::DESCRIPTOR_KIND;
 use learning::{CategoryName, ViewId};
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 use perceptual_memory::{
     CapturedView, Mutation, MutationId, Requester, RetentionLimits, StoreChange, StoreConfig,
     StoreHandle, StoreThread, StoredDescriptor, WRITE_BUFFER_BYTES,
 };
-use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
 use random::Random;
 use service::{Failure, Home};

@@ -64,7 +64,7 @@ pub use histogram_file::{HistogramFileError, Histograms};
 pub use latency_figures::{percentile_figure, time_figure};
 pub use latency_recorder::LatencyRecorder;
 pub use report::{
-    Conditions, ProcessReport, LatencyReport, MeasurementOverhead, ObjectCounts,
+    Conditions, LatencyReport, MeasurementOverhead, ObjectCounts, ProcessReport,
     SharedMemoryReport, StageReport,
 };
 pub use resource_usage::ResourceUsage;

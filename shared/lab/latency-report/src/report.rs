@@ -194,9 +194,8 @@ impl LatencyReport {
 
     /// CPU utilisation of the daemon without its frame source: 1 is one core.
     pub fn cores_without_source(&self) -> f64 {
-        let is_source = |process: &&ProcessReport| {
-            !["simulator", "camera"].contains(&process.process.as_str())
-        };
+        let is_source =
+            |process: &&ProcessReport| !["simulator", "camera"].contains(&process.process.as_str());
         let processes = self.conditions.processes.iter().filter(is_source);
         processes.map(|process| process.cores).sum()
     }

@@ -60,6 +60,7 @@ mod exchange;
 mod findings;
 mod history;
 mod history_chain;
+mod history_limits;
 mod history_projection;
 mod history_verification;
 mod importing;
@@ -106,7 +107,7 @@ mod watermark;
 #[cfg(test)]
 mod tests;
 
-pub use archiving::{ArchivingStep, HistoryLimits};
+pub use archiving::ArchivingStep;
 pub use changed_item::ChangedItem;
 pub use checkpoint::{Checkpoint, CheckpointReader, Verification, verify_folder};
 pub use digest::Digest;
@@ -119,6 +120,7 @@ pub use durable_leveldb::{MutationId, WRITE_BUFFER_BYTES};
 pub use error::{Error, StorageError, StoreRefusal};
 pub use exchange::{ForeignDocument, ForeignView};
 pub use history::HistoryEntry;
+pub use history_limits::HistoryLimits;
 pub use label_status::{DecisionStamp, LabelStatus};
 pub use maintenance::Stats;
 pub use meta::StoreId;

@@ -8,6 +8,7 @@ use crate::keys;
 use crate::meta::{SCHEMA, StoreId};
 use crate::perceptual_memory::PerceptualMemory;
 use crate::purge;
+use crate::record_batch::RecordBatch;
 
 /// Tables of small records, compacted first.
 const RECORD_TABLES: [u8; 6] = [
@@ -123,6 +124,25 @@ impl PerceptualMemory {
     /// Size of the database files, bytes.
     pub(crate) fn database_bytes(&self) -> Result<u64, Error> {
         folder_bytes(&self.folder.database())
+    }
+
+    /// Records the size of the store if a day has passed since the last time.
+    ///
+    /// # Errors
+    ///
+    /// [`StorageError::Io`](crate::StorageError::Io) or [`Error::Failed`].
+    pub fn record_size_when_due(&mut self, wall_ns: u64) -> Result<(), Error> {
+        self.usable()?;
+        self.writable()?;
+        if !self.sizes.is_due(wall_ns) {
+            return Ok(());
+        }
+        self.commit()?;
+        let n_bytes = self.database_bytes()? + self.archive.record.n_bytes;
+        self.sizes.add(wall_ns, n_bytes);
+        let mut batch = RecordBatch::default();
+        batch.put(&[keys::SIZES], &self.sizes);
+        self.write(batch)
     }
 
     /// Statistics of the store at the time of the last mutation, or of the opening.

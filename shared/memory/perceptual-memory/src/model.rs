@@ -6,10 +6,10 @@ use std::fmt;
 use learning::{CategoryName, ViewId};
 use serde::{Deserialize, Serialize};
 
-use crate::archiving::HistoryLimits;
 use crate::digest::Digest;
 use crate::document::DocumentContent;
 use crate::document_key::DocumentKey;
+use crate::history_limits::HistoryLimits;
 use crate::label_status::{DecisionStamp, LabelStatus};
 
 /// Set of views that a label change applies to.

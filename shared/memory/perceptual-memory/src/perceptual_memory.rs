@@ -15,7 +15,6 @@ use crate::label_status::DecisionStamp;
 use crate::meta::{Meta, StoreId};
 use crate::model::{Effect, MutationReceipt, RetentionLimits};
 use crate::mutation::{Mutation, StoreChange};
-use crate::read_only::ReadOnly;
 use crate::record_batch::RecordBatch;
 use crate::record_reader::{read_entries, read_entry};
 use crate::size_record::SizeRecord;
@@ -57,6 +56,14 @@ struct Staged {
     writes: RecordBatch,
     /// Staged history entries by sequence number.
     entries: HashMap<u64, HistoryEntry>,
+}
+
+/// State of a store that can only be read.
+pub(crate) struct ReadOnly {
+    /// Error that keeps it from being written.
+    pub(crate) reason: Arc<Error>,
+    /// Sequence number of the last entry that was acknowledged: later ones may not be on disk.
+    pub(crate) acknowledged: u64,
 }
 
 impl PerceptualMemory {
@@ -355,5 +362,32 @@ impl PerceptualMemory {
     ) -> Result<T, Error> {
         self.usable()?;
         read(&self.engine.reader()).map_err(|error| self.fail(error))
+    }
+}
+
+/// Stores that can only be read.
+impl PerceptualMemory {
+    /// `true` if the store can only be read.
+    pub fn is_read_only(&self) -> bool {
+        self.read_only.is_some()
+    }
+
+    /// Refuses to acknowledge an entry that may not be on disk: one that a failed write left in
+    /// the log of a store that can only be read.
+    pub(crate) fn acknowledgeable(&self, sequence: u64) -> Result<(), Error> {
+        match &self.read_only {
+            Some(read_only) if sequence > read_only.acknowledged => self.writable(),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses changes of a store that can only be read.
+    pub(crate) fn writable(&self) -> Result<(), Error> {
+        match &self.read_only {
+            Some(read_only) => Err(Error::ReadOnly {
+                source: Arc::clone(&read_only.reason),
+            }),
+            None => Ok(()),
+        }
     }
 }

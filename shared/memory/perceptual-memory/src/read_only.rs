@@ -12,16 +12,8 @@ use crate::error::{Error, StorageError};
 use crate::meta::SCHEMA;
 use crate::model::RetentionLimits;
 use crate::opening::{Condition, OpenReport};
-use crate::perceptual_memory::PerceptualMemory;
+use crate::perceptual_memory::{PerceptualMemory, ReadOnly};
 use crate::watermark::{self, Watermark};
-
-/// State of a store that can only be read.
-pub(crate) struct ReadOnly {
-    /// Error that keeps it from being written.
-    pub(crate) reason: Arc<Error>,
-    /// Sequence number of the last entry that was acknowledged: later ones may not be on disk.
-    acknowledged: u64,
-}
 
 /// Opens an existing store for reading, and changes nothing. `reason` is why it cannot be written.
 ///
@@ -64,30 +56,4 @@ pub(crate) fn open(
         acknowledged: mark.map_or(0, |mark| mark.sequence),
     });
     Ok((memory, report))
-}
-
-impl PerceptualMemory {
-    /// `true` if the store can only be read.
-    pub fn is_read_only(&self) -> bool {
-        self.read_only.is_some()
-    }
-
-    /// Refuses to acknowledge an entry that may not be on disk: one that a failed write left in
-    /// the log of a store that can only be read.
-    pub(crate) fn acknowledgeable(&self, sequence: u64) -> Result<(), Error> {
-        match &self.read_only {
-            Some(read_only) if sequence > read_only.acknowledged => self.writable(),
-            _ => Ok(()),
-        }
-    }
-
-    /// Refuses changes of a store that can only be read.
-    pub(crate) fn writable(&self) -> Result<(), Error> {
-        match &self.read_only {
-            Some(read_only) => Err(Error::ReadOnly {
-                source: Arc::clone(&read_only.reason),
-            }),
-            None => Ok(()),
-        }
-    }
 }

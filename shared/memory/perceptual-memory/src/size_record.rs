@@ -4,11 +4,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
-use crate::keys;
-use crate::perceptual_memory::PerceptualMemory;
-use crate::record_batch::RecordBatch;
-
 /// Time between two samples: a day, nanoseconds.
 const PERIOD_NS: u64 = 24 * 3600 * 1_000_000_000;
 /// Number of samples kept.
@@ -25,7 +20,7 @@ pub(crate) struct SizeRecord {
 
 impl SizeRecord {
     /// `true` if the last sample is a day old, or the clock is behind it.
-    fn is_due(&self, wall_ns: u64) -> bool {
+    pub(crate) fn is_due(&self, wall_ns: u64) -> bool {
         let last = self.samples.last();
         last.is_none_or(|(ns, _)| !(*ns..ns.saturating_add(PERIOD_NS)).contains(&wall_ns))
     }
@@ -49,27 +44,6 @@ impl SizeRecord {
         let days = passed_ns as f64 / PERIOD_NS as f64;
         let growth = n_bytes.saturating_sub(*oldest_bytes) as f64 / days;
         Some(n_bytes.saturating_add((growth * YEAR_DAYS) as u64))
-    }
-}
-
-impl PerceptualMemory {
-    /// Records the size of the store if a day has passed since the last time.
-    ///
-    /// # Errors
-    ///
-    /// [`StorageError::Io`](crate::StorageError::Io) or [`Error::Failed`].
-    pub fn record_size_when_due(&mut self, wall_ns: u64) -> Result<(), Error> {
-        self.usable()?;
-        self.writable()?;
-        if !self.sizes.is_due(wall_ns) {
-            return Ok(());
-        }
-        self.commit()?;
-        let n_bytes = self.database_bytes()? + self.archive.record.n_bytes;
-        self.sizes.add(wall_ns, n_bytes);
-        let mut batch = RecordBatch::default();
-        batch.put(&[keys::SIZES], &self.sizes);
-        self.write(batch)
     }
 }
 

@@ -26,6 +26,7 @@
 //! ```
 
 mod category_name;
+mod descriptor_kind;
 mod error;
 mod view_id;
 
@@ -46,6 +47,7 @@ mod test_noise;
 pub use calibration::{Calibration, DescriptorSymmetries};
 pub use category_index::{CategoryIndex, IndexBatch, TrackEvidence, ViewUse};
 pub use category_name::{CategoryName, InvalidCategoryName};
+pub use descriptor_kind::DESCRIPTOR_KIND;
 pub use error::Error;
 pub use instance_pruning::redundant_views;
 pub use labelling::{LabelChange, TeachingError, ViewLabel, correct, forget, teach};

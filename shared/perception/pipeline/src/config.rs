@@ -5,9 +5,6 @@ use description::{AppearanceDescriptor, AxesKind};
 use learning::{Calibration, CategoryIndex, DescriptorSymmetries, Metric, UnknownRule};
 use tracking::{AssociationConfig, MotionConfig};
 
-/// Descriptor kind of this version; only descriptors of equal kind are comparable.
-pub const DESCRIPTOR_KIND: &str = "appearance-2-upright";
-
 /// Validated settings of tracking and recognition.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Config {

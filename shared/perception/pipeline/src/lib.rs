@@ -65,7 +65,7 @@ mod track_recovery;
 mod track_table;
 
 pub use candidate_measurement::CandidateMeasurement;
-pub use config::{Config, DESCRIPTOR_KIND, calibration, category_index};
+pub use config::{Config, calibration, category_index};
 pub use error::Error;
 pub use frame_pipeline::{FrameExecutor, FramePipeline, FrameStage, ObservedTracks};
 pub use frame_pose::FramePose;

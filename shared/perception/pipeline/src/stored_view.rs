@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use point_cloud::Point;
 
 /// Describer of stored views with its scratch memory. Its descriptors are of
-/// [`DESCRIPTOR_KIND`](crate::DESCRIPTOR_KIND).
+/// [`DESCRIPTOR_KIND`](learning::DESCRIPTOR_KIND).
 #[derive(Debug, Clone)]
 pub struct StoredViewDescriber {
     appearance: AppearanceDescriptor,

@@ -5,6 +5,7 @@ use crate::metric_views::{MetricViews, extent};
 use dataset::object_views::ViewFile;
 use description::{AppearanceDescriptor, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
+use learning::DESCRIPTOR_KIND;
 use learning::ViewId;
 use message::control::pack_cloud;
 use nalgebra::UnitVector3;
@@ -12,7 +13,6 @@ use perceptual_memory::{
     CapturedView, DecisionStamp, Digest, ForeignView, LabelStatus, MAX_NAME_BYTES, Origin,
     StoredDescriptor,
 };
-use pipeline::DESCRIPTOR_KIND;
 use point_cloud::{Point, Rgba};
 
 /// Domain separation of the origin digests.

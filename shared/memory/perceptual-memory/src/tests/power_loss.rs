@@ -18,9 +18,10 @@ use nalgebra::{Isometry3, Vector3};
 use random::Random;
 use tempfile::TempDir;
 
-use crate::archiving::{ArchivingStep, HistoryLimits};
+use crate::archiving::ArchivingStep;
 use crate::consistency_check::check_consistency;
 use crate::error::{Error, StorageError};
+use crate::history_limits::HistoryLimits;
 use crate::model::RetentionLimits;
 use crate::mutation::{Mutation, StoreChange as Asked};
 use crate::opening::{self, Condition, OpenReport};
