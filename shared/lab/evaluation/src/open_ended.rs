@@ -12,6 +12,7 @@
 
 mod curriculum;
 mod learning_curves;
+mod mean_curve;
 mod protocol;
 mod protocol_stage;
 mod record;

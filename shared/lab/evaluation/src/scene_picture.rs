@@ -147,9 +147,9 @@ fn painted(point: &Point, paint: Paint, is_stripe: bool) -> [u8; 3] {
     }
 }
 
-/// Qualitative palette that differs from the table's colour.
+/// Qualitative palette that differs from the table's colour, without a repetition among 24 objects.
 pub(crate) fn object_color(index: usize) -> [u8; 3] {
-    const COLORS: [[u8; 3]; 12] = [
+    const COLORS: [[u8; 3]; 24] = [
         [230, 25, 35],
         [30, 90, 255],
         [255, 200, 0],
@@ -162,6 +162,18 @@ pub(crate) fn object_color(index: usize) -> [u8; 3] {
         [255, 175, 200],
         [10, 20, 110],
         [245, 245, 245],
+        [150, 0, 30],
+        [100, 170, 255],
+        [130, 110, 0],
+        [140, 90, 255],
+        [0, 110, 130],
+        [255, 160, 120],
+        [60, 0, 60],
+        [255, 250, 160],
+        [190, 0, 110],
+        [130, 130, 130],
+        [120, 30, 0],
+        [200, 255, 250],
     ];
     COLORS[index % COLORS.len()]
 }

@@ -1,5 +1,6 @@
 //! Learning curves of open-ended runs as SVG.
 
+use super::mean_curve::MeanCurve;
 use super::record::{OpenEndedRun, StageRecord};
 use plot::diagram::{
     Axis, Color, Curve, Diagram, DrawingError, Legend, draw, drawing_error, side_by_side,
@@ -16,11 +17,13 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 const RUN_PX: (u32, u32) = (1040, 420);
 /// Height reserved for category names, pixels.
 const NAMES_PX: u32 = 150;
+/// Colour of the bounds of a band: a light blue.
+const BAND: Color = Color(130, 170, 255);
 /// Maximum number of categories for which names are drawn.
 const NAMED_BARS_MAX: usize = 70;
 
-/// Learning curves of all runs, one line each: accuracy over learned categories, and learned
-/// categories over questions, as SVG.
+/// Learning curves of all runs as SVG: accuracy over learned categories, and learned categories
+/// over questions, with their mean and a band of one standard deviation.
 ///
 /// # Errors
 /// If the plotting library fails.
@@ -28,31 +31,55 @@ pub fn overview_svg(runs: &[OpenEndedRun]) -> Result<String, DrawingError> {
     let stages = || runs.iter().flat_map(|run| &run.stages);
     let most = |value: fn(&StageRecord) -> u32| f64::from(stages().map(value).max().unwrap_or(1));
     let (n_categories, n_questions) = (most(|s| s.n_categories), most(|s| s.n_questions));
-    let curves = |point: fn(&StageRecord) -> (f64, f64)| {
-        let curve = |(index, run): (usize, &OpenEndedRun)| Curve {
-            name: "",
-            color: Color::of_series(index),
-            points: run.stages.iter().map(point).collect(),
-            is_marked: false,
-        };
-        runs.iter().enumerate().map(curve).collect()
-    };
+    let accuracy = |stage: &StageRecord| stage.accuracy;
+    let questions = |stage: &StageRecord| f64::from(stage.n_questions);
+    // The mean number of questions is taken at each number of categories, which is drawn upwards.
+    let turned = |(x, y): (f64, f64)| (y, x);
     side_by_side(&[
         Diagram {
-            title: "Accuracy over all questions, one line for each run",
+            title: "Accuracy over all questions",
             x: Axis::linear("learned categories", 1.0..n_categories + 1.0),
             y: Axis::linear("global classification accuracy", 0.0..1.05),
-            curves: curves(|stage| (stage.n_categories.into(), stage.accuracy)),
-            legend: Legend::UpperLeft,
+            curves: run_curves(runs, accuracy, |point| point),
+            legend: Legend::LowerLeft,
         },
         Diagram {
-            title: "Learned categories, one line for each run",
+            title: "Learned categories",
             x: Axis::linear("questions", 0.0..1.05 * n_questions),
             y: Axis::linear("learned categories", 0.0..1.05 * n_categories + 1.0),
-            curves: curves(|stage| (stage.n_questions.into(), stage.n_categories.into())),
+            curves: run_curves(runs, questions, turned),
             legend: Legend::UpperLeft,
         },
     ])
+}
+
+/// A light curve for each run, their mean, and the bounds of its band. `place` puts a pair of
+/// learned categories and value into the diagram.
+fn run_curves(
+    runs: &[OpenEndedRun],
+    value: impl Fn(&StageRecord) -> f64,
+    place: impl Fn((f64, f64)) -> (f64, f64),
+) -> Vec<Curve<'static>> {
+    let curve = |name, color, points: &[(f64, f64)]| Curve {
+        name,
+        color,
+        points: points.iter().copied().map(&place).collect(),
+        is_marked: false,
+    };
+    let of_run = |(index, run): (usize, &OpenEndedRun)| {
+        let pair = |stage: &StageRecord| (f64::from(stage.n_categories), value(stage));
+        let points: Vec<(f64, f64)> = run.stages.iter().map(pair).collect();
+        let name = if index == 0 { "each run" } else { "" };
+        curve(name, Color::GREY, &points)
+    };
+    let mut curves: Vec<Curve<'static>> = runs.iter().enumerate().map(of_run).collect();
+    let MeanCurve { mean, low, high } = MeanCurve::of(runs, &value);
+    if !low.is_empty() {
+        curves.push(curve("mean ± standard deviation", BAND, &low));
+        curves.push(curve("", BAND, &high));
+        curves.push(curve("mean", Color::BLUE, &mean));
+    }
+    curves
 }
 
 /// Figure of one run as SVG: protocol accuracy over questions with the threshold `tau` and a grey
@@ -236,9 +263,9 @@ mod tests {
             assert!(svg.contains(part), "{part} is not in {svg}");
         }
         let (one, two) = (overview_svg(&[run()]), overview_svg(&[run(), run()]));
-        let n_lines = |svg: Result<String, DrawingError>| svg.unwrap().matches("<polyline").count();
-        // One line in each of the two diagrams.
-        assert_eq!(n_lines(two), n_lines(one) + 2);
+        let n_bands = |svg: Result<String, DrawingError>| svg.unwrap().matches("mean ±").count();
+        // A single run has no band; two have one in each of the two diagrams.
+        assert_eq!((n_bands(one), n_bands(two)), (0, 2));
     }
 
     #[test]
