@@ -9,9 +9,6 @@ use next_best_view::SurfaceModel;
 use service::Failure;
 use std::rc::Rc;
 
-/// Number of points of the frame around a segment, at most. Chosen.
-const N_SCENE_POINTS: usize = 100_000;
-
 /// Object hypothesis of a track, in the frame of planning.
 #[derive(Debug, Clone)]
 pub struct ObjectHypothesis {
@@ -54,7 +51,7 @@ pub fn hypotheses(
     plan_from_camera: &RigidTransform,
     cell_m: f64,
 ) -> Result<Vec<ObjectHypothesis>, Failure> {
-    let scene = thinned_scene(snapshot);
+    let scene = snapshot.thinned();
     let seen = snapshot.objects.iter().filter(|o| !o.points.is_empty());
     let hypothesis = |object: &SnapshotObject| {
         let measured = measured_hypothesis(object, plan_from_camera, cell_m)?;
@@ -116,11 +113,4 @@ fn measured_hypothesis(
         plan_from_object: RigidTransform::translation(middle.x, middle.y, middle.z),
         note: String::new(),
     })
-}
-
-/// Points of the frame with depth, of which so many are left out that they are not too many.
-fn thinned_scene(snapshot: &Snapshot) -> Vec<[f32; 3]> {
-    let step = snapshot.points.len().div_ceil(N_SCENE_POINTS).max(1);
-    let measured = snapshot.measured().step_by(step);
-    measured.map(|point| [point.x, point.y, point.z]).collect()
 }

@@ -6,6 +6,9 @@ use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::Point;
 use registration::ModelCandidate;
 
+/// Number of points of the frame around a segment, at most. Chosen.
+const N_THINNED_MAX: usize = 100_000;
+
 /// Frame with its scene. Places are in the world, or, where the camera's pose is unknown, in the
 /// frame of the camera.
 #[derive(Debug, Clone)]
@@ -77,6 +80,14 @@ impl Snapshot {
     /// Points of the frame with depth.
     pub fn measured(&self) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(|point| point.is_finite())
+    }
+
+    /// Points of the frame with depth, of which so many are left out that they are not too many to
+    /// place a model among.
+    pub fn thinned(&self) -> Vec<[f32; 3]> {
+        let step = self.points.len().div_ceil(N_THINNED_MAX).max(1);
+        let measured = self.measured().step_by(step);
+        measured.map(|point| [point.x, point.y, point.z]).collect()
     }
 
     /// Snapshot of points that nothing else is known of.

@@ -57,6 +57,11 @@ impl PlanningSpace {
         (self.greatest - self.least).norm()
     }
 
+    /// Corners with the least and the greatest coordinates.
+    pub fn corners(&self) -> [Point3<f64>; 2] {
+        [self.least, self.greatest]
+    }
+
     /// True for a place in the space.
     pub fn contains(&self, place: &Point3<f64>) -> bool {
         (0..3).all(|axis| (self.least[axis]..=self.greatest[axis]).contains(&place[axis]))

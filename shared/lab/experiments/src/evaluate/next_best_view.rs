@@ -15,16 +15,17 @@ mod entropy_prediction;
 mod figures;
 mod filled_depth;
 mod findable_objects;
-mod known_objects;
 mod loop_method;
 mod method_report;
-mod object_hypotheses;
+mod noisy_truth;
 mod object_recognition;
-mod object_registration;
 mod pose_accuracy;
+mod prediction_source;
 mod published_statistic;
 mod report;
 mod report_page;
+mod scene_models;
+mod scene_planner;
 mod scene_result;
 mod segment_matching;
 mod simulated_bin;
@@ -36,7 +37,6 @@ use crate::output_files::{create_folder, write};
 use crate::parallel;
 use bin_picking_twin::TwinKind;
 use command_line::{Output, progress_bar};
-use next_best_view::Config;
 use report::NextBestViewReport;
 use scene_result::SceneResult;
 use service::Failure;
@@ -44,6 +44,7 @@ use simulated_world::ModelLibrary;
 use statistic_report::KindScenes;
 use std::path::Path;
 use std::process::ExitCode;
+use view_planning::PlanSettings;
 
 /// Runs all scenes and reports the figures.
 pub(super) fn run(arguments: &NextBestViewArguments, output: &Output) -> Result<ExitCode, Failure> {
@@ -52,18 +53,23 @@ pub(super) fn run(arguments: &NextBestViewArguments, output: &Output) -> Result<
         return bop_statistic::run(arguments, folder, models, output);
     }
     let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
-    let config = planner_config(arguments);
+    let settings = PlanSettings {
+        sigma_share: arguments.sigma_share,
+        visited_share: arguments.visited_share,
+        gain_weight: arguments.gain_weight,
+        ..PlanSettings::default()
+    };
     let bar = progress_bar(u64::from(arguments.scenes), "scenes", output);
     let scenes = parallel::map(
         arguments.scenes as usize,
         &bar,
         || (),
-        |(), number| scene_result::run(number, arguments, &config, &library),
+        |(), number| scene_result::run(number, arguments, &settings, &library),
     );
     bar.finish_and_clear();
     let scenes = scenes.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let twins = twins(arguments, &config, output)?;
-    let report = NextBestViewReport::of(arguments, &config, &scenes, &twins);
+    let twins = twins(arguments, output)?;
+    let report = NextBestViewReport::of(arguments, &settings, &scenes, &twins);
     let mut figures = figures::all(&report, &scenes)?;
     if arguments.twin_scenes > 0 {
         let svg = statistic_report::figure(&twins).map_err(Failure::general)?;
@@ -74,22 +80,8 @@ pub(super) fn run(arguments: &NextBestViewArguments, output: &Output) -> Result<
     Ok(ExitCode::SUCCESS)
 }
 
-/// Settings of the planner: the defaults, with those of the command line.
-fn planner_config(arguments: &NextBestViewArguments) -> Config {
-    Config {
-        sigma_share: arguments.sigma_share,
-        visited_share: arguments.visited_share,
-        gain_weight: arguments.gain_weight,
-        ..Config::default()
-    }
-}
-
 /// Published statistic on twins of the paper's scenes.
-fn twins(
-    arguments: &NextBestViewArguments,
-    config: &Config,
-    output: &Output,
-) -> Result<Vec<KindScenes>, Failure> {
+fn twins(arguments: &NextBestViewArguments, output: &Output) -> Result<Vec<KindScenes>, Failure> {
     let n_scenes = arguments.twin_scenes as usize;
     let jobs: Vec<(TwinKind, usize)> = TwinKind::ALL
         .into_iter()
@@ -103,7 +95,7 @@ fn twins(
         |(), job| {
             let (kind, number) = jobs[job];
             let seed = scene_result::scene_seed(arguments.seed, number);
-            bin_picking_twin::run(kind, seed, arguments.twin_views, config)
+            bin_picking_twin::run(kind, seed, arguments.twin_views)
         },
     );
     bar.finish_and_clear();

@@ -2,10 +2,9 @@
 //! its prediction: one model many times in a bin.
 
 use super::captured_view::capture_all;
-use super::known_objects::KnownObjects;
 use super::published_statistic::{PaperFigures, SceneStatistic};
+use super::scene_planner::ScenePlanner;
 use super::simulated_bin::{SimulatedBin, ViewLattice};
-use next_best_view::Config;
 use random::mix64;
 use service::Failure;
 use simulated_world::{ModelChoice, ModelLibrary, Scene, SceneKind};
@@ -90,16 +89,11 @@ pub(super) fn thrown(kind: TwinKind, seed: u64, n_views: u32) -> Result<Simulate
 }
 
 /// Statistic of one scene of a kind.
-pub(super) fn run(
-    kind: TwinKind,
-    seed: u64,
-    n_views: u32,
-    config: &Config,
-) -> Result<SceneStatistic, Failure> {
+pub(super) fn run(kind: TwinKind, seed: u64, n_views: u32) -> Result<SceneStatistic, Failure> {
     let bin = thrown(kind, seed, n_views)?;
-    let known = KnownObjects::new(&bin.scene, None)?;
-    let views = capture_all(&bin, Some(&known), false)?;
-    SceneStatistic::of(&bin.scene, &views, config, seed)
+    let planner = ScenePlanner::new(&bin.scene, None, seed, false)?;
+    let views = capture_all(&bin, Some(&planner), false)?;
+    Ok(SceneStatistic::of(&views))
 }
 
 #[cfg(test)]

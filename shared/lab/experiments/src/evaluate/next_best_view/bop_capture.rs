@@ -1,11 +1,11 @@
 //! Views of a BOP scene with its objects and their surroundings.
 
-use super::bin_scene::{BinObject, BinScene, FURNITURE_SPACING_M, Workspace};
+use super::bin_scene::{BinObject, BinScene, SURROUNDINGS_SPACING_M};
 use super::bop_frame::BopFrame;
 use super::bop_world::BopWorld;
 use super::captured_view::{CapturedView, LabelledImage};
 use super::filled_depth;
-use super::known_objects::KnownObjects;
+use super::scene_planner::ScenePlanner;
 use super::segment_matching::SegmentMatcher;
 use dataset::bop_scene::{BopObject, BopScene, open_model};
 use mesh::{Surface, Triangle, TriangleMesh, Vertex};
@@ -14,6 +14,7 @@ use next_best_view::SurfaceModel;
 use point_cloud::Point;
 use service::Failure;
 use std::path::Path;
+use std::rc::Rc;
 
 /// Least number of images: one to see from, and one to predict.
 const N_IMAGES_MIN: usize = 2;
@@ -24,55 +25,43 @@ const N_IMAGES_MIN: usize = 2;
 /// vanish.
 const CONFIRMED_SHARE: f64 = 0.05;
 
-/// Scene of the next best view with its views.
-#[derive(Debug)]
-pub(super) struct BopCapture {
-    pub(super) scene: BinScene,
-    pub(super) views: Vec<CapturedView>,
-}
-
-impl BopCapture {
-    /// Reads a scene with the models of its objects.
-    ///
-    /// # Errors
-    /// A file that is missing or not as in the format, fewer than two images, no objects, no
-    /// visible shares, or cameras whose poses nothing tells.
-    pub(super) fn read(folder: &Path, models: &Path) -> Result<Self, Failure> {
-        let bop = BopScene::open(folder).map_err(Failure::usage)?;
-        let shown = folder.display();
-        if bop.images().len() < N_IMAGES_MIN {
-            return Err(Failure::usage(format!(
-                "the BOP scene {shown} has one image; the entropy of a view is predicted from \
-                 another one, so give a scene of at least {N_IMAGES_MIN} images"
-            )));
-        }
-        let world = BopWorld::of(bop.images()).map_err(|image| {
-            Failure::usage(format!(
-                "the pose of the camera of image {image} of the BOP scene {shown} is not known: \
-                 scene_camera.json does not give cam_R_w2c and cam_t_w2c for all images, and the \
-                 image has no object in common with the others that tells the pose; add the poses, \
-                 or remove the image from scene_camera.json and scene_gt.json"
-            ))
-        })?;
-        if world.objects.is_empty() {
-            return Err(Failure::usage(format!(
-                "scene_gt.json of the BOP scene {shown} lists no objects; give a scene with ground \
-                 truth"
-            )));
-        }
-        check_visible_shares(&bop)?;
-        let scene = scene(&bop, &world, models)?;
-        let known = KnownObjects::new(&scene, None)?;
-        let mut matcher = SegmentMatcher::default();
-        let views = (0..bop.images().len()).map(|number| {
-            let frame = BopFrame::read(&bop, &world, number)?;
-            view(&scene, frame, number, (&mut matcher, &known))
-        });
-        Ok(Self {
-            views: views.collect::<Result<_, _>>()?,
-            scene,
-        })
+/// Captured views of a scene with the models of its objects; the seed is that of the noise of hypotheses.
+///
+/// # Errors
+/// A file that is missing or not as in the format, fewer than two images, no objects, no
+/// visible shares, or cameras whose poses nothing tells.
+pub(super) fn read(folder: &Path, models: &Path, seed: u64) -> Result<Vec<CapturedView>, Failure> {
+    let bop = BopScene::open(folder).map_err(Failure::usage)?;
+    let shown = folder.display();
+    if bop.images().len() < N_IMAGES_MIN {
+        return Err(Failure::usage(format!(
+            "the BOP scene {shown} has one image; the entropy of a view is predicted from \
+             another one, so give a scene of at least {N_IMAGES_MIN} images"
+        )));
     }
+    let world = BopWorld::of(bop.images()).map_err(|image| {
+        Failure::usage(format!(
+            "the pose of the camera of image {image} of the BOP scene {shown} is not known: \
+             scene_camera.json does not give cam_R_w2c and cam_t_w2c for all images, and the \
+             image has no object in common with the others that tells the pose; add the poses, \
+             or remove the image from scene_camera.json and scene_gt.json"
+        ))
+    })?;
+    if world.objects.is_empty() {
+        return Err(Failure::usage(format!(
+            "scene_gt.json of the BOP scene {shown} lists no objects; give a scene with ground \
+             truth"
+        )));
+    }
+    check_visible_shares(&bop)?;
+    let scene = scene(&bop, &world, models)?;
+    let planner = ScenePlanner::new(&scene, None, seed, false)?;
+    let mut matcher = SegmentMatcher::default();
+    let views = (0..bop.images().len()).map(|number| {
+        let frame = BopFrame::read(&bop, &world, number)?;
+        view(&scene, frame, number, (&mut matcher, &planner))
+    });
+    views.collect()
 }
 
 /// Checks that the visible shares of all objects are known.
@@ -90,37 +79,36 @@ fn check_visible_shares(bop: &BopScene) -> Result<(), Failure> {
     }
 }
 
-/// Scene of the objects, and of what else the cameras saw around them.
+/// Scene of the objects; the walls of a bin are not known.
 fn scene(bop: &BopScene, world: &BopWorld, models: &Path) -> Result<BinScene, Failure> {
-    let mut meshes: Vec<(u32, TriangleMesh)> = Vec::new();
+    let mut meshes: Vec<(u32, Rc<TriangleMesh>)> = Vec::new();
     let mut objects = Vec::new();
     for (object, id) in world.objects.iter().zip(1..) {
         if !meshes.iter().any(|(model, _)| *model == object.model) {
             let mesh = open_model(models, object.model).map_err(Failure::usage)?;
-            meshes.push((object.model, triangle_mesh(&mesh)));
+            meshes.push((object.model, Rc::new(triangle_mesh(&mesh))));
         }
-        for (_, mesh) in meshes.iter().filter(|(model, _)| *model == object.model) {
-            objects.push(BinObject::new(id, mesh, object.world_from_object)?);
+        for (model, mesh) in meshes.iter().filter(|(model, _)| *model == object.model) {
+            let name = model.to_string();
+            let pose = object.world_from_object;
+            objects.push(BinObject::new((id, &name), mesh.clone(), pose)?);
         }
     }
-    let workspace = Workspace::around_objects(&objects);
+    let mut scene = BinScene::new(objects, None, world.world_from_cameras.clone());
     let mut surroundings = Vec::new();
     for index in 0..bop.images().len() {
         let frame = BopFrame::read(bop, world, index)?;
-        surroundings.extend(thinned(&frame.surroundings(&workspace))?);
+        surroundings.extend(thinned(&frame.surroundings(&scene.space))?);
     }
-    Ok(BinScene {
-        objects,
-        workspace,
-        furniture: thinned(&confirmed(surroundings, bop.images().len()))?,
-        cameras: world.world_from_cameras.clone(),
-    })
+    scene.surroundings = thinned(&confirmed(surroundings, bop.images().len()))?;
+    Ok(scene)
 }
 
 /// Points in voxels that enough images have a point in, of the thinned points of all images.
 fn confirmed(mut points: Vec<[f32; 3]>, n_images: usize) -> Vec<[f32; 3]> {
     let n_min = (CONFIRMED_SHARE * n_images as f64).ceil() as usize;
-    let voxel = |point: &[f32; 3]| point.map(|c| (c / FURNITURE_SPACING_M as f32).floor() as i32);
+    let voxel =
+        |point: &[f32; 3]| point.map(|c| (c / SURROUNDINGS_SPACING_M as f32).floor() as i32);
     points.sort_by_key(voxel);
     let of_voxels = points.chunk_by(|a, b| voxel(a) == voxel(b));
     of_voxels
@@ -134,7 +122,7 @@ fn thinned(points: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Failure> {
     if points.is_empty() {
         return Ok(Vec::new());
     }
-    let model = SurfaceModel::of_points(points, FURNITURE_SPACING_M);
+    let model = SurfaceModel::of_points(points, SURROUNDINGS_SPACING_M);
     Ok(model.map_err(Failure::general)?.points().to_vec())
 }
 
@@ -159,7 +147,7 @@ fn view(
     scene: &BinScene,
     frame: BopFrame,
     number: usize,
-    (matcher, known): (&mut SegmentMatcher, &KnownObjects),
+    (matcher, planner): (&mut SegmentMatcher, &ScenePlanner<'_>),
 ) -> Result<CapturedView, Failure> {
     let depth_m = filled_depth::filled(&frame.points, &frame.mask, frame.camera.width as usize);
     let image = LabelledImage {
@@ -172,7 +160,7 @@ fn view(
         mask: &frame.mask,
         visible_shares: frame.visible_shares,
     };
-    CapturedView::new(scene, image, number, (matcher, Some(known)))
+    CapturedView::new(scene, image, number, (matcher, Some(planner)))
 }
 
 #[cfg(test)]

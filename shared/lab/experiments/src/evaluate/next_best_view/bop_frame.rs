@@ -1,12 +1,12 @@
 //! Pixels of a BOP image: measured points and the objects that they show.
 
-use super::bin_scene::Workspace;
 use super::bop_world::BopWorld;
 use dataset::NEUTRAL_GREY;
 use dataset::bop_scene::BopScene;
 use geometry::{PinholeCamera, RigidTransform};
 use point_cloud::{Point, Rgba};
 use service::Failure;
+use view_planning::PlanningSpace;
 
 /// Distance from the silhouettes of objects within which a pixel is not taken for surroundings,
 /// pixels. Chosen: depth is unreliable there.
@@ -55,8 +55,8 @@ impl BopFrame {
         })
     }
 
-    /// Measured points in the workspace that show no object, world frame, metres.
-    pub(super) fn surroundings(&self, workspace: &Workspace) -> Vec<[f32; 3]> {
+    /// Measured points in the space that show no object, world frame, metres.
+    pub(super) fn surroundings(&self, space: &PlanningSpace) -> Vec<[f32; 3]> {
         let width = self.camera.width as usize;
         let is_near_object = |pixel: usize| {
             let (column, row) = (pixel % width, pixel / width);
@@ -73,7 +73,7 @@ impl BopFrame {
         let places =
             finite.map(|(pixel, point)| (pixel, self.world_from_camera * point.position()));
         places
-            .filter(|(pixel, place)| workspace.contains(place) && !is_near_object(*pixel))
+            .filter(|(pixel, place)| space.contains(place) && !is_near_object(*pixel))
             .map(|(_, place)| place.cast::<f32>().into())
             .collect()
     }

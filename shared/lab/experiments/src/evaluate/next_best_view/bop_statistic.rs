@@ -1,7 +1,6 @@
 //! Published statistic on a BOP scene of the user.
 
-use super::bop_capture::BopCapture;
-use super::planner_config;
+use super::bop_capture;
 use super::published_statistic::SceneStatistic;
 use super::statistic_report::{self, KindReport, KindScenes, STATISTIC};
 use crate::arguments::NextBestViewArguments;
@@ -30,12 +29,11 @@ pub(super) fn run(
     models: &Path,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let BopCapture { scene, views } = BopCapture::read(folder, models)?;
-    let config = planner_config(arguments);
+    let views = bop_capture::read(folder, models, arguments.seed)?;
     let kind = KindScenes {
         kind: "bop",
         paper: None,
-        scenes: vec![SceneStatistic::of(&scene, &views, &config, arguments.seed)?],
+        scenes: vec![SceneStatistic::of(&views)],
     };
     let report = BopReport {
         version: env!("CARGO_PKG_VERSION"),

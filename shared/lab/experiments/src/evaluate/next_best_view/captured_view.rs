@@ -1,13 +1,12 @@
-//! Captured view of a scene: true visible areas, and the measured points with what detection found
-//! in them.
+//! Captured view of a scene: true visible areas, what detection found, and the plans from it.
 
-use super::bin_scene::{BinScene, Workspace};
-use super::known_objects::KnownObjects;
+use super::bin_scene::BinScene;
+use super::scene_planner::{ScenePlanner, ViewPlans};
 use super::segment_matching::{MatchedSegments, SegmentMatcher};
 use super::simulated_bin::SimulatedBin;
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Unit, Vector3};
-use next_best_view::{SurfaceModel, TotalArea, view_entropy};
+use next_best_view::{TotalArea, view_entropy};
 use point_cloud::Point;
 use service::Failure;
 use simulated_world::{ObjectTruth, SimulatedKinect};
@@ -15,18 +14,12 @@ use simulated_world::{ObjectTruth, SimulatedKinect};
 /// Camera of all simulated views.
 pub(super) const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 /// Base of the logarithm of all entropies: bit.
-pub(super) const LOG_BASE: f64 = 2.0;
-/// Spacing of the measured points that are kept, metres. Chosen: closed by the splats of 3 mm.
-pub(super) const MEASURED_SPACING_M: f64 = 0.005;
-/// Stride over rows and columns of the rays that mark the occupancy. Chosen: neighbouring rays are
-/// 6 mm apart, less than a voxel.
-const RAY_STRIDE: usize = 4;
+const LOG_BASE: f64 = 2.0;
 
 /// View of a scene from one camera.
 #[derive(Debug)]
 pub(super) struct CapturedView {
-    pub(super) world_from_camera: RigidTransform,
-    /// Entropy of the true visible areas over all visible area of the workspace, bit.
+    /// Entropy of the true visible areas over all visible area of the space, bit.
     pub(super) entropy: f64,
     /// The same over the area of the objects alone.
     pub(super) object_entropy: f64,
@@ -34,10 +27,8 @@ pub(super) struct CapturedView {
     pub(super) visible_shares: Vec<f64>,
     /// Segments that detection found, matched with the objects.
     pub(super) segments: MatchedSegments,
-    /// Measured points in the workspace, world frame, metres.
-    pub(super) measured: Vec<[f32; 3]>,
-    /// Thinned measured points in the camera frame, for occupancy.
-    pub(super) rays: Vec<Point>,
+    /// Plans from the view.
+    pub(super) plans: ViewPlans,
     /// Colour image, three bytes a pixel; kept for pictures only.
     pub(super) colors: Vec<u8>,
 }
@@ -59,39 +50,25 @@ pub(super) struct LabelledImage<'a> {
     pub(super) visible_shares: Vec<f64>,
 }
 
-impl LabelledImage<'_> {
-    /// Measured points of every so many rows and columns.
-    pub(super) fn strided_points(&self, stride: usize) -> impl Iterator<Item = &Point> {
-        let rows = self.points.chunks(self.camera.width as usize);
-        let strided = rows
-            .step_by(stride)
-            .flat_map(move |row| row.iter().step_by(stride));
-        strided.filter(|point| point.is_finite())
-    }
-}
-
 impl CapturedView {
-    /// View of an image, in which known objects are identified; the number selects the draws of
-    /// detection.
+    /// View of an image, from which plans are made if there is a planner; the number selects the
+    /// draws of detection.
     pub(super) fn new(
         scene: &BinScene,
         image: LabelledImage<'_>,
         number: usize,
-        (matcher, known): (&mut SegmentMatcher, Option<&KnownObjects>),
+        (matcher, planner): (&mut SegmentMatcher, Option<&ScenePlanner<'_>>),
     ) -> Result<Self, Failure> {
         let mut segments = matcher.find(scene, &image, number)?;
-        if let Some(known) = known {
-            known.identify(scene, &image, &mut segments);
-        }
+        let plans = planner.map(|planner| planner.plan(&image, &mut segments, number));
+        let plans = plans.transpose()?.unwrap_or_default();
         let (areas_m2, background_m2) = true_areas(scene, &image);
         let entropy = |total| view_entropy(&areas_m2, background_m2, total, LOG_BASE);
         Ok(Self {
-            world_from_camera: image.world_from_camera,
             entropy: entropy(TotalArea::Visible),
             object_entropy: entropy(TotalArea::Objects),
             segments,
-            measured: measured(&image, &scene.workspace)?,
-            rays: image.strided_points(RAY_STRIDE).copied().collect(),
+            plans,
             colors: Vec::new(),
             visible_shares: image.visible_shares,
         })
@@ -103,11 +80,11 @@ impl CapturedView {
     }
 }
 
-/// Captures all views of a simulated scene, in which known objects are identified;
+/// Captures all views of a simulated scene, from which plans are made if there is a planner;
 /// `keeps_colors` for pictures.
 pub(super) fn capture_all(
     bin: &SimulatedBin,
-    known: Option<&KnownObjects>,
+    planner: Option<&ScenePlanner<'_>>,
     keeps_colors: bool,
 ) -> Result<Vec<CapturedView>, Failure> {
     let mut world = bin.world.clone();
@@ -129,7 +106,7 @@ pub(super) fn capture_all(
             mask: kinect.mask(),
             visible_shares: visible_shares(&bin.scene, &truth),
         };
-        let mut view = CapturedView::new(&bin.scene, image, number, (&mut matcher, known))?;
+        let mut view = CapturedView::new(&bin.scene, image, number, (&mut matcher, planner))?;
         if keeps_colors {
             view.colors = points.iter().flat_map(|point| point.color.rgb()).collect();
         }
@@ -143,7 +120,7 @@ pub(super) fn up_in_camera(world_from_camera: &RigidTransform) -> Unit<Vector3<f
     Unit::new_normalize(world_from_camera.rotation.inverse() * Vector3::z())
 }
 
-/// Visible area of each object, and of all else in the workspace, square metres, by the true
+/// Visible area of each object, and of all else in the space around them, square metres, by the true
 /// depth.
 fn true_areas(scene: &BinScene, image: &LabelledImage<'_>) -> (Vec<f64>, f64) {
     let camera = &image.camera;
@@ -157,7 +134,7 @@ fn true_areas(scene: &BinScene, image: &LabelledImage<'_>) -> (Vec<f64>, f64) {
             continue;
         }
         let place = camera.back_project((pixel % width) as f64, (pixel / width) as f64, z);
-        if !scene.workspace.contains(&(image.world_from_camera * place)) {
+        if !scene.space.contains(&(image.world_from_camera * place)) {
             continue;
         }
         let area_m2 = z * z / (camera.fx_px * camera.fy_px);
@@ -179,19 +156,4 @@ fn visible_shares(scene: &BinScene, truth: &[ObjectTruth]) -> Vec<f64> {
         .iter()
         .map(|object| share(object.id))
         .collect()
-}
-
-/// Measured points in the workspace, world frame, thinned.
-fn measured(image: &LabelledImage<'_>, workspace: &Workspace) -> Result<Vec<[f32; 3]>, Failure> {
-    let finite = image.points.iter().filter(|point| point.is_finite());
-    let in_world = finite.map(|point| image.world_from_camera * point.position());
-    let inside: Vec<[f32; 3]> = in_world
-        .filter(|place| workspace.contains(place))
-        .map(|place| place.cast::<f32>().into())
-        .collect();
-    if inside.is_empty() {
-        return Ok(inside);
-    }
-    let thinned = SurfaceModel::of_points(&inside, MEASURED_SPACING_M);
-    Ok(thinned.map_err(Failure::general)?.points().to_vec())
 }

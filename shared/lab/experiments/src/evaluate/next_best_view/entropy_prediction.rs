@@ -1,67 +1,12 @@
 //! Prediction of the entropy of every view from every other one, against the truth.
 
-use super::bin_scene::BinScene;
 use super::captured_view::CapturedView;
-use super::object_hypotheses::{HypothesisNoise, ObjectHypotheses, SEEN_SHARE};
-use next_best_view::{CandidateViews, Config, ViewPlanner};
-use random::mix64;
+use super::prediction_source::PredictionSource;
 use serde::Serialize;
-use service::Failure;
 use statistics::correlation::spearman;
 
 /// Number of the best views among which a choice is a hit.
 const N_TOP: usize = 10;
-
-coded_enum::coded_enum! {
-    /// Source of the hypotheses of a prediction.
-    #[derive(Serialize)]
-    #[serde(rename_all = "kebab-case")]
-    pub(super) enum HypothesisSource {
-        /// All objects at their exact poses.
-        Truth, "truth";
-        /// All objects with noisy poses.
-        NoisyTruth, "noisy-truth";
-        /// Objects that are seen in the current view, with noisy poses, some missed, and a false one.
-        Visible, "visible";
-        /// Objects with a segment of their own in the current view, with noisy poses, and the other
-        /// segments as measured.
-        Segments, "segments";
-        /// Models that recognition and registration lay on the segments of the current view, and the
-        /// other segments as measured: no truth at all.
-        Registered, "registered";
-    }
-}
-
-impl HypothesisSource {
-    fn hypotheses(
-        self,
-        scene: &BinScene,
-        view: &CapturedView,
-        seed: u64,
-    ) -> Result<ObjectHypotheses, Failure> {
-        let noisy = |noise: &HypothesisNoise, is_known: &dyn Fn(usize) -> bool| {
-            ObjectHypotheses::noisy(scene, noise, seed, is_known)
-        };
-        Ok(match self {
-            Self::Truth => noisy(&HypothesisNoise::NONE, &|_| true),
-            Self::NoisyTruth => noisy(&HypothesisNoise::POSES, &|_| true),
-            Self::Visible => noisy(&HypothesisNoise::ALL, &|object| {
-                view.visible_shares[object] >= SEEN_SHARE
-            }),
-            Self::Segments => {
-                let is_detected = &view.segments.is_detected;
-                let mut known = noisy(&HypothesisNoise::POSES, &|object| is_detected[object]);
-                known.add_fragments(view)?;
-                known
-            }
-            Self::Registered => {
-                let mut known = ObjectHypotheses::of_models(view.segments.good_models());
-                known.add_unregistered(view)?;
-                known
-            }
-        })
-    }
-}
 
 /// Errors of predicted entropies over all pairs of a current view and a candidate.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -108,34 +53,17 @@ impl PredictionScore {
 pub(super) type PredictedPairs = Vec<(f64, f64)>;
 
 /// Predictions from every view of a scene, each as one list of pairs.
-pub(super) fn predict_all(
-    scene: &BinScene,
-    views: &[CapturedView],
-    source: HypothesisSource,
-    config: &Config,
-    seed: u64,
-) -> Result<Vec<PredictedPairs>, Failure> {
-    let mut planner = ViewPlanner::default();
-    let mut predicted = Vec::new();
-    for (current, view) in views.iter().enumerate() {
-        let known = source.hypotheses(scene, view, mix64(seed ^ mix64(current as u64)))?;
-        let planned = known.planning_scene(scene, &view.measured)?;
-        let candidates = CandidateViews {
-            world_from_candidates: &scene.cameras,
-            world_from_current: scene.cameras[current],
-            world_from_visited: &[],
-        };
-        let scores = planner.score(&planned, &candidates, config, None);
-        let scores = scores.map_err(Failure::general)?;
-        let others = scores.iter().zip(views).enumerate();
-        predicted.push(
-            others
-                .filter(|(candidate, _)| *candidate != current)
-                .map(|(_, (score, view))| (score.entropy, view.entropy))
-                .collect(),
-        );
-    }
-    Ok(predicted)
+pub(super) fn of_all(views: &[CapturedView], source: PredictionSource) -> Vec<PredictedPairs> {
+    let of_current = |(current, view): (usize, &CapturedView)| {
+        let predicted = view.plans.predicted[source as usize].iter().zip(views);
+        let others = predicted
+            .enumerate()
+            .filter(|(candidate, _)| *candidate != current);
+        others
+            .map(|(_, (predicted, view))| (*predicted, view.entropy))
+            .collect()
+    };
+    views.iter().enumerate().map(of_current).collect()
 }
 
 /// Score of the predictions of a scene.

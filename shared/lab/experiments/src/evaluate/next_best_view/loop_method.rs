@@ -1,17 +1,23 @@
 //! Methods that choose the next view in a closed loop.
 
-use next_best_view::Config;
+use super::prediction_source::PredictionSource;
+use next_best_view::ViewSelection;
+use view_planning::PlanSettings;
 
 /// Deviation of the paper's weight by distance, which it does not give, in diameters of the
 /// candidates. Chosen.
 const PAPER_SIGMA_SHARE: f64 = 0.35;
+/// Deviation of the weight at which distance does not count, in diameters of the candidates.
+const NO_DISTANCE: f64 = 1000.0;
+/// Weight of the information gain at which entropy does not count.
+const ONLY_GAIN: f64 = 1000.0;
 
 coded_enum::coded_enum! {
     /// Method that chooses the next view.
     pub(super) enum Method {
         /// Greatest weighted entropy with information gain and a penalty near visited views: ours.
         Greedy, "greedy";
-        /// The same with the true poses of the objects that were found, with noise.
+        /// The same with the true poses of all objects, with noise: a bound.
         GreedyTruth, "greedy-truth";
         /// Greatest weighted entropy, equation 3 alone.
         Entropy, "entropy";
@@ -31,30 +37,40 @@ coded_enum::coded_enum! {
 }
 
 impl Method {
-    /// `true` if the method renders virtual views.
-    pub(super) fn needs_entropy(self) -> bool {
-        matches!(
-            self,
-            Self::Greedy | Self::GreedyTruth | Self::Entropy | Self::Sampled | Self::Least
-        )
+    /// Source of the hypotheses that the method plans with.
+    pub(super) fn source(self) -> PredictionSource {
+        match self {
+            Self::GreedyTruth => PredictionSource::NoisyTruth,
+            _ => PredictionSource::Registered,
+        }
     }
 
-    /// Settings of the planner: ours, or those of the paper, which has no information gain and
+    /// Settings of the plan: ours, or those of the paper, which has no information gain and
     /// excludes no more than the visited views themselves.
-    pub(super) fn config(self, ours: &Config) -> Config {
-        if matches!(self, Self::Greedy | Self::GreedyTruth) {
-            return *ours;
-        }
-        Config {
+    pub(super) fn settings(self, ours: &PlanSettings) -> PlanSettings {
+        let paper = PlanSettings {
             sigma_share: PAPER_SIGMA_SHARE,
             visited_share: 0.0,
             gain_weight: 0.0,
             ..*ours
+        };
+        match self {
+            Self::Greedy | Self::GreedyTruth => *ours,
+            Self::Sampled => PlanSettings {
+                selection: ViewSelection::Sampled { beta: 1.0 },
+                ..paper
+            },
+            Self::Least => PlanSettings {
+                selection: ViewSelection::Least,
+                ..paper
+            },
+            // Neither distance nor entropy counts beside so much gain.
+            Self::InformationGain => PlanSettings {
+                sigma_share: NO_DISTANCE,
+                gain_weight: ONLY_GAIN,
+                ..paper
+            },
+            _ => paper,
         }
-    }
-
-    /// `true` if the method looks at the unknown space.
-    pub(super) fn needs_occupancy(self, config: &Config) -> bool {
-        self == Self::InformationGain || self.config(config).gain_weight > 0.0
     }
 }

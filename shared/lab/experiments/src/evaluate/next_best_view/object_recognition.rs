@@ -1,10 +1,10 @@
 //! Recognition of the objects in the bin, taught in other heaps of the same objects.
 
-use super::bin_scene::{BinObject, BinScene};
+use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, capture_all};
 use super::simulated_bin::{SimulatedBin, ViewLattice};
 use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
-use learning::{CategoryIndex, CategoryName, Neighbour, ViewId};
+use learning::{CategoryIndex, CategoryName, Neighbour, UnknownRule, ViewId};
 use nalgebra::UnitVector3;
 use point_cloud::Point;
 use random::mix64;
@@ -44,14 +44,6 @@ impl SegmentDescriber {
     }
 }
 
-/// Object that a segment may be.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct RecognisedObject {
-    pub(super) object: usize,
-    /// Probability, 0 to 1.
-    pub(super) probability: f64,
-}
-
 /// Recogniser of the objects of a scene.
 #[derive(Debug)]
 pub(super) struct ObjectRecogniser {
@@ -62,7 +54,7 @@ pub(super) struct ObjectRecogniser {
 
 impl ObjectRecogniser {
     /// Recogniser that is taught the objects of a bin in other heaps of them: every segment that
-    /// covers an object, by the number of the object.
+    /// covers an object, by the name of its model.
     pub(super) fn taught(
         bin: &SimulatedBin,
         (n_heaps, seed): (u32, u64),
@@ -91,36 +83,38 @@ impl ObjectRecogniser {
             let (Some(object), Some(descriptors)) = (segment.object, &segment.descriptors) else {
                 continue;
             };
-            let id = scene.objects[object].id;
+            let object = &scene.objects[object];
             let view_id = ViewId {
-                track_id: id.into(),
+                track_id: object.id.into(),
                 view_id: self.n_views,
             };
             self.n_views += 1;
-            let name = CategoryName::new(&id.to_string()).map_err(Failure::general)?;
+            let name = CategoryName::new(&object.name).map_err(Failure::general)?;
             let stored = self.index.insert(view_id, &name, &descriptors[0]);
             stored.map_err(Failure::general)?;
         }
         Ok(())
     }
 
-    /// Objects of a scene that a segment may be, the most probable first.
+    /// Label of a segment by the rule of perception, and its most probable categories with their
+    /// probabilities.
     pub(super) fn recognise(
         &self,
-        scene: &BinScene,
-        descriptors: &ViewDescriptors,
-    ) -> Vec<RecognisedObject> {
-        let Ok(found) = self.index.recognise_any(descriptors, f32::INFINITY) else {
-            return Vec::new();
+        descriptors: Option<&ViewDescriptors>,
+    ) -> (Option<String>, Vec<(String, f64)>) {
+        let rule = UnknownRule::LessProbableThan(pipeline::Config::KNOWN_PROBABILITY_MIN);
+        let found = descriptors.map(|known| self.index.recognise_any(known, rule));
+        let Some(Ok(found)) = found else {
+            return (None, Vec::new());
         };
-        let recognised = |near: &Neighbour| {
-            let is_near = |object: &BinObject| u64::from(object.id) == near.view.track_id;
-            Some(RecognisedObject {
-                object: scene.objects.iter().position(is_near)?,
-                probability: near.probability.unwrap_or(0.0).into(),
-            })
+        let category = |near: &Neighbour| {
+            let probability = near.probability.unwrap_or(0.0).into();
+            (near.category.as_str().to_owned(), probability)
         };
-        let nearest = found.nearest.iter().flatten();
-        nearest.filter_map(recognised).collect()
+        let label = found.label.map(|label| label.as_str().to_owned());
+        (
+            label,
+            found.nearest.iter().flatten().map(category).collect(),
+        )
     }
 }

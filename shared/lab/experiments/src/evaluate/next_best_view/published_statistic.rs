@@ -1,19 +1,15 @@
 //! Published statistic of the prediction (Kasaei et al. 2018, figure 8): standard deviation and
 //! mean squared error over the ten best predictions of each view, beside the errors over all.
 
-use super::bin_scene::BinScene;
 use super::captured_view::CapturedView;
-use super::entropy_prediction::{self, HypothesisSource, PredictedPairs, PredictionScore};
-use next_best_view::Config;
+use super::entropy_prediction::{self, PredictedPairs, PredictionScore};
+use super::prediction_source::PredictionSource;
 use serde::Serialize;
-use service::Failure;
 
 /// Number of predictions of a view that are kept (Kasaei et al. 2018).
 const N_BEST: usize = 10;
-/// Sources of the hypotheses, from the best one on.
-pub(super) const SOURCES: [HypothesisSource; 5] = HypothesisSource::ALL;
 /// Source whose predictions are drawn: it knows no truth.
-pub(super) const DRAWN: HypothesisSource = HypothesisSource::Registered;
+pub(super) const DRAWN: PredictionSource = PredictionSource::Registered;
 
 /// Figures of the paper for a kind of scene.
 #[derive(Debug, Clone, Copy)]
@@ -50,22 +46,17 @@ pub(super) struct SourceStatistic {
 pub(super) struct SceneStatistic {
     pub(super) n_objects: usize,
     pub(super) n_views: usize,
-    pub(super) sources: Vec<(HypothesisSource, SourceStatistic)>,
+    pub(super) sources: Vec<(PredictionSource, SourceStatistic)>,
     /// Views with their best predictions from the source that is drawn.
     pub(super) drawn: Vec<ReferenceView>,
 }
 
 impl SceneStatistic {
     /// Statistic of the predictions from every view of a scene.
-    pub(super) fn of(
-        scene: &BinScene,
-        views: &[CapturedView],
-        config: &Config,
-        seed: u64,
-    ) -> Result<Self, Failure> {
+    pub(super) fn of(views: &[CapturedView]) -> Self {
         let (mut sources, mut drawn) = (Vec::new(), Vec::new());
-        for source in SOURCES {
-            let predicted = entropy_prediction::predict_all(scene, views, source, config, seed)?;
+        for source in PredictionSource::ALL {
+            let predicted = entropy_prediction::of_all(views, source);
             let references = reference_views(&predicted);
             let statistic = SourceStatistic {
                 best_ten_sd: mean(&references, |view| spread(&view.best)),
@@ -77,12 +68,12 @@ impl SceneStatistic {
                 drawn = references;
             }
         }
-        Ok(Self {
-            n_objects: scene.objects.len(),
+        Self {
+            n_objects: views.first().map_or(0, |view| view.visible_shares.len()),
             n_views: views.len(),
             sources,
             drawn,
-        })
+        }
     }
 }
 

@@ -1,19 +1,20 @@
 //! Report of the next best view.
 
 use super::closed_loop::N_VIEWS_MAX;
-use super::entropy_prediction::{HypothesisSource, PredictionScore};
+use super::entropy_prediction::PredictionScore;
 use super::loop_method::Method;
 use super::method_report::{self, MethodReport};
 use super::pose_accuracy::PoseCounts;
+use super::prediction_source::PredictionSource;
 use super::scene_result::{SceneResult, ViewFigures};
 use super::simulated_bin::N_OBJECTS;
 use super::statistic_report::{KindReport, KindScenes};
 use crate::arguments::NextBestViewArguments;
-use next_best_view::Config;
 use serde::Serialize;
 use statistics::bootstrap::Estimate;
 use statistics::correlation::{pearson, spearman};
 use std::collections::BTreeMap;
+use view_planning::PlanSettings;
 
 /// Report of the next best view.
 #[derive(Debug, Serialize)]
@@ -82,18 +83,18 @@ impl NextBestViewReport {
     /// Report of the results of all scenes.
     pub(super) fn of(
         arguments: &NextBestViewArguments,
-        config: &Config,
+        settings: &PlanSettings,
         scenes: &[SceneResult],
         twins: &[KindScenes],
     ) -> Self {
         let intervals = CorrelationIntervals::of(scenes, arguments.seed);
         let predictions = predictions(scenes);
-        let of_source = |source: HypothesisSource| {
+        let of_source = |source: PredictionSource| {
             let score = predictions.get(source.word());
             score.copied().unwrap_or_default()
         };
-        let own = of_source(HypothesisSource::Registered);
-        let noisy_truth = of_source(HypothesisSource::NoisyTruth);
+        let own = of_source(PredictionSource::Registered);
+        let noisy_truth = of_source(PredictionSource::NoisyTruth);
         let methods = method_report::all(scenes, (&own, &noisy_truth), arguments.seed);
         let value = |estimate: Option<Estimate>| estimate.map_or(0.0, |estimate| estimate.value);
         Self {
@@ -104,9 +105,9 @@ impl NextBestViewReport {
             n_views: arguments.views,
             n_starts: arguments.starts,
             n_lesson_heaps: arguments.lesson_heaps,
-            sigma_share: config.sigma_share,
-            visited_share: config.visited_share,
-            gain_weight: config.gain_weight,
+            sigma_share: settings.sigma_share,
+            visited_share: settings.visited_share,
+            gain_weight: settings.gain_weight,
             pearson_r: value(intervals.pearson_r),
             spearman_rho: value(intervals.spearman_rho),
             intervals,
@@ -173,14 +174,14 @@ fn pairs(views: &[ViewFigures], figures: fn(&ViewFigures) -> (f64, f64)) -> Vec<
 }
 
 fn predictions(scenes: &[SceneResult]) -> BTreeMap<&'static str, PredictionScore> {
-    let of_source = |source: HypothesisSource| {
+    let of_source = |source: PredictionSource| {
         let of_scenes = scenes.iter().flat_map(|scene| &scene.predictions);
         let scores = of_scenes
             .filter(|(of, _)| *of == source)
             .map(|(_, score)| *score);
         PredictionScore::mean(&scores.collect::<Vec<_>>())
     };
-    let sources = HypothesisSource::ALL.into_iter();
+    let sources = PredictionSource::ALL.into_iter();
     sources
         .map(|source| (source.word(), of_source(source)))
         .collect()

@@ -1,7 +1,6 @@
 //! Tables and figures of the next best view.
 
 use super::closed_loop::N_VIEWS_MAX;
-use super::entropy_prediction::HypothesisSource;
 use super::figures::{ENTROPY, LOOPS, PREDICTION};
 use super::loop_method::Method;
 use super::report::NextBestViewReport;
@@ -9,6 +8,7 @@ use super::statistic_report::{self, CAPTION, STATISTIC};
 use crate::evaluate::tabular_report::{
     ReportTable, TabularReport, figure, interval, number, percent,
 };
+use super::prediction_source::PredictionSource;
 
 /// Tables, notes and pictures of the report.
 pub(super) fn page(report: &NextBestViewReport, pictures: &[String]) -> TabularReport<'static> {
@@ -64,9 +64,9 @@ fn methods(report: &NextBestViewReport) -> ReportTable {
 }
 
 fn predictions(report: &NextBestViewReport) -> ReportTable {
-    let sources = HypothesisSource::ALL
+    let sources = PredictionSource::ALL
         .into_iter()
-        .map(HypothesisSource::word);
+        .map(PredictionSource::word);
     let scores = sources.filter_map(|name| {
         let score = report.predictions.get(name)?;
         Some((name, score))

@@ -1,24 +1,22 @@
 //! Result of one scene: its views, the predictions of their entropy, and the closed loops.
 
-use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, capture_all};
 use super::closed_loop::{self, LoopCourse, LoopScene};
-use super::entropy_prediction::{self, HypothesisSource, PredictedPairs, PredictionScore};
+use super::entropy_prediction::{self, PredictedPairs, PredictionScore};
 use super::findable_objects::findable;
-use super::known_objects::KnownObjects;
 use super::loop_method::Method;
 use super::object_recognition::ObjectRecogniser;
 use super::pose_accuracy::PoseCounts;
+use super::prediction_source::PredictionSource;
+use super::scene_planner::ScenePlanner;
 use super::simulated_bin::SimulatedBin;
 use super::view_pictures;
 use crate::arguments::NextBestViewArguments;
-use next_best_view::{Config, ViewPlanner};
 use random::{Random, mix64};
 use service::Failure;
 use simulated_world::ModelLibrary;
+use view_planning::PlanSettings;
 
-/// Deviation of the weight at which distance does not count, in diameters of the candidates.
-const NO_DISTANCE: f64 = 1000.0;
 /// Random stream of the first views of the loops.
 const STREAM_STARTS: u64 = 3;
 
@@ -45,7 +43,7 @@ pub(super) struct SceneResult {
     pub(super) n_findable: usize,
     pub(super) views: Vec<ViewFigures>,
     pub(super) poses: PoseCounts,
-    pub(super) predictions: Vec<(HypothesisSource, PredictionScore)>,
+    pub(super) predictions: Vec<(PredictionSource, PredictionScore)>,
     /// Some predicted and true entropies with noisy hypotheses, for the figure.
     pub(super) pairs: PredictedPairs,
     pub(super) courses: Vec<(Method, Vec<LoopCourse>)>,
@@ -62,23 +60,23 @@ pub(super) fn scene_seed(seed: u64, number: usize) -> u64 {
 pub(super) fn run(
     number: usize,
     arguments: &NextBestViewArguments,
-    config: &Config,
+    settings: &PlanSettings,
     library: &ModelLibrary,
 ) -> Result<SceneResult, Failure> {
     let seed = scene_seed(arguments.seed, number);
     let bin = SimulatedBin::new(seed, arguments.views, library)?;
     let scene = &bin.scene;
     let recogniser = ObjectRecogniser::taught(&bin, (arguments.lesson_heaps, seed), library)?;
-    let known = KnownObjects::new(scene, Some(recogniser))?;
-    let views = capture_all(&bin, Some(&known), number == 0)?;
-    let (predictions, pairs) = predictions(scene, &views, config, seed)?;
+    let planner = ScenePlanner::new(scene, Some(recogniser), seed, true)?;
+    let views = capture_all(&bin, Some(&planner), number == 0)?;
+    let (predictions, pairs) = predictions(&views);
     let loop_scene = LoopScene {
         scene,
         views: &views,
-        config,
+        settings,
         seed,
     };
-    let courses = courses(&loop_scene, arguments)?;
+    let courses = courses(&loop_scene, arguments);
     let pictures = if number == 0 {
         view_pictures::draw(&views, &courses)?
     } else {
@@ -90,7 +88,7 @@ pub(super) fn run(
         entropy: view.entropy,
         object_entropy: view.object_entropy,
         visibility: view.visibility(),
-        f1: view.segments.f1(),
+        f1: view.segments.f1(scene),
         detection_f1: view.segments.detection_f1(),
         n_detected: view.segments.n_detected(),
         elevation_deg: mount.elevation_deg,
@@ -100,7 +98,7 @@ pub(super) fn run(
         n_objects: scene.objects.len(),
         n_findable,
         views: figures.collect(),
-        poses: PoseCounts::of(&views),
+        poses: PoseCounts::of(scene, &views),
         predictions,
         pairs,
         courses,
@@ -108,45 +106,36 @@ pub(super) fn run(
     })
 }
 
+/// Scores of the predictions from each source, and some predicted and true entropies.
 fn predictions(
-    scene: &BinScene,
     views: &[CapturedView],
-    config: &Config,
-    seed: u64,
-) -> Result<(Vec<(HypothesisSource, PredictionScore)>, PredictedPairs), Failure> {
-    let config = Config {
-        sigma_share: NO_DISTANCE,
-        gain_weight: 0.0,
-        ..*config
-    };
+) -> (Vec<(PredictionSource, PredictionScore)>, PredictedPairs) {
     let (mut scores, mut shown) = (Vec::new(), Vec::new());
-    for source in HypothesisSource::ALL {
-        let predicted = entropy_prediction::predict_all(scene, views, source, &config, seed)?;
+    for source in PredictionSource::ALL {
+        let predicted = entropy_prediction::of_all(views, source);
         scores.push((source, entropy_prediction::score(&predicted)));
-        if source == HypothesisSource::NoisyTruth {
+        if source == PredictionSource::NoisyTruth {
             // The first current view against all others.
             shown = predicted.into_iter().next().unwrap_or_default();
         }
     }
-    Ok((scores, shown))
+    (scores, shown)
 }
 
 fn courses(
     loop_scene: &LoopScene<'_>,
     arguments: &NextBestViewArguments,
-) -> Result<Vec<(Method, Vec<LoopCourse>)>, Failure> {
+) -> Vec<(Method, Vec<LoopCourse>)> {
     let mut random = Random::substream(mix64(loop_scene.seed), STREAM_STARTS);
     let n_views = loop_scene.views.len();
     let starts: Vec<usize> = (0..arguments.starts)
         .map(|_| random.below(n_views))
         .collect();
-    let mut planner = ViewPlanner::default();
-    let mut courses = Vec::new();
-    for method in Method::ALL {
-        let of_method = starts
+    let of_method = |method| {
+        let courses = starts
             .iter()
-            .map(|&start| closed_loop::run(loop_scene, method, start, &mut planner));
-        courses.push((method, of_method.collect::<Result<Vec<_>, _>>()?));
-    }
-    Ok(courses)
+            .map(|&start| closed_loop::run(loop_scene, method, start));
+        (method, courses.collect())
+    };
+    Method::ALL.into_iter().map(of_method).collect()
 }

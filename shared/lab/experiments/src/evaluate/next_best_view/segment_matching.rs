@@ -2,9 +2,9 @@
 
 use super::bin_scene::BinScene;
 use super::captured_view::LabelledImage;
-use super::object_recognition::{RecognisedObject, SegmentDescriber, ViewDescriptors};
-use super::object_registration::RegisteredModel;
+use super::object_recognition::{SegmentDescriber, ViewDescriptors};
 use crate::frame_detector::FrameDetector;
+use geometry::Plane;
 use nalgebra::Point3;
 use point_cloud::OrganizedCloud;
 use service::Failure;
@@ -13,6 +13,14 @@ use service::Failure;
 const OVERLAP_MIN: f64 = 0.5;
 /// Share of the points of a segment from which on it belongs to the bin or is beside it.
 const MOST: f64 = 0.5;
+
+/// Model that lies on a segment.
+#[derive(Debug, Clone)]
+pub(super) struct RegisteredModel {
+    pub(super) name: String,
+    /// `true` if it is that of the object that the segment covers, at a right pose.
+    pub(super) is_right: bool,
+}
 
 /// Segment that detection found.
 #[derive(Debug, Clone, Default)]
@@ -23,37 +31,31 @@ pub(super) struct SceneSegment {
     pub(super) object: Option<usize>,
     /// Descriptors of its axis hypotheses, until it is recognised; `None` if it has too few points.
     pub(super) descriptors: Option<ViewDescriptors>,
-    /// Objects that recognition takes it for, the most probable first.
-    pub(super) recognised: Vec<RecognisedObject>,
-    /// Model that lies on it, if one was registered.
+    /// Model that recognition takes it for; `None` for an unknown object.
+    pub(super) label: Option<String>,
+    /// Most probable models with their probabilities, 0 to 1.
+    pub(super) categories: Vec<(String, f64)>,
+    /// Model that lies on it, if one fits.
     pub(super) registered: Option<RegisteredModel>,
+    /// `true` if the model of the object that it covers fits at a right pose when it is given.
+    pub(super) is_true_model_right: bool,
 }
 
 impl SceneSegment {
-    /// Object that it is identified as: that of the model which lies on it, else the most probable.
-    pub(super) fn identified(&self) -> Option<usize> {
-        let registered = self.good_model().map(|model| model.object);
-        registered.or_else(|| self.first_recognised())
+    /// Name of the object that it covers.
+    fn true_name<'a>(&self, scene: &'a BinScene) -> Option<&'a str> {
+        Some(&scene.objects[self.object?].name)
     }
 
-    /// Object that recognition finds most probable.
-    fn first_recognised(&self) -> Option<usize> {
-        self.recognised.first().map(|recognised| recognised.object)
+    /// `true` if recognition takes it for the object that it covers.
+    pub(super) fn is_recognised(&self, scene: &BinScene) -> bool {
+        self.object.is_some() && self.label.as_deref() == self.true_name(scene)
     }
 
-    /// Model that probably lies on it.
-    pub(super) fn good_model(&self) -> Option<&RegisteredModel> {
-        self.registered.as_ref().filter(|model| model.is_good)
-    }
-
-    /// `true` if recognition takes it first for the object that it covers.
-    pub(super) fn is_recognised(&self) -> bool {
-        self.object.is_some() && self.first_recognised() == self.object
-    }
-
-    /// `true` if it is identified as the object that it covers.
-    pub(super) fn is_identified(&self) -> bool {
-        self.object.is_some() && self.identified() == self.object
+    /// `true` if the model that lies on it, or else recognition, names the object that it covers.
+    pub(super) fn is_identified(&self, scene: &BinScene) -> bool {
+        let placed = self.registered.as_ref().map(|model| model.name.as_str());
+        self.object.is_some() && placed.or(self.label.as_deref()) == self.true_name(scene)
     }
 }
 
@@ -64,6 +66,8 @@ pub(super) struct MatchedSegments {
     pub(super) is_detected: Vec<bool>,
     /// Segments, those of the bin and beside it left out.
     pub(super) segments: Vec<SceneSegment>,
+    /// Table that was found, camera frame.
+    pub(super) table_in_camera: Option<Plane>,
 }
 
 impl MatchedSegments {
@@ -80,17 +84,12 @@ impl MatchedSegments {
         self.f1_of(self.n_detected())
     }
 
-    /// Models that probably lie on the segments.
-    pub(super) fn good_models(&self) -> impl Iterator<Item = &RegisteredModel> {
-        self.segments.iter().filter_map(SceneSegment::good_model)
-    }
-
     /// F1 score of the segments that are also identified.
-    pub(super) fn f1(&self) -> f64 {
+    pub(super) fn f1(&self, scene: &BinScene) -> f64 {
         let identified = self
             .segments
             .iter()
-            .filter(|segment| segment.is_identified());
+            .filter(|segment| segment.is_identified(scene));
         let mut objects: Vec<_> = identified.map(|segment| segment.object).collect();
         objects.sort_unstable();
         objects.dedup();
@@ -123,7 +122,8 @@ impl SegmentMatcher {
         let detection = self.detector.detect(cloud, image.up_in_camera, seed as u64);
         let mut found = MatchedSegments {
             is_detected: vec![false; scene.objects.len()],
-            ..MatchedSegments::default()
+            segments: Vec::new(),
+            table_in_camera: detection.table.as_ref().map(|table| table.plane),
         };
         let n_visible = visible_pixels(scene, image);
         let candidates = detection.candidates.iter();
@@ -154,8 +154,8 @@ fn in_world(image: &LabelledImage<'_>, index: u32) -> Point3<f64> {
     image.world_from_camera * image.points[index as usize].position()
 }
 
-/// `true` for a segment of the bin's walls or outside of the workspace. Where the walls are not
-/// known, all that shows no object counts as bin.
+/// `true` for a segment of the bin's walls or outside of the space around the objects. Where the
+/// walls are not known, all that shows no object counts as bin.
 fn is_furniture(scene: &BinScene, image: &LabelledImage<'_>, indices: &[u32]) -> bool {
     let is_object = |index: u32| {
         let id = image.mask[index as usize];
@@ -163,13 +163,8 @@ fn is_furniture(scene: &BinScene, image: &LabelledImage<'_>, indices: &[u32]) ->
     };
     let is_other = |&&index: &&u32| {
         let place = in_world(image, index);
-        let is_bin = || {
-            scene
-                .workspace
-                .is_at_wall(&place)
-                .unwrap_or(!is_object(index))
-        };
-        !scene.workspace.contains(&place) || is_bin()
+        let at_wall = scene.walls.map(|walls| walls.contain(&place));
+        !scene.space.contains(&place) || at_wall.unwrap_or(!is_object(index))
     };
     let n_other = indices.iter().filter(is_other).count();
     n_other as f64 > MOST * indices.len() as f64

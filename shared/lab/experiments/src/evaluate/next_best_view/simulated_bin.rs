@@ -1,10 +1,11 @@
 //! Simulated bin: objects thrown into a bin until they rest, and cameras around it.
 
-use super::bin_scene::{BinObject, BinScene, DEPTH_M, FURNITURE_SPACING_M, MARGIN_M, Workspace};
-use nalgebra::Point3;
+use super::bin_scene::{BinObject, BinScene, BinWalls, SURROUNDINGS_SPACING_M};
 use next_best_view::SurfaceModel;
 use service::Failure;
-use simulated_world::{Bin, CameraMount, ModelLibrary, ObjectState, Scene, SceneKind, World};
+use simulated_world::{CameraMount, ModelLibrary, ObjectState, Scene, SceneKind, World};
+use std::rc::Rc;
+use view_planning::PlanningSpace;
 
 /// Number of objects of a scene (Kasaei et al. 2018).
 pub(super) const N_OBJECTS: usize = 20;
@@ -13,10 +14,10 @@ pub(super) const N_OBJECTS: usize = 20;
 const CAMERA_DISTANCE_M: f64 = 0.9;
 /// Height of the point that the cameras look at, above the table, metres. Chosen.
 const LOOK_AT_M: f64 = 0.07;
-/// Height of the workspace above the table, metres. Chosen: above every heap.
-const HEIGHT_M: f64 = 0.40;
-/// Thickness of the bin's walls, metres, as in the simulation.
+/// Thickness of the walls of the bin, metres, as in the simulation.
 const WALL_M: f64 = 0.008;
+/// Margin around the bin within which an object counts as in it, metres. Chosen.
+const MARGIN_M: f64 = 0.05;
 /// Golden angle of the Fibonacci lattice, degrees.
 const GOLDEN_ANGLE_DEG: f64 = 137.507_764;
 
@@ -65,8 +66,7 @@ impl SimulatedBin {
         Self::of_scene(scene, views, library)
     }
 
-    /// Lets the objects of a scene come to rest. Objects that ended up outside of the workspace
-    /// are left out.
+    /// Lets the objects of a scene come to rest. Objects that ended up beside the bin are left out.
     pub(super) fn of_scene(
         scene: Scene,
         views: ViewLattice,
@@ -74,23 +74,25 @@ impl SimulatedBin {
     ) -> Result<Self, Failure> {
         let world = World::new(scene, library).map_err(Failure::general)?;
         let bin = world.scene().bin.unwrap_or_default();
-        let workspace = workspace(world.scene(), bin);
+        let walls = BinWalls {
+            bin,
+            table_m: world.scene().table.height_m,
+        };
         let mut objects = Vec::new();
         for object in world.objects() {
-            let place = object.world_from_object.translation.vector.into();
-            if object.state != ObjectState::OnFloor && workspace.contains(&place) {
-                let (mesh, pose) = (&object.model.mesh, object.world_from_object);
-                objects.push(BinObject::new(object.id, mesh, pose)?);
+            let pose = object.world_from_object;
+            let is_in = |axis: usize| {
+                pose.translation.vector[axis].abs() < bin.inner_size_m[axis] / 2.0 + MARGIN_M
+            };
+            if object.state != ObjectState::OnFloor && is_in(0) && is_in(1) {
+                let mesh = Rc::new(object.model.mesh.clone());
+                objects.push(BinObject::new((object.id, &object.model.name), mesh, pose)?);
             }
         }
         let mounts = mounts(views, world.scene().table.height_m);
         let poses = mounts.iter().map(|mount| mount.world_from_camera(0.0));
-        let scene = BinScene {
-            objects,
-            furniture: furniture(&workspace, bin)?,
-            workspace,
-            cameras: poses.collect(),
-        };
+        let mut scene = BinScene::new(objects, Some(walls), poses.collect());
+        scene.surroundings = furniture(&scene.space, walls)?;
         Ok(Self {
             world,
             mounts,
@@ -99,28 +101,19 @@ impl SimulatedBin {
     }
 }
 
-fn workspace(scene: &Scene, bin: Bin) -> Workspace {
-    let [x, y] = [0, 1].map(|axis| bin.inner_size_m[axis] / 2.0 + MARGIN_M);
-    let table_m = scene.table.height_m;
-    let least = Point3::new(-x, -y, table_m - DEPTH_M);
-    let greatest = Point3::new(x, y, table_m + HEIGHT_M);
-    Workspace::around_bin(least, greatest, bin)
-}
-
-/// Surface of the furniture, of which a robot knows where it is: the table in the workspace, and
-/// the bin.
-pub(super) fn furniture(workspace: &Workspace, bin: Bin) -> Result<Vec<[f32; 3]>, Failure> {
-    let (least, greatest) = (workspace.least, workspace.greatest);
-    let table_m = least.z + DEPTH_M;
+/// Surface of the table in the space around the objects, and of the bin.
+pub(super) fn furniture(space: &PlanningSpace, walls: BinWalls) -> Result<Vec<[f32; 3]>, Failure> {
+    let ([least, greatest], table_m) = (space.corners(), walls.table_m);
     let table = [
         [least.x, least.y, table_m - WALL_M],
         [greatest.x, greatest.y, table_m],
     ];
     let mut points = Vec::new();
-    for [low, high] in std::iter::once(table).chain(walls(workspace, bin)) {
+    for [low, high] in std::iter::once(table).chain(wall_boxes(walls)) {
         let sides: [f64; 3] = std::array::from_fn(|axis| high[axis] - low[axis]);
         let mesh = mesh::rounded_box(sides.map(|side| side as f32), 0.0005, 1.0).mesh;
-        let model = SurfaceModel::of_mesh(&mesh, FURNITURE_SPACING_M).map_err(Failure::general)?;
+        let model =
+            SurfaceModel::of_mesh(&mesh, SURROUNDINGS_SPACING_M).map_err(Failure::general)?;
         let middle: [f64; 3] = std::array::from_fn(|axis| low[axis].midpoint(high[axis]));
         points.extend(model.points().iter().map(|point| {
             let place: [f32; 3] = std::array::from_fn(|axis| point[axis] + middle[axis] as f32);
@@ -131,11 +124,10 @@ pub(super) fn furniture(workspace: &Workspace, bin: Bin) -> Result<Vec<[f32; 3]>
 }
 
 /// Walls of the bin: least and greatest corners, world frame, metres.
-fn walls(workspace: &Workspace, bin: Bin) -> [[[f64; 3]; 2]; 4] {
-    let [x, y, height_m] = bin.inner_size_m;
+fn wall_boxes(walls: BinWalls) -> [[[f64; 3]; 2]; 4] {
+    let [x, y, height_m] = walls.bin.inner_size_m;
     let (x, y) = (x / 2.0, y / 2.0);
-    let low = workspace.least.z + DEPTH_M;
-    let high = low + height_m;
+    let (low, high) = (walls.table_m, walls.table_m + height_m);
     [
         [[-x - WALL_M, -y - WALL_M, low], [-x, y + WALL_M, high]],
         [[x, -y - WALL_M, low], [x + WALL_M, y + WALL_M, high]],

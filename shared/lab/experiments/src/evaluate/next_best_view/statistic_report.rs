@@ -1,10 +1,9 @@
 //! Report of the published statistic: figures for each kind of scene, beside those of the paper.
 
 use super::bin_picking_twin::TwinKind;
-use super::entropy_prediction::{HypothesisSource, PredictionScore};
-use super::published_statistic::{
-    DRAWN, PaperFigures, SOURCES, SceneStatistic, SourceStatistic, spread,
-};
+use super::entropy_prediction::PredictionScore;
+use super::prediction_source::PredictionSource;
+use super::published_statistic::{DRAWN, PaperFigures, SceneStatistic, SourceStatistic, spread};
 use crate::evaluate::tabular_report::{ReportTable, number, percent};
 use plot::DrawingError;
 use plot::box_plot::{BoxGroup, BoxPlot, stacked};
@@ -62,7 +61,7 @@ impl KindReport {
     pub(super) fn of(kind: &KindScenes) -> Self {
         let first = kind.scenes.first();
         let n_objects = first.map_or(0, |scene| scene.n_objects);
-        let sources = SOURCES.into_iter().map(|source| {
+        let sources = PredictionSource::ALL.into_iter().map(|source| {
             let of_scenes = kind.scenes.iter().flat_map(|scene| &scene.sources);
             let of_source = of_scenes.filter(|(of, _)| *of == source);
             let statistics: Vec<SourceStatistic> =
@@ -108,7 +107,7 @@ impl SourceReport {
 /// Table of all kinds.
 pub(super) fn table(kinds: &[KindReport]) -> ReportTable {
     let sources = kinds.iter().flat_map(|kind| {
-        let names = SOURCES.into_iter().map(HypothesisSource::word);
+        let names = PredictionSource::ALL.into_iter().map(PredictionSource::word);
         names.filter_map(move |name| Some((kind, name, kind.sources.get(name)?)))
     });
     let with_deviation = |value: f64, deviation: Option<f64>| {

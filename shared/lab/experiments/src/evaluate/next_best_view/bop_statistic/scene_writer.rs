@@ -1,16 +1,16 @@
 //! Test support: a simulated scene as a folder in the BOP format, with the statistic that is
 //! expected of it.
 
-use super::super::bin_scene::{BinScene, Workspace};
+use super::super::bin_scene::BinScene;
 use super::super::captured_view::{CAMERA, CapturedView, LabelledImage};
+use super::super::scene_planner::ScenePlanner;
 use super::super::segment_matching::SegmentMatcher;
-use super::super::simulated_bin::{SimulatedBin, furniture};
+use super::super::simulated_bin::SimulatedBin;
 use dataset::bop_scene::{BopImage, BopObject, BopPixels, BopSceneWriter, write_model};
 use dataset::mesh::MeshView;
 use geometry::RigidTransform;
-use nalgebra::Point3;
 use point_cloud::{Point, Rgba};
-use simulated_world::{Bin, SimulatedKinect};
+use simulated_world::SimulatedKinect;
 use std::path::Path;
 
 /// Number of the model of all objects.
@@ -25,22 +25,22 @@ pub(super) struct Written {
     pub(super) has_camera_poses: bool,
 }
 
-/// Writes a scene of objects of one model to `scene` and `models` of a folder, and gives the same
-/// scene as it is in the simulation, with a ball as workspace.
+/// Writes a scene of objects of one model to `scene` and `models` of a folder, and gives the views
+/// of the same scene as they are in the simulation, with walls and gravity unknown; the seed is
+/// that of the noise of hypotheses.
 pub(super) fn write(
     bin: SimulatedBin,
     folder: &Path,
-    written: Written,
-) -> (BinScene, Vec<CapturedView>) {
+    (written, seed): (Written, u64),
+) -> Vec<CapturedView> {
     write_model_of(&bin, &folder.join("models"));
     let SimulatedBin {
         mut world,
         mounts,
         mut scene,
     } = bin;
-    let table_m = scene.workspace.least.z;
-    scene.workspace = Workspace::around_objects(&scene.objects);
-    scene.furniture = furniture_in(&scene.workspace, table_m);
+    scene.walls = None;
+    let planner = ScenePlanner::new(&scene, None, seed, false).unwrap();
     let mut kinect = SimulatedKinect::new(&world, CAMERA).unwrap();
     let mut points = vec![Point::default(); CAMERA.n_pixels()];
     let mut writer = BopSceneWriter::create(&folder.join("scene")).unwrap();
@@ -72,20 +72,12 @@ pub(super) fn write(
         };
         let annotation = annotation(&scene, &image, number, written);
         write_image(&mut writer, &scene, &image, &annotation);
-        views.push(CapturedView::new(&scene, image, number, (&mut matcher, None)).unwrap());
+        views.push(
+            CapturedView::new(&scene, image, number, (&mut matcher, Some(&planner))).unwrap(),
+        );
     }
     writer.finish().unwrap();
-    (scene, views)
-}
-
-/// Table and bin within a ball; the table begins below its top at a height.
-fn furniture_in(ball: &Workspace, table_m: f64) -> Vec<[f32; 3]> {
-    let (least, greatest) = (ball.least, ball.greatest);
-    let least = Point3::new(least.x, least.y, table_m);
-    let around = Workspace::around_bin(least, greatest, Bin::default());
-    let mut points = furniture(&around, Bin::default()).unwrap();
-    points.retain(|point| ball.contains(&Point3::from(*point).cast::<f64>()));
-    points
+    views
 }
 
 fn write_model_of(bin: &SimulatedBin, models: &Path) {
