@@ -63,7 +63,13 @@ impl JsonType {
 const OBJECTS: &[(&str, JsonType)] = &[
     ("objects", List),
     ("n_more", Count),
+    ("session", Text),
     ("frame_sequence", Count),
+    ("received_ns", Count),
+    ("published_ns", Count),
+    ("frames_dropped", Count),
+    ("n_late", Count),
+    ("surfaces", List),
     ("source_name", Text),
     ("capture_stamp_ns", Count),
     ("scene_age_s", Number),
@@ -78,11 +84,15 @@ const OBJECTS: &[(&str, JsonType)] = &[
     ("ignored", List),
     ("n_more_ignored", Count),
 ];
+const SURFACE: &[(&str, JsonType)] = &[("kind", Text), ("normal", Vector(3)), ("offset_m", Number)];
 const ASSUMPTION: &[(&str, JsonType)] = &[("name", Text), ("sentence", Text)];
 const OBJECT: &[(&str, JsonType)] = &[
     ("track_id", Count),
     ("state", Text),
     ("label", TextOrNull),
+    ("answer", Text),
+    ("first_seen_ns", Count),
+    ("last_seen_ns", Count),
     ("distance", NumberOrNull),
     ("probability", NumberOrNull),
     ("position_m", Vector(3)),
@@ -168,6 +178,8 @@ const PROCESS: &[(&str, JsonType)] = &[
     ("process", Text),
     ("pid", Count),
     ("state", Text),
+    ("stamp_ns", Count),
+    ("started_ns", Count),
     ("uptime_s", Number),
     ("frames", Count),
     ("frames_dropped", Count),
@@ -287,6 +299,7 @@ fn commands_answer_with_exactly_the_documented_keys() {
     check_shape(&objects, OBJECTS);
     check_list(&objects["objects"], OBJECT);
     check_list(&objects["assumptions"], ASSUMPTION);
+    check_list(&objects["surfaces"], SURFACE);
     check_list(&objects["objects"][0]["colors"], COLOR_SHARE);
     let unknown = daemon.ask(&["ask", &track]);
     check_shape(&unknown, OBJECT);

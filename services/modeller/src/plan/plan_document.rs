@@ -18,7 +18,7 @@ pub(crate) struct PlanDocument {
     /// Candidates in their order.
     pub(crate) views: Vec<ViewDocument>,
     pub(crate) hypotheses: Vec<HypothesisDocument>,
-    pub(crate) objects: Vec<ObjectDocument>,
+    pub(crate) objects: Vec<PlannedObject>,
     pub(crate) n_background_points: usize,
     pub(crate) n_unknown_voxels: usize,
     pub(crate) n_visited: usize,
@@ -73,7 +73,7 @@ pub(crate) struct HypothesisDocument {
 
 /// Object of the scene.
 #[derive(Debug, Serialize)]
-pub(crate) struct ObjectDocument {
+pub(crate) struct PlannedObject {
     pub(crate) track_id: u64,
     pub(crate) label: Option<String>,
     pub(crate) state: &'static str,
@@ -151,11 +151,11 @@ pub(crate) fn hypotheses(
 }
 
 /// Documents of the objects of a snapshot.
-pub(crate) fn objects(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> Vec<ObjectDocument> {
+pub(crate) fn objects(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> Vec<PlannedObject> {
     let is_planned_for = |track| hypotheses.iter().any(|h| h.track == track);
     let objects = snapshot.objects.iter();
     objects
-        .map(|object| ObjectDocument {
+        .map(|object| PlannedObject {
             track_id: object.track,
             label: object.label.clone(),
             state: object.state.word(),

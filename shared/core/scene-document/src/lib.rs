@@ -9,12 +9,12 @@
 //! `message::document`, and records of the memories in their programs.
 //!
 //! ```
-//! use scene_document::{Answer, Document, ObjectDocument, schema};
+//! use scene_document::{CategoryAnswer, Document, ObjectDocument, schema};
 //!
 //! let mug = ObjectDocument {
 //!     track_id: 7,
 //!     label: Some("mug".to_owned()),
-//!     answer: Answer::Is,
+//!     answer: CategoryAnswer::Is,
 //!     ..ObjectDocument::default()
 //! };
 //! let json = serde_json::to_value(&mug).unwrap();
@@ -39,8 +39,8 @@ pub use event::{EventDocument, EventsDocument};
 pub use health::HealthDocument;
 pub use model::{ModelDocument, ModelViewDocument, RefusedViewDocument};
 pub use object::{
-    ActorStampsDocument, Answer, ColorShareDocument, CovarianceDocument, NearCategoryDocument,
-    ObjectDocument,
+    ActorStampsDocument, CategoryAnswer, ColorShareDocument, CovarianceDocument,
+    NearCategoryDocument, ObjectDocument,
 };
 pub use rejected::{FindingDocument, RejectedDocument};
 pub use scene::{AssumptionDocument, CameraPoseDocument, SceneDocument, SurfaceDocument};

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Answer of recognition about the category of an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Answer {
+pub enum CategoryAnswer {
     /// The object is of the category that is its label.
     Is,
     /// The object is probably of its best category.
@@ -34,7 +34,7 @@ pub struct ObjectDocument {
     pub label: Option<String>,
     /// Answer about the category: `is`, `probably` or `unknown`.
     #[serde(default)]
-    pub answer: Answer,
+    pub answer: CategoryAnswer,
     /// Distance in descriptor space to the nearest stored view of the best category, mean over the
     /// sides; null when nothing is stored.
     pub distance: Option<f64>,

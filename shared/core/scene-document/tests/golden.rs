@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use scene_document::{
-    ActorStampsDocument, Answer, AssumptionDocument, CameraPoseDocument, CategoryDocument,
+    ActorStampsDocument, AssumptionDocument, CameraPoseDocument, CategoryAnswer, CategoryDocument,
     ColorShareDocument, CovarianceDocument, EventDocument, FactDocument, FindingDocument,
     HealthDocument, ModelDocument, ModelViewDocument, NearCategoryDocument, ObjectDocument,
     PlaceDocument, RefusedViewDocument, RejectedDocument, RobotDocument, SceneDocument,
@@ -34,7 +34,7 @@ fn object() -> ObjectDocument {
         scene_age_s: Some(0.5),
         capture_stamp_ns: Some(9),
         label: Some("mug".into()),
-        answer: Answer::Is,
+        answer: CategoryAnswer::Is,
         distance: Some(0.25),
         probability: Some(0.75),
         position_m: [0.5, -0.5, 1.0],
@@ -97,7 +97,7 @@ fn rejected() -> RejectedDocument {
 fn golden_objects_and_scenes_are_written_and_read() {
     let unknown = ObjectDocument::default();
     let probable = ObjectDocument {
-        answer: Answer::Probably,
+        answer: CategoryAnswer::Probably,
         ..ObjectDocument::default()
     };
     let examples = [

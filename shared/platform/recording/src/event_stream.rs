@@ -76,8 +76,9 @@ impl EventStream {
         scene: &SceneSummary,
         objects: &[SceneObject],
     ) -> Result<String, serde_json::Error> {
-        // As of the capture, so that the time of processing does not count.
-        let document = document::scene(scene, objects, scene.stamps.capture_ns);
+        // At the beginning of the clock no scene has an age yet, so that the time of processing does
+        // not count.
+        let document = document::scene(scene, objects, 0);
         let mut lines = self.lines(document)?;
         lines.sort_by_key(|(key, _)| *key);
         let mut text = String::new();

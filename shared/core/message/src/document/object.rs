@@ -5,8 +5,8 @@ use crate::pose::is_covariance;
 use crate::{ActorStamps, SceneObject, SceneTime, TrackState};
 use point_cloud::ColorTerm;
 use scene_document::{
-    ActorStampsDocument, Answer, ColorShareDocument, CovarianceDocument, NearCategoryDocument,
-    ObjectDocument,
+    ActorStampsDocument, CategoryAnswer, ColorShareDocument, CovarianceDocument,
+    NearCategoryDocument, ObjectDocument,
 };
 
 /// Document of an object in a scene at a time of the monotonic clock, nanoseconds.
@@ -27,9 +27,9 @@ pub fn object(object: &SceneObject, scene: SceneTime, now_ns: u64) -> ObjectDocu
         scene_age_s: Some(scene.age_s(now_ns)),
         capture_stamp_ns: Some(scene.capture_ns),
         answer: if label.is_some() {
-            Answer::Is
+            CategoryAnswer::Is
         } else {
-            Answer::Unknown
+            CategoryAnswer::Unknown
         },
         label,
         distance: number(object.distance),
