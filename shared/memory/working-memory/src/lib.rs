@@ -76,8 +76,6 @@ mod world_model;
 mod world_thread;
 
 #[cfg(test)]
-mod golden_tests;
-#[cfg(test)]
 mod tests;
 
 pub use durable_leveldb::{MutationId, WRITE_BUFFER_BYTES};

@@ -1,5 +1,7 @@
 //! Model-based test of the world model against a naive reference implementation.
 
+mod golden;
+
 use durable_leveldb::MutationId;
 use proptest::prelude::*;
 

@@ -32,7 +32,7 @@ pub struct FindReport {
     pub not_understood: Vec<String>,
     /// Remarks that concern no single object, one sentence each.
     pub remarks: Vec<String>,
-    /// Age of the scene, as in [`SceneDocument::scene_age_s`](super::SceneDocument::scene_age_s).
+    /// Age of the scene, as in [`SceneDocument::scene_age_s`](scene_document::SceneDocument::scene_age_s).
     pub scene_age_s: Option<f64>,
     /// True if the scene does not show the present.
     pub is_stale: bool,
@@ -49,7 +49,7 @@ pub struct FoundObjectReport {
     pub doubts: Vec<String>,
     /// Category name of the object; null when unknown.
     pub label: Option<String>,
-    /// State of its track, as in [`ObjectDocument::state`](super::ObjectDocument::state), or `gone`.
+    /// State of its track, as in [`ObjectDocument::state`](scene_document::ObjectDocument::state), or `gone`.
     pub state: String,
     /// Centre of its box in the world, metres; the last known one of an object that is gone.
     pub position_m: Option<[f64; 3]>,

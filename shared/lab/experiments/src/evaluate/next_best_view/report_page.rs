@@ -3,12 +3,12 @@
 use super::closed_loop::N_VIEWS_MAX;
 use super::figures::{ENTROPY, LOOPS, PREDICTION};
 use super::loop_method::Method;
+use super::prediction_source::PredictionSource;
 use super::report::NextBestViewReport;
 use super::statistic_report::{self, CAPTION, STATISTIC};
 use crate::evaluate::tabular_report::{
     ReportTable, TabularReport, figure, interval, number, percent,
 };
-use super::prediction_source::PredictionSource;
 
 /// Tables, notes and pictures of the report.
 pub(super) fn page(report: &NextBestViewReport, pictures: &[String]) -> TabularReport<'static> {

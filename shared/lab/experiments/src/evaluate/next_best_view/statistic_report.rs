@@ -107,7 +107,9 @@ impl SourceReport {
 /// Table of all kinds.
 pub(super) fn table(kinds: &[KindReport]) -> ReportTable {
     let sources = kinds.iter().flat_map(|kind| {
-        let names = PredictionSource::ALL.into_iter().map(PredictionSource::word);
+        let names = PredictionSource::ALL
+            .into_iter()
+            .map(PredictionSource::word);
         names.filter_map(move |name| Some((kind, name, kind.sources.get(name)?)))
     });
     let with_deviation = |value: f64, deviation: Option<f64>| {
