@@ -22,14 +22,9 @@ const FILE: &str = "guest-places";
 
 /// Writes the number of guest places of a new domain.
 pub(crate) fn decide(folder: &TrustedFolder, places: u32) -> Result<(), Error> {
-    let write = || {
-        let mut file = folder
-            .open_file(FILE, true)
-            .map_err(|_| std::io::Error::other("open"))?;
-        file.set_len(0)?;
-        write!(file, "{places}")
-    };
-    write().map_err(|source| Error::RunFolder {
+    let mut file = folder.open_file(FILE, true)?;
+    let written = file.set_len(0).and_then(|()| write!(file, "{places}"));
+    written.map_err(|source| Error::RunFolder {
         attempt: "write",
         path: folder.path().join(FILE),
         source,
@@ -73,6 +68,7 @@ impl GuestPlace {
         }
         let holder = |place| LockFile::read_pid(folder, &file(place));
         let mut holders: Vec<u32> = (0..places).filter_map(holder).collect();
+        holders.sort_unstable();
         holders.dedup();
         Err(Error::NoGuestPlace {
             service,
