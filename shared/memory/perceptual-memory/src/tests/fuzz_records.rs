@@ -9,11 +9,12 @@ use crate::history::HistoryEntry;
 use crate::keys;
 use crate::model::{ImportPart, Operation, Target};
 
-const SEQUENCE: u64 = 9;
+pub(super) const SEQUENCE: u64 = 9;
 /// Bytes before the payload: version and checksum.
 const HEADER_BYTES: usize = 5;
 
-fn entry(operation: Operation) -> HistoryEntry {
+/// History entry of an operation without effects.
+pub(super) fn entry(operation: Operation) -> HistoryEntry {
     HistoryEntry {
         sequence: SEQUENCE,
         previous: Digest::of(b"before"),

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use durable_leveldb::{MutationId, record};
+use durable_leveldb::record;
 use learning::{CategoryName, ViewId};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_bytes::ByteArray;
 use test_data::golden;
 
+use super::fuzz_records::{SEQUENCE, entry};
 use crate::archive::ArchiveRecord;
 use crate::digest::Digest;
 use crate::document::{DocumentContent, DocumentVersion};
@@ -24,7 +25,6 @@ use crate::tombstone::{seal_tombstone, unseal_tombstone};
 use crate::view::{CapturedView, Origin, StoredDescriptor};
 use crate::view_record::ViewParts;
 
-const SEQUENCE: u64 = 9;
 const VIEW: ViewId = ViewId {
     track_id: 3,
     view_id: 1,
@@ -200,17 +200,6 @@ fn effects() -> Vec<Effect> {
 
 #[test]
 fn golden_history_entries_are_written_and_read() {
-    let entry = |operation| HistoryEntry {
-        sequence: SEQUENCE,
-        previous: Digest::of(b"before"),
-        wall_ns: 7,
-        author: "anna".into(),
-        uid: Some(1000),
-        operation,
-        mutation: Some(MutationId(5)),
-        effects: Vec::new(),
-        contradiction: None,
-    };
     let mut examples: Vec<_> = label_operations()
         .into_iter()
         .chain(other_operations())
