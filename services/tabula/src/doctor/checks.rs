@@ -32,9 +32,10 @@ pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
     let state = DomainState::inspect(&common.domain, &run_folder);
     let health = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE)
         .map(|mut client| client.call(Command::Health));
+    let places = guest_places_of(common);
     vec![
-        shared_memory(common),
-        reservations(common),
+        shared_memory(common, places),
+        reservations(places),
         descriptors(),
         domain(common, &run_folder, &state),
         crashed_run(&state),
@@ -54,9 +55,8 @@ fn megabytes(bytes: u64) -> u64 {
     bytes.div_ceil(1_000_000)
 }
 
-fn shared_memory(common: &CommonArguments) -> Finding {
+fn shared_memory(common: &CommonArguments, places: u32) -> Finding {
     let name = "shared memory";
-    let places = guest_places_of(common);
     let Some(state) = SharedMemory::of_domain(&common.domain, MAX_FRAME_POINTS, places) else {
         let sentence = "/dev/shm is not there; mount a tmpfs at /dev/shm";
         return Finding::new(name, Severity::Failure, sentence);
@@ -103,8 +103,8 @@ fn larger_images(places: u32, available: u64) -> String {
     [(1280, 720), (1920, 1080)].map(of_size).join(", ")
 }
 
-fn reservations(common: &CommonArguments) -> Finding {
-    let mut all = domain_reservation(MAX_FRAME_POINTS, guest_places_of(common));
+fn reservations(places: u32) -> Finding {
+    let mut all = domain_reservation(MAX_FRAME_POINTS, places);
     all.sort_by_key(|reservation| std::cmp::Reverse(reservation.bytes()));
     let largest: Vec<String> = all
         .iter()
