@@ -13,7 +13,7 @@ pub fn start_log() {
     if is_journal(std::io::stderr().as_fd())
         && let Ok(journal) = tracing_journald::layer()
     {
-        // `journalctl TABULA_VERSION=0.1.0`; fields of messages become TABULA_..., too.
+        // `journalctl TABULA_VERSION=…`; fields of messages become TABULA_..., too.
         let journal = journal
             .with_field_prefix(Some("TABULA".to_owned()))
             .with_custom_fields([("TABULA_VERSION", env!("CARGO_PKG_VERSION"))]);
