@@ -62,6 +62,21 @@ pub const MEASURE_NAMES: [&str; 11] = [
     "wov", "uov", "fos", "fus", "p50", "r50", "f50", "o_p", "o_r", "o_f", "f75",
 ];
 
+/// Meanings of the measures in a few words, in the order of [`MEASURE_NAMES`].
+pub const MEASURE_MEANINGS: [&str; MEASURE_NAMES.len()] = [
+    "mean best IoU of the objects, weighted by their pixels",
+    "the same with equal weights",
+    "over-segmentation (0 is best)",
+    "under-segmentation (0 is best)",
+    "precision at an IoU above 0.5",
+    "recall at that IoU",
+    "their F-measure",
+    "overlap precision of a one-to-one matching",
+    "its recall",
+    "their F-measure",
+    "share of the objects matched with an F-measure of at least 0.75",
+];
+
 impl SegmentationScore {
     /// Metric values in the order of [`MEASURE_NAMES`].
     pub fn values(&self) -> [f64; MEASURE_NAMES.len()] {

@@ -4,6 +4,11 @@ use super::view_table::ViewTable;
 use serde::Serialize;
 use std::path::Path;
 
+/// Legend of the figures of open-ended learning.
+pub(super) const OPEN_ENDED_LEGEND: &str = "qci: questions until the end of a run; tlc: learned \
+    categories; aic: taught views of a category; gca: share of right answers; apa: mean protocol \
+    accuracy at the ends of the stages";
+
 /// Header of a recognition report.
 #[derive(Debug, Serialize)]
 pub(super) struct ReportHeader {

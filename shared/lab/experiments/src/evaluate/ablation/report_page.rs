@@ -1,6 +1,7 @@
 //! Table and figure of the ablation study.
 
 use super::report::{AblationReport, VariantFigures};
+use crate::evaluate::report_parts::OPEN_ENDED_LEGEND;
 use crate::evaluate::tabular_report::{ReportTable, TabularReport, interval};
 use plot::figure_page::PageFigure;
 use plot::forest_plot::ForestPlotRow;
@@ -46,6 +47,7 @@ pub(super) fn figure_rows(document: &AblationReport) -> Vec<ForestPlotRow> {
 fn notes(document: &AblationReport) -> Vec<String> {
     let settings = &document.settings;
     let mut notes = vec![
+        OPEN_ENDED_LEGEND.to_owned(),
         format!(
             "{} categories, {} views; {} runs of each variant from the seeds {} to {}, protocol \
              {}, accuracy {} to learn",

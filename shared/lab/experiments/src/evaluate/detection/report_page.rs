@@ -3,7 +3,7 @@
 use super::report::{DetectionReport, Halves, SceneGroup, SceneScores};
 use super::scene_result::{PsiScores, SkippedScene};
 use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number, percent};
-use evaluation::segmentation_score::{MEASURE_NAMES, SegmentationScore};
+use evaluation::segmentation_score::{MEASURE_MEANINGS, MEASURE_NAMES, SegmentationScore};
 use plot::figure_page::PageFigure;
 use std::path::Path;
 
@@ -22,7 +22,8 @@ pub(super) fn page(
     document: &DetectionReport<'_>,
     labels: Option<&Path>,
 ) -> TabularReport<'static> {
-    let mut notes = timing(document);
+    let mut notes = vec![measure_legend()];
+    notes.extend(timing(document));
     notes.extend(left_out(document.skipped));
     let mut files = document.files.paths();
     files.extend(labels.map(|labels| labels.display().to_string()));
@@ -36,6 +37,13 @@ pub(super) fn page(
         figure_note: Some(LEGEND),
         files,
     }
+}
+
+/// Legend of the measures: each name with its meaning.
+fn measure_legend() -> String {
+    let measures = MEASURE_NAMES.iter().zip(MEASURE_MEANINGS);
+    let measures = measures.map(|(name, meaning)| format!("{name}: {meaning}"));
+    measures.collect::<Vec<_>>().join("; ")
 }
 
 /// Score tables of the hypotheses before and after the object rule ψ: of the parts of objects

@@ -258,6 +258,9 @@ fn report_lists_groups_halves_and_worst_scenes() {
         "Whole objects before ψ\n%          scenes  wov",
         "all        2       0.0",
         "all        2       12.5",
+        "wov: mean best IoU of the objects, weighted by their pixels; uov: the same with equal \
+         weights; fos: over-segmentation (0 is best)",
+        "; f75: share of the objects matched with an F-measure of at least 0.75\n",
         "2.00 ms (median), 4.00 ms (99 %)",
         "2000.0 ns a point, 20.0 times a pass over the cloud (0.100 ms)",
         "left out: learn14: it is broken\nleft out: 5 more",

@@ -2,6 +2,7 @@
 
 use super::report::{Figures, OpenEndedReport, RunFigures};
 use crate::evaluate::open_set;
+use crate::evaluate::report_parts::OPEN_ENDED_LEGEND;
 use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number};
 
 /// Table, notes and figures of the report.
@@ -60,6 +61,7 @@ fn summary(document: &OpenEndedReport) -> ReportTable {
 fn notes(document: &OpenEndedReport) -> Vec<String> {
     let settings = &document.settings;
     let mut notes = vec![
+        OPEN_ENDED_LEGEND.to_owned(),
         format!(
             "{} categories, {} views; {}, protocol {}, accuracy {} to learn",
             document.header.n_categories,

@@ -50,8 +50,11 @@ fn pictured(name: &str, run: &SeedFigures) -> PageFigure {
 }
 
 /// Legend of the tracking table's columns.
-fn legend() -> [String; 2] {
+fn legend() -> [String; 3] {
     [
+        "mota: 1 − (misses + false tracks + switches) / objects; idf1: F1 of identities; switches, \
+         flips: jumps of an id, of a published orientation; lost: tracks lost by an object"
+            .to_owned(),
         "centre: median, 95th and 99th percentile of the distance from the centre of the box of \
          the true surface seen so far, mm; at 1 m: its median there"
             .to_owned(),
