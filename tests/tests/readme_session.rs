@@ -15,9 +15,9 @@ const BEFORE_CTRL_C: Duration = Duration::from_secs(5);
 const N_COMPARED: usize = 3;
 
 /// Command of a session and the first line of its answer; empty without one.
-struct SessionStep {
-    command: String,
-    answer: String,
+pub(crate) struct SessionStep {
+    pub(crate) command: String,
+    pub(crate) answer: String,
 }
 
 /// Steps of the README's session, in order.
@@ -40,7 +40,7 @@ fn steps() -> Vec<SessionStep> {
 }
 
 /// First words of a line, with a mark in place of each number.
-fn beginning(line: &str) -> Vec<String> {
+pub(crate) fn beginning(line: &str) -> Vec<String> {
     let is_number = |word: &str| word.contains(|letter: char| letter.is_ascii_digit());
     let words = line.split_whitespace().take(N_COMPARED);
     words
@@ -49,7 +49,7 @@ fn beginning(line: &str) -> Vec<String> {
 }
 
 /// Shell command with the programs in its path, in the folder of the sandbox.
-fn shell(sandbox: &Sandbox, command: &str) -> Command {
+pub(crate) fn shell(sandbox: &Sandbox, command: &str) -> Command {
     let programs = program("tabula").parent().unwrap().display().to_string();
     let path = std::env::var("PATH").unwrap_or_default();
     let mut shell = Command::new("sh");
