@@ -159,3 +159,38 @@ fn links_of_the_packaged_readme_and_guides_lead_to_packaged_files() {
     }
     assert!(missing.is_empty(), "{}", missing.join("\n"));
 }
+
+/// Files of the glossary, relative to the root: below `shared` but for programs, and in place of
+/// `…` below the folder that the section names.
+fn glossary_files() -> Vec<PathBuf> {
+    let glossary = std::fs::read_to_string(root().join("docs/glossary.md")).unwrap();
+    let mut section = String::new();
+    let mut files = Vec::new();
+    for line in glossary.lines() {
+        if let Some(folder) = line.strip_prefix("`…` is `") {
+            folder.trim_end_matches("`.").clone_into(&mut section);
+        }
+        let cells = line
+            .strip_suffix("` |")
+            .and_then(|row| row.rsplit_once("| `"));
+        let Some((_, file)) = cells else { continue };
+        let file = file.replace('…', &section);
+        files.push(if file.starts_with("services/") {
+            PathBuf::from(file)
+        } else {
+            Path::new("shared").join(file)
+        });
+    }
+    files
+}
+
+#[test]
+fn files_of_the_glossary_exist() {
+    let files = glossary_files();
+    assert!(files.len() > 100, "{}", files.len());
+    let missing: Vec<_> = files
+        .iter()
+        .filter(|file| !root().join(file).is_file())
+        .collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
