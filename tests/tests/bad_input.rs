@@ -173,7 +173,7 @@ fn hostile_scenes_are_skipped_and_the_others_are_played() {
     let source = folder.path().to_str().unwrap();
     let daemon = sandbox.start(&["--source", source, "--loop", "--rate", "20"]);
     wait_for_all(&daemon, 0);
-    let camera = daemon.pid(ProcessKind::Camera).unwrap();
+    let camera = daemon.pid(ProcessKind::CAMERA).unwrap();
     let count = |what: &str| -> u64 {
         daemon
             .health("camera")
@@ -189,7 +189,7 @@ fn hostile_scenes_are_skipped_and_the_others_are_played() {
         assert!(reported.contains("is left out: "), "{reported}");
     }
     assert_eq!(
-        daemon.pid(ProcessKind::Camera),
+        daemon.pid(ProcessKind::CAMERA),
         Some(camera),
         "the camera was not restarted"
     );
@@ -501,7 +501,7 @@ pub(crate) fn framed(body: &[u8]) -> Vec<u8> {
 }
 
 /// Protocol version that the daemon speaks.
-const OURS: u8 = message::control::PROTOCOL_VERSION as u8;
+const OURS: u8 = control_protocol::PROTOCOL_VERSION as u8;
 
 /// CBOR of `{"protocol": version, "command": …}`, version below 24.
 fn request(version: u8, command: &[u8]) -> Vec<u8> {

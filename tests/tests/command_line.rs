@@ -499,7 +499,7 @@ fn watch_waits_for_a_restarted_daemon() {
     let mut child = command.spawn().unwrap();
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
     assert!(lines.next().is_some());
-    daemon.signal(ProcessKind::Memory, Signal::KILL);
+    daemon.signal(ProcessKind::MEMORY, Signal::KILL);
     // More lines than were under way when the memory was killed.
     assert_eq!(lines.by_ref().take(20).count(), 20);
     kill_process(Pid::from_child(&child), Signal::TERM).unwrap();

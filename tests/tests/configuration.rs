@@ -126,7 +126,7 @@ fn configuration_check_names_file_and_line_of_every_process() {
 fn configuration_of_live_keys_changes_without_a_restart() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&TABLE);
-    wait_for_frames(&daemon, ProcessKind::Perception);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
     let before = daemon.pids();
     drop_in(
         &sandbox,
@@ -168,7 +168,7 @@ fn configuration_of_live_keys_changes_without_a_restart() {
 fn configuration_with_an_error_is_applied_nowhere_and_in_no_part() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&TABLE);
-    wait_for_frames(&daemon, ProcessKind::Perception);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
     let (before, old_rule) = (daemon.pids(), rule(&daemon));
     let good = "[perception]\ncandidate_rule = 'C_table'\n";
     let check = |wrong: &str, words: [&str; 3]| {
@@ -193,7 +193,7 @@ fn configuration_with_an_error_is_applied_nowhere_and_in_no_part() {
         [here, "line 4", "world_kept_max"],
     );
     check(
-        "[memory]\nteacher = 'x'\n",
+        "[gateway]\nteacher = 'x'\n",
         [here, "line 4", "teacher_group"],
     );
     check("[perception]\n", [here, "line 3", "TOML"]);
@@ -206,10 +206,10 @@ fn configuration_with_an_error_is_applied_nowhere_and_in_no_part() {
     );
     check("range_max_m = 3.0\n", ["30.toml", "line 2", "C_tarck"]);
     // One process alone, as systemd has it.
-    daemon.signal(ProcessKind::Perception, Signal::HUP);
+    daemon.signal(ProcessKind::PERCEPTION, Signal::HUP);
     let line = "the configuration is not reloaded by perception, and nothing has changed";
     eventually("perception refuses", || daemon.log().contains(line));
-    wait_for_frames(&daemon, ProcessKind::Perception);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
     assert_eq!(rule(&daemon), old_rule);
     std::fs::remove_file(wrong_rule).unwrap();
     let (document, code) = config(&sandbox, &["reload"]);
@@ -254,20 +254,20 @@ fn configuration_of_the_watchdog_counts_for_running_processes() {
     let sandbox = Sandbox::new();
     sandbox.configure("[run]\nwatchdog_s = 3600\nstartup_watchdog_s = 3600\n");
     let daemon = sandbox.start(&TABLE);
-    wait_for_frames(&daemon, ProcessKind::Perception);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
     sandbox.configure("[run]\nwatchdog_s = 4\nstartup_watchdog_s = 3600\n");
     let (document, _) = config(&sandbox, &["reload"]);
     assert_eq!(
         keys(report(&document, "run").unwrap(), "applied"),
         ["run.watchdog_s"]
     );
-    let pid = daemon.pid(ProcessKind::Perception).unwrap();
+    let pid = daemon.pid(ProcessKind::PERCEPTION).unwrap();
     suspend(pid);
     let line = format!("tabula-perception (process {pid}) has made no progress for");
     eventually("the watchdog finds it", || daemon.log().contains(&line));
     eventually("it is replaced", || {
         daemon
-            .pid(ProcessKind::Perception)
+            .pid(ProcessKind::PERCEPTION)
             .is_some_and(|new| new != pid)
     });
     daemon.stop();
@@ -315,7 +315,7 @@ impl Drop for Starting<'_> {
 #[test]
 fn configuration_reload_ends_no_process_that_is_starting() {
     let script = "case \"$*\" in *--check-config*) ;; *) sleep 2;; esac\nexec \"$REAL\" \"$@\"";
-    let sandbox = Sandbox::with_script(ProcessKind::Camera, script);
+    let sandbox = Sandbox::with_script(ProcessKind::CAMERA, script);
     let mut starting = Starting {
         sandbox: &sandbox,
         run: sandbox.launch(&TABLE),

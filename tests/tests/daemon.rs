@@ -38,6 +38,7 @@ pub(crate) static FAULTY_PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
         std::fs::create_dir_all(&folder).unwrap();
         for (from, to) in [
             ("tabula", "tabula"),
+            ("tabula-gateway", "tabula-gateway"),
             ("tabula-camera", "tabula-camera"),
             ("tabula-memory", "tabula-memory"),
             // `tabula run` checks the configuration of the process that does not run, too.
@@ -89,9 +90,9 @@ fn once_a_run(folder: &Path, name: &str, step: impl FnOnce()) {
 
 /// Processes of a daemon with a camera, in the order of their start.
 pub(crate) const WITH_CAMERA: [ProcessKind; 3] = [
-    ProcessKind::Memory,
-    ProcessKind::Perception,
-    ProcessKind::Camera,
+    ProcessKind::MEMORY,
+    ProcessKind::PERCEPTION,
+    ProcessKind::CAMERA,
 ];
 
 /// Path of a built program.
@@ -111,6 +112,16 @@ pub(crate) struct Sandbox {
     own_programs_guard: Option<TempDir>,
     /// Shell commands that mount what the daemon sees differently.
     mounts: Option<String>,
+}
+
+/// Child process that is killed on drop.
+pub(crate) struct KilledOnDrop(pub(crate) Child);
+
+impl Drop for KilledOnDrop {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
 }
 
 impl Sandbox {
@@ -136,10 +147,7 @@ impl Sandbox {
         let name = "tabula";
         // `tabula` looks for the others in its own folder, where no symbolic link leads.
         std::fs::hard_link(PROGRAMS.join(name), folder.path().join(name)).unwrap();
-        for other in ProcessKind::ALL
-            .into_iter()
-            .filter(|other| *other != process)
-        {
+        for other in ProcessKind::all().filter(|other| *other != process) {
             let name = other.program();
             std::os::unix::fs::symlink(PROGRAMS.join(&name), folder.path().join(&name)).unwrap();
         }
@@ -246,6 +254,18 @@ impl Sandbox {
             .env_remove("RUST_LOG")
             .stdin(Stdio::null());
         command
+    }
+
+    /// Starts a program of the daemon alone, without `tabula run`; its log is that of the sandbox.
+    pub(crate) fn start_program(&self, name: &str) -> KilledOnDrop {
+        let log = std::fs::File::options()
+            .create(true)
+            .append(true)
+            .open(self.log())
+            .unwrap();
+        let mut command = self.command(name);
+        command.stdout(Stdio::null()).stderr(log);
+        KilledOnDrop(command.spawn().unwrap())
     }
 
     /// Runs `tabula` with arguments to its end.

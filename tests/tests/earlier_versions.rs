@@ -4,8 +4,9 @@ use crate::daemon::{Daemon, Sandbox, WATCHDOG};
 use crate::skeleton::{id, wait_for_all};
 use channel::control::Client;
 use channel::{Domain, Role};
-use message::control::{Command, Labelling, LearnedView, MutationId, Reply, StoredView, ViewId};
-use message::{DescriptorBytes, ProcessKind};
+use control_protocol::DescriptorBytes;
+use control_protocol::{Command, Labelling, LearnedView, MutationId, Reply, StoredView, ViewId};
+use message::ProcessKind;
 
 /// Client of the memory with the rights of the daemon's own processes.
 struct MemoryClient {
@@ -20,8 +21,7 @@ impl MemoryClient {
             .enable_all()
             .build()
             .unwrap();
-        let client = runtime.block_on(async { Client::new(&domain, ProcessKind::Memory) });
-        let client = client.unwrap();
+        let client = Client::new(&domain, ProcessKind::MEMORY);
         Self { client, runtime }
     }
 }

@@ -148,7 +148,7 @@ fn largest_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 fn camera(daemon: &Daemon<'_>, key: &str) -> Value {
     daemon
-        .health(ProcessKind::Camera.word())
+        .health(ProcessKind::CAMERA.word())
         .unwrap_or_default()[key]
         .clone()
 }
@@ -209,7 +209,7 @@ fn fakenect_loop_restarts_the_process_and_continues() {
     let daemon = sandbox.start(&["--source", &source(&folder), "--loop"]);
     let n_starts = || daemon.log().matches("playing fakenect").count();
     eventually("the recording has begun three times", || n_starts() >= 3);
-    let frames = || daemon.health(ProcessKind::Perception.word()).unwrap()["frames"].as_u64();
+    let frames = || daemon.health(ProcessKind::PERCEPTION.word()).unwrap()["frames"].as_u64();
     let before = frames().unwrap();
     eventually("frames come after that", || frames() > Some(before + 10));
     assert_ne!(camera(&daemon, "state"), "idle");

@@ -112,8 +112,8 @@ fn killed_process_is_restarted_and_labels_are_recognised() {
         };
         let before = others();
         kill(&daemon, process);
-        wait_for_frames(&daemon, ProcessKind::Camera);
-        wait_for_frames(&daemon, ProcessKind::Perception);
+        wait_for_frames(&daemon, ProcessKind::CAMERA);
+        wait_for_frames(&daemon, ProcessKind::PERCEPTION);
         wait_for_names(&daemon);
         assert_eq!(
             before,
@@ -135,7 +135,7 @@ fn acknowledged_labels_survive_kill_9_of_the_memory() {
         eventually("the correction is acknowledged", || {
             sandbox.tabula(&["correct", &mug, &label]).status.success()
         });
-        kill(&daemon, ProcessKind::Memory);
+        kill(&daemon, ProcessKind::MEMORY);
         eventually("the memory answers", || {
             sandbox.tabula(&["categories"]).status.success()
         });
@@ -361,20 +361,20 @@ fn a_stopped_perception_blocks_neither_camera_nor_memory_and_is_replaced() {
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
     let mug = id(nearest(&daemon.objects(), place_of(0, "mug")));
-    let perception = daemon.pid(ProcessKind::Perception).unwrap();
+    let perception = daemon.pid(ProcessKind::PERCEPTION).unwrap();
     suspend(perception);
-    wait_for_frames(&daemon, ProcessKind::Camera);
+    wait_for_frames(&daemon, ProcessKind::CAMERA);
     let report = daemon.ask(&["correct", &mug, "cup"]);
     assert_eq!(report["category"], "cup");
     assert!(categories(&daemon).contains_key("cup"));
     let (_, sentence) = daemon.refused(&["objects"]);
     assert!(sentence.contains("no answer within"), "{sentence}");
-    wait_for_frames(&daemon, ProcessKind::Camera);
+    wait_for_frames(&daemon, ProcessKind::CAMERA);
     eventually("perception is replaced", || {
-        let pid = daemon.pid(ProcessKind::Perception);
+        let pid = daemon.pid(ProcessKind::PERCEPTION);
         pid.is_some_and(|pid| pid != perception)
     });
-    wait_for_frames(&daemon, ProcessKind::Perception);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
     daemon.wait_for(
         "perception goes on with what was taught meanwhile",
         |objects| !objects.is_empty() && nearest(objects, place_of(0, "mug"))["label"] == "cup",
@@ -390,13 +390,16 @@ fn stopped_memory_times_out_with_a_sentence_and_continues_afterwards() {
     );
     let daemon = sandbox.start(&TABLE);
     teach_two(&daemon);
-    let memory = daemon.pid(ProcessKind::Memory).unwrap();
+    let memory = daemon.pid(ProcessKind::MEMORY).unwrap();
     suspend(memory);
     let (code, sentence) = daemon.refused(&["categories"]);
     assert_eq!(code, 5, "{sentence}");
-    assert!(sentence.contains("no answer within"), "{sentence}");
+    assert!(
+        sentence.contains("no answer within 4 s from tabula-memory"),
+        "{sentence}"
+    );
     send_signal(memory, Signal::CONT).unwrap();
-    wait_for_frames(&daemon, ProcessKind::Memory);
+    wait_for_frames(&daemon, ProcessKind::MEMORY);
     wait_for_names(&daemon);
     daemon.stop();
 }

@@ -40,7 +40,7 @@ fn wait_until_degraded(daemon: &Daemon<'_>) -> String {
     let mut note = String::new();
     eventually("the memory is degraded", || {
         let health = daemon
-            .health(ProcessKind::Memory.word())
+            .health(ProcessKind::MEMORY.word())
             .unwrap_or_default();
         note = health["note"].as_str().unwrap_or_default().to_owned();
         health["state"] == "degraded"
@@ -72,7 +72,7 @@ fn as_root_memory_on_a_full_disk_reads_exports_and_recovers() {
     daemon.wait_for("the lesson is seen", |objects| {
         objects.iter().any(|object| object["label"] == "mug")
     });
-    let pid = daemon.pid(ProcessKind::Memory);
+    let pid = daemon.pid(ProcessKind::MEMORY);
 
     let rubbish = Rubbish::fill(&daemon);
     // Larger than what is left in the last block of the log.
@@ -87,24 +87,24 @@ fn as_root_memory_on_a_full_disk_reads_exports_and_recovers() {
     check_reading(&daemon, &track);
 
     // A memory that starts without room answers the same.
-    daemon.signal(ProcessKind::Memory, Signal::KILL);
+    daemon.signal(ProcessKind::MEMORY, Signal::KILL);
     eventually("the memory is another process", || {
-        let now = daemon.pid(ProcessKind::Memory);
+        let now = daemon.pid(ProcessKind::MEMORY);
         now.is_some() && now != pid
     });
     wait_until_degraded(&daemon);
     check_reading(&daemon, &track);
-    let pid = daemon.pid(ProcessKind::Memory);
+    let pid = daemon.pid(ProcessKind::MEMORY);
 
     drop(rubbish);
     eventually("the memory is ready again", || {
         let health = daemon
-            .health(ProcessKind::Memory.word())
+            .health(ProcessKind::MEMORY.word())
             .unwrap_or_default();
         health["state"] == "ready"
     });
     daemon.ask(&["teach", &other, "bowl"]);
-    assert_eq!(daemon.pid(ProcessKind::Memory), pid, "it recovers in place");
+    assert_eq!(daemon.pid(ProcessKind::MEMORY), pid, "it recovers in place");
     let log = daemon.log();
     let n_lines = log.matches("the store can only be read").count();
     assert!((2..=4).contains(&n_lines), "{n_lines} lines\n{log}");

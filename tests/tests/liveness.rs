@@ -54,7 +54,7 @@ fn hung_camera_makes_scene_and_world_stale_until_it_goes_on() {
     let fresh = wait_for_fresh_objects(&daemon);
     assert_eq!(fresh["note"], "");
     let track = fresh["objects"][0]["track_id"].to_string();
-    let camera = daemon.pid(ProcessKind::Camera).unwrap();
+    let camera = daemon.pid(ProcessKind::CAMERA).unwrap();
     suspend(camera);
     let begun = Instant::now();
     let mut objects = Value::Null;
@@ -65,7 +65,7 @@ fn hung_camera_makes_scene_and_world_stale_until_it_goes_on() {
     let stale_after = begun.elapsed();
     wait_for_state(
         &daemon,
-        ProcessKind::Perception,
+        ProcessKind::PERCEPTION,
         "degraded",
         "no frame for ",
     );
@@ -100,7 +100,7 @@ fn hung_camera_makes_scene_and_world_stale_until_it_goes_on() {
 
     send_signal(camera, Signal::CONT).unwrap();
     wait_for_fresh_objects(&daemon);
-    wait_for_state(&daemon, ProcessKind::Perception, "ready", "");
+    wait_for_state(&daemon, ProcessKind::PERCEPTION, "ready", "");
     eventually("the world is fresh", || {
         daemon.ask(&["world"])["is_stale"] == false
     });
@@ -159,26 +159,26 @@ impl MovableRecording {
 fn camera_whose_folder_is_away_for_a_moment_goes_on_in_place() {
     let (sandbox, recording) = (Sandbox::new(), MovableRecording::new());
     let daemon = recording.start(&sandbox);
-    wait_for_frames(&daemon, ProcessKind::Camera);
-    let camera = daemon.pid(ProcessKind::Camera);
+    wait_for_frames(&daemon, ProcessKind::CAMERA);
+    let camera = daemon.pid(ProcessKind::CAMERA);
     recording.remove();
     wait_for_state(
         &daemon,
-        ProcessKind::Camera,
+        ProcessKind::CAMERA,
         "degraded",
         "cannot be read at present",
     );
     wait_for_state(
         &daemon,
-        ProcessKind::Perception,
+        ProcessKind::PERCEPTION,
         "degraded",
         "no frame for ",
     );
     recording.restore();
-    wait_for_frames(&daemon, ProcessKind::Camera);
-    wait_for_state(&daemon, ProcessKind::Camera, "ready", "");
-    wait_for_state(&daemon, ProcessKind::Perception, "ready", "");
-    assert_eq!(daemon.pid(ProcessKind::Camera), camera, "{}", daemon.log());
+    wait_for_frames(&daemon, ProcessKind::CAMERA);
+    wait_for_state(&daemon, ProcessKind::CAMERA, "ready", "");
+    wait_for_state(&daemon, ProcessKind::PERCEPTION, "ready", "");
+    assert_eq!(daemon.pid(ProcessKind::CAMERA), camera, "{}", daemon.log());
     let log = daemon.log();
     assert_eq!(
         log.matches("trying again until it works").count(),
@@ -193,19 +193,19 @@ fn camera_whose_folder_is_away_for_a_moment_goes_on_in_place() {
 fn camera_that_is_restarted_while_its_folder_is_away_waits_for_it() {
     let (sandbox, recording) = (Sandbox::new(), MovableRecording::new());
     let daemon = recording.start(&sandbox);
-    wait_for_frames(&daemon, ProcessKind::Camera);
-    let killed = daemon.pid(ProcessKind::Camera).unwrap();
+    wait_for_frames(&daemon, ProcessKind::CAMERA);
+    let killed = daemon.pid(ProcessKind::CAMERA).unwrap();
     recording.remove();
     send_signal(killed, Signal::KILL).unwrap();
     let mut waiting = None;
     eventually("another camera waits for the folder", || {
-        waiting = daemon.pid(ProcessKind::Camera);
-        waiting != Some(killed) && state(&daemon, ProcessKind::Camera).0 == "degraded"
+        waiting = daemon.pid(ProcessKind::CAMERA);
+        waiting != Some(killed) && state(&daemon, ProcessKind::CAMERA).0 == "degraded"
     });
     recording.restore();
-    wait_for_state(&daemon, ProcessKind::Camera, "ready", "");
-    wait_for_frames(&daemon, ProcessKind::Camera);
-    assert_eq!(daemon.pid(ProcessKind::Camera), waiting, "{}", daemon.log());
+    wait_for_state(&daemon, ProcessKind::CAMERA, "ready", "");
+    wait_for_frames(&daemon, ProcessKind::CAMERA);
+    assert_eq!(daemon.pid(ProcessKind::CAMERA), waiting, "{}", daemon.log());
     daemon.stop();
 }
 
@@ -234,7 +234,7 @@ fn sparse_file_of_others_does_not_keep_the_daemon_from_starting() {
 fn segments_of_a_running_daemon_are_backed() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&TABLE);
-    wait_for_frames(&daemon, ProcessKind::Perception);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
     let mut n_segments = 0;
     for name in sandbox.shared_memory_files() {
         // A file may go while it is looked at.

@@ -25,7 +25,7 @@ pub(crate) fn repeatable(scene: &RecordedScene) -> String {
 
 fn wait_for_the_end(daemon: &Daemon<'_>) {
     eventually("the recording ends", || {
-        let camera = daemon.health(ProcessKind::Camera.word());
+        let camera = daemon.health(ProcessKind::CAMERA.word());
         camera.is_some_and(|camera| camera["state"] == "idle")
     });
 }
@@ -41,7 +41,7 @@ fn played(sandbox: &Sandbox, arguments: &[&str], n_frames: u64) -> Vec<RecordedS
             .is_some_and(|last| last.header.sequence == n_frames - 1)
     });
     let (scenes, n_lost) = recorder.stop();
-    for process in [ProcessKind::Perception, ProcessKind::Memory] {
+    for process in [ProcessKind::PERCEPTION, ProcessKind::MEMORY] {
         let health = daemon.health(process.word()).unwrap();
         assert_eq!(health["frames_dropped"], 0, "{health:#}");
     }
@@ -134,7 +134,7 @@ fn lockstep_source_continues_after_a_follower_is_killed() {
     let sandbox = Sandbox::new();
     let recorder = SceneRecorder::start(&sandbox);
     let daemon = sandbox.start(&["--source", "synthetic:0", "--lockstep"]);
-    for follower in [ProcessKind::Perception, ProcessKind::Memory] {
+    for follower in [ProcessKind::PERCEPTION, ProcessKind::MEMORY] {
         let newest = |scenes: &[RecordedScene]| scenes.last().map(|scene| scene.header.sequence);
         recorder.wait_for("scenes come", |scenes| newest(scenes) > Some(5));
         daemon.signal(follower, Signal::KILL);

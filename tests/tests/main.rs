@@ -37,6 +37,7 @@ mod faults;
 mod file_writers;
 /// A disk without room.
 mod full_disk;
+mod gateway;
 /// Hostile clients of the control socket.
 mod hostile_clients;
 /// Language rules of headlines and type names.

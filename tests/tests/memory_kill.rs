@@ -2,16 +2,15 @@
 //! Nothing acknowledged is lost, repeated, or half done.
 
 use crate::daemon::{Sandbox, WATCHDOG};
-use channel::control::SocketClient;
-use message::DescriptorBytes;
-use message::control::{
+use control_protocol::DescriptorBytes;
+use control_protocol::{
     Command, HistoryReport, LearningReport, MemoryAnswer, MemoryQuery, MutationId, RefusalKind,
     Reply, Revision, RevisionChange, StoredView, ViewId,
 };
+use daemon_client::DaemonClient;
 use random::Random;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::process::{Child, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -25,38 +24,11 @@ const RETRY_PERIOD: Duration = Duration::from_millis(3);
 /// Longest life of a memory process, milliseconds; some end before their first answer.
 const LONGEST_LIFE_MS: u64 = 160;
 
-/// Memory process without a daemon, killed on drop.
-struct MemoryProcess(Child);
-
-impl MemoryProcess {
-    fn start(sandbox: &Sandbox) -> Self {
-        let log = std::fs::File::options()
-            .create(true)
-            .append(true)
-            .open(sandbox.log())
-            .unwrap();
-        let child = sandbox
-            .command("tabula-memory")
-            .arg(format!("--domain={}", sandbox.domain))
-            .stdout(Stdio::null())
-            .stderr(log)
-            .spawn();
-        Self(child.unwrap())
-    }
-}
-
-impl Drop for MemoryProcess {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
 /// Client that repeats a command, with the same id, over new connections until it is
 /// answered.
 struct RetryingClient<'a> {
     sandbox: &'a Sandbox,
-    client: Option<SocketClient>,
+    client: Option<DaemonClient>,
 }
 
 impl RetryingClient<'_> {
@@ -64,7 +36,7 @@ impl RetryingClient<'_> {
         let begin = Instant::now();
         while begin.elapsed() < 2 * WATCHDOG {
             match self.try_ask(command) {
-                Some(Reply::Refused(refusal)) if refusal.kind == RefusalKind::Unavailable => {}
+                Some(Reply::Refused(refusal)) if is_transient(refusal.kind) => {}
                 Some(reply) => return reply,
                 None => self.client = None,
             }
@@ -76,10 +48,15 @@ impl RetryingClient<'_> {
     fn try_ask(&mut self, command: &Command) -> Option<Reply> {
         if self.client.is_none() {
             let folders = [self.sandbox.run_folder()];
-            self.client = SocketClient::connect(&self.sandbox.domain, &folders, WATCHDOG).ok();
+            self.client = DaemonClient::connect(&self.sandbox.domain, &folders, WATCHDOG).ok();
         }
         self.client.as_mut()?.call(command.clone()).ok()
     }
+}
+
+/// The memory was not there, or ended before it answered.
+fn is_transient(kind: RefusalKind) -> bool {
+    matches!(kind, RefusalKind::Unavailable | RefusalKind::UnknownOutcome)
 }
 
 fn id_of(track_id: u64, step: usize) -> MutationId {
@@ -114,7 +91,7 @@ fn name(category: &str, track_id: u64) -> String {
 fn command(track_id: u64, step: usize, corrected: Option<u64>) -> Command {
     let id = id_of(track_id, step);
     let author = format!("teacher {}", track_id % N_TEACHERS);
-    let labelling = |category: &str| message::control::Labelling {
+    let labelling = |category: &str| control_protocol::Labelling {
         is_new: false,
         id,
         author: author.clone(),
@@ -237,6 +214,7 @@ fn check_names(sandbox: &Sandbox, acknowledged: &Acknowledged) {
 
 fn check_kills(n_kills: usize, seed: u64) {
     let sandbox = Sandbox::new();
+    let _gateway = sandbox.start_program("tabula-gateway");
     let is_over = AtomicBool::new(false);
     let mut random = Random::from_seed(seed);
     let acknowledged = std::thread::scope(|scope| {
@@ -247,11 +225,11 @@ fn check_kills(n_kills: usize, seed: u64) {
             })
             .collect();
         for _ in 0..n_kills {
-            let memory = MemoryProcess::start(&sandbox);
+            let memory = sandbox.start_program("tabula-memory");
             std::thread::sleep(Duration::from_millis(random.next_u64() % LONGEST_LIFE_MS));
             drop(memory);
         }
-        let _last = MemoryProcess::start(&sandbox);
+        let _last = sandbox.start_program("tabula-memory");
         is_over.store(true, Ordering::Relaxed);
         let acknowledged = teachers.into_iter().map(|teacher| teacher.join().unwrap());
         let acknowledged: Acknowledged = acknowledged.flatten().collect();

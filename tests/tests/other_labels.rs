@@ -28,7 +28,7 @@ fn after_a_recording(sandbox: &Sandbox) -> Daemon<'_> {
     let source = folder.to_str().unwrap();
     let daemon = sandbox.start(&["--source", source, "--to", "220", "--lockstep"]);
     eventually("the recording ends", || {
-        let camera = daemon.health(ProcessKind::Camera.word());
+        let camera = daemon.health(ProcessKind::CAMERA.word());
         camera.is_some_and(|camera| camera["state"] == "idle")
     });
     daemon

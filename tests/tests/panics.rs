@@ -186,7 +186,7 @@ fn long_panic_every_second_costs_other_tracks_no_frame() {
 fn wait_for_another(daemon: &Daemon<'_>, before: u32) {
     eventually("perception is started again", || {
         daemon
-            .pid(ProcessKind::Perception)
+            .pid(ProcessKind::PERCEPTION)
             .is_some_and(|pid| pid != before)
     });
 }
@@ -199,7 +199,7 @@ fn panics_above_the_restart_limit_restart_the_process() {
     let events = Recorder::<ActorEvents>::start(&sandbox);
     let daemon = sandbox.start(&TABLE);
     wait_for_all(&daemon, 0);
-    let before = daemon.pid(ProcessKind::Perception).unwrap();
+    let before = daemon.pid(ProcessKind::PERCEPTION).unwrap();
     wait_for_another(&daemon, before);
     // The new tracks have other ids: nothing panics any more.
     wait_for_all(&daemon, 0);

@@ -3,19 +3,19 @@
 
 use crate::daemon::{Daemon, Sandbox, WATCHDOG, eventually};
 use crate::skeleton::{id, wait_for_all};
-use channel::control::SocketClient;
+use control_protocol::{Command, Labelling, MutationId, Reply};
+use daemon_client::DaemonClient;
 use message::ProcessKind;
-use message::control::{Command, Labelling, MutationId, Reply};
 
 /// Number of changes, each followed by a question at once.
 const N_CHANGES: u128 = 20;
 
-fn call(client: &mut SocketClient, command: Command) -> Reply {
+fn call(client: &mut DaemonClient, command: Command) -> Reply {
     client.call(command).unwrap()
 }
 
 /// Label of a track in the answers to `ask` and to `objects`.
-fn labels(client: &mut SocketClient, track_id: u64) -> [Option<String>; 2] {
+fn labels(client: &mut DaemonClient, track_id: u64) -> [Option<String>; 2] {
     let Reply::Object(object) = call(client, Command::Ask { track_id }) else {
         panic!("track {track_id} is not answered")
     };
@@ -30,7 +30,7 @@ fn labels(client: &mut SocketClient, track_id: u64) -> [Option<String>; 2] {
 fn check_each_change_is_answered(daemon: &Daemon<'_>, track_id: u64) {
     let sandbox = daemon.sandbox;
     let folders = [sandbox.run_folder()];
-    let mut client = SocketClient::connect(&sandbox.domain, &folders, WATCHDOG).unwrap();
+    let mut client = DaemonClient::connect(&sandbox.domain, &folders, WATCHDOG).unwrap();
     for number in 0..N_CHANGES {
         let category = format!("thing {number}");
         let labelling = Labelling {
@@ -69,7 +69,7 @@ fn label_is_answered_directly_after_a_change_when_no_frame_comes_any_more() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&["--source", "synthetic:0", "--to", "30", "--lockstep"]);
     eventually("the recording ends", || {
-        let camera = daemon.health(ProcessKind::Camera.word());
+        let camera = daemon.health(ProcessKind::CAMERA.word());
         camera.is_some_and(|camera| camera["state"] == "idle")
     });
     let track = id(&daemon.objects()[0]);

@@ -172,7 +172,7 @@ fn kitchen(sandbox: &Sandbox, sequence: &str) -> Vec<RecordedScene> {
         "--lockstep",
     ]);
     recorder.wait_for("the sequence ends", |_| {
-        let camera = daemon.health(ProcessKind::Camera.word());
+        let camera = daemon.health(ProcessKind::CAMERA.word());
         camera.is_some_and(|camera| camera["state"] == "idle")
     });
     let (scenes, _) = recorder.stop();

@@ -94,9 +94,9 @@ fn check_size(camera: &PinholeCamera) {
         places.iter().all(|place| is_tracked_at(objects, *place))
     });
     eventually("the folder is played twice", || {
-        count(&daemon, ProcessKind::Camera, "frames") > 2 * N_FRAMES as u64
+        count(&daemon, ProcessKind::CAMERA, "frames") > 2 * N_FRAMES as u64
     });
-    assert_eq!(count(&daemon, ProcessKind::Camera, "frames_dropped"), 0);
+    assert_eq!(count(&daemon, ProcessKind::CAMERA, "frames_dropped"), 0);
     daemon.stop();
     assert_eq!(sandbox.shared_memory_files(), Vec::<String>::new());
 }
@@ -126,11 +126,11 @@ fn unusable_registered_images_are_skipped_and_counted() {
     let source = folder.path().to_str().unwrap();
     let daemon = sandbox.start(&["--source", source, "--lockstep"]);
     eventually("the recording ends", || {
-        let health = daemon.health(ProcessKind::Camera.word());
+        let health = daemon.health(ProcessKind::CAMERA.word());
         health.is_some_and(|health| health["state"] == "idle")
     });
-    assert_eq!(count(&daemon, ProcessKind::Camera, "frames"), 1);
-    assert_eq!(count(&daemon, ProcessKind::Camera, "frames_dropped"), 2);
+    assert_eq!(count(&daemon, ProcessKind::CAMERA, "frames"), 1);
+    assert_eq!(count(&daemon, ProcessKind::CAMERA, "frames_dropped"), 2);
     let log = daemon.log();
     for name in ["frame-000001.depth.png", "frame-000002.color.png"] {
         let reported = log.lines().find(|line| line.contains(name)).unwrap();
@@ -150,10 +150,10 @@ fn registered_images_of_another_camera_are_played_to_their_end() {
     let source = folder.to_str().unwrap();
     let daemon = sandbox.start(&["--source", source, "--lockstep"]);
     eventually("the recording ends", || {
-        let health = daemon.health(ProcessKind::Camera.word());
+        let health = daemon.health(ProcessKind::CAMERA.word());
         health.is_some_and(|health| health["state"] == "idle")
     });
-    for process in [ProcessKind::Camera, ProcessKind::Perception] {
+    for process in [ProcessKind::CAMERA, ProcessKind::PERCEPTION] {
         // Processes report one after the other.
         eventually("all frames are reported", || {
             count(&daemon, process, "frames") == 5

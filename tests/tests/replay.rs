@@ -87,7 +87,7 @@ fn replay_at_the_recorded_pace_shows_the_same_objects() {
     let second = Sandbox::new();
     let daemon = second.start(&["--source", file.to_str().unwrap()]);
     eventually("the recording ends", || {
-        let camera = daemon.health(ProcessKind::Camera.word());
+        let camera = daemon.health(ProcessKind::CAMERA.word());
         camera.is_some_and(|camera| camera["state"] == "idle")
     });
     assert_eq!(daemon.objects().len(), 5);

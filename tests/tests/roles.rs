@@ -3,8 +3,8 @@
 
 use crate::daemon::{Daemon, Sandbox, WATCHDOG, WITH_CAMERA, program};
 use crate::skeleton::{id, wait_for_all};
-use channel::control::SocketClient;
-use message::control::{Command as Control, MutationId, RefusalKind, Reply, WorldCommand};
+use control_protocol::{MutationId, RefusalKind, request};
+use daemon_client::{CallError, DaemonClient};
 use serde_json::Value;
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::Path;
@@ -99,7 +99,7 @@ fn as_root_other_accounts_need_the_group() {
 #[ignore = "needs root"]
 fn as_root_reader_reads_and_stops_and_changes_nothing() {
     let sandbox = Sandbox::with_group(GROUP);
-    sandbox.configure("[memory]\nteacher_group = \"no such group\"\n");
+    sandbox.configure("[gateway]\nteacher_group = \"no such group\"\n");
     let folder = program_for_all();
     let daemon = sandbox.start(&TABLE);
     let track = id(&wait_for_all(&daemon, 0)[0]);
@@ -242,15 +242,11 @@ fn control_characters_are_refused_in_every_text() {
         ("clear", forged, "anna"),
         ("clear", "{}", forged),
     ] {
-        let start = Control::World(WorldCommand::StartTask {
-            id: MutationId(7),
-            kind: kind.into(),
-            parameters: parameters.into(),
-            author: author.into(),
-        });
-        let reply = SocketClient::call_once(&sandbox.domain, &folders, WATCHDOG, &start);
-        match reply.unwrap() {
-            Reply::Refused(refusal) => assert_eq!(refusal.kind, RefusalKind::Invalid),
+        let (id, [kind, parameters, author]) =
+            (MutationId(7), [kind, parameters, author].map(str::to_owned));
+        let start = request::start_task(id, kind, parameters, author);
+        match DaemonClient::ask_once(&sandbox.domain, &folders, WATCHDOG, &start) {
+            Err(CallError::Refusal(refusal)) => assert_eq!(refusal.kind, RefusalKind::Invalid),
             other => panic!("{other:?}"),
         }
     }

@@ -62,6 +62,10 @@ fn stop(mut child: Child) -> i32 {
 #[test]
 fn memory_is_ready_when_it_answers_and_feeds_the_watchdog() {
     let (sandbox, systemd) = (Sandbox::new(), Systemd::new());
+    let _gateway = sandbox.start_program("tabula-gateway");
+    eventually("the gateway answers", || {
+        sandbox.tabula(&["status"]).status.success()
+    });
     let memory = systemd.start(&sandbox, "tabula-memory");
     let news = systemd.until("READY=1");
     let (_, before) = news.split_last().unwrap();

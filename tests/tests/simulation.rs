@@ -515,11 +515,11 @@ fn killed_simulator_is_restarted() {
     let (_folder, source) = scene_file(BREAKFAST);
     let daemon = sandbox.start(&["--source", &source]);
     daemon.wait_for("objects are tracked", |objects| objects.len() >= 4);
-    let killed = daemon.pid(ProcessKind::Simulator).unwrap();
-    daemon.signal(ProcessKind::Simulator, Signal::KILL);
+    let killed = daemon.pid(ProcessKind::SIMULATOR).unwrap();
+    daemon.signal(ProcessKind::SIMULATOR, Signal::KILL);
     eventually("another simulator runs", || {
-        let pid = daemon.pid(ProcessKind::Simulator);
-        let frames = daemon.health(ProcessKind::Simulator.word());
+        let pid = daemon.pid(ProcessKind::SIMULATOR);
+        let frames = daemon.health(ProcessKind::SIMULATOR.word());
         pid.is_some_and(|pid| pid != killed)
             && frames.is_some_and(|health| health["frames"].as_u64() > Some(10))
     });

@@ -103,8 +103,8 @@ fn stopped_process_is_replaced_and_the_domain_works_again() {
     wait_for_objects(&daemon);
     for process in WITH_CAMERA {
         check_replaced(&daemon, process);
-        wait_for_frames(&daemon, ProcessKind::Camera);
-        wait_for_frames(&daemon, ProcessKind::Perception);
+        wait_for_frames(&daemon, ProcessKind::CAMERA);
+        wait_for_frames(&daemon, ProcessKind::PERCEPTION);
         wait_for_objects(&daemon);
     }
     daemon.stop();
@@ -115,10 +115,10 @@ fn stopped_simulator_is_replaced_and_sends_frames_again() {
     let sandbox = Sandbox::new();
     sandbox.configure(WITH_SHORT_WATCHDOG);
     let daemon = sandbox.start(&["--source", "simulation:isolated", "--rate", "5"]);
-    wait_for_frames(&daemon, ProcessKind::Perception);
-    check_replaced(&daemon, ProcessKind::Simulator);
-    wait_for_frames(&daemon, ProcessKind::Simulator);
-    wait_for_frames(&daemon, ProcessKind::Perception);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
+    check_replaced(&daemon, ProcessKind::SIMULATOR);
+    wait_for_frames(&daemon, ProcessKind::SIMULATOR);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
     daemon.stop();
 }
 
@@ -127,7 +127,7 @@ fn stopped_process_is_ended_for_a_core_dump_when_configured() {
     let sandbox = Sandbox::new();
     sandbox.configure(&format!("{WITH_SHORT_WATCHDOG}watchdog_core_dump = true\n"));
     let daemon = sandbox.start(&TABLE);
-    check_replaced(&daemon, ProcessKind::Perception);
+    check_replaced(&daemon, ProcessKind::PERCEPTION);
     assert!(
         daemon.log().contains("ending it with SIGABRT"),
         "{}",
@@ -141,13 +141,13 @@ fn wait_for_another_process_is_no_stall() {
     let sandbox = Sandbox::new();
     sandbox.configure(WITH_SHORT_WATCHDOG);
     let daemon = sandbox.start(&["--source", "synthetic:0", "--lockstep"]);
-    wait_for_frames(&daemon, ProcessKind::Perception);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
     let pids = |kind| daemon.pid(kind).unwrap();
-    let before = [ProcessKind::Camera, ProcessKind::Perception].map(pids);
+    let before = [ProcessKind::CAMERA, ProcessKind::PERCEPTION].map(pids);
     // In lockstep all wait for the memory, until it is replaced.
-    check_replaced(&daemon, ProcessKind::Memory);
-    wait_for_frames(&daemon, ProcessKind::Perception);
-    let after = [ProcessKind::Camera, ProcessKind::Perception].map(pids);
+    check_replaced(&daemon, ProcessKind::MEMORY);
+    wait_for_frames(&daemon, ProcessKind::PERCEPTION);
+    let after = [ProcessKind::CAMERA, ProcessKind::PERCEPTION].map(pids);
     assert_eq!(before, after, "{}", daemon.log());
     daemon.stop();
 }
@@ -160,15 +160,15 @@ fn stalled_process_is_named_and_goes_on_when_it_is_continued_in_time() {
     );
     let daemon = sandbox.start(&TABLE);
     wait_until_well(&sandbox);
-    let pid = daemon.pid(ProcessKind::Perception).unwrap();
+    let pid = daemon.pid(ProcessKind::PERCEPTION).unwrap();
     suspend(pid);
     eventually("the status names the process", || {
         let (document, code) = status(&sandbox);
-        let sentence = trouble(&document, ProcessKind::Perception).unwrap_or_default();
+        let sentence = trouble(&document, ProcessKind::PERCEPTION).unwrap_or_default();
         code == NO_DAEMON && sentence.contains("has made no progress since")
     });
     let (document, _) = status(&sandbox);
-    assert_eq!(trouble(&document, ProcessKind::Camera), None);
+    assert_eq!(trouble(&document, ProcessKind::CAMERA), None);
     let doctor = sandbox.tabula(&["doctor"]);
     let findings = String::from_utf8(doctor.stdout).unwrap();
     assert_eq!(doctor.status.code(), Some(FAILURE), "{findings}");
@@ -178,7 +178,7 @@ fn stalled_process_is_named_and_goes_on_when_it_is_continued_in_time() {
     );
     send_signal(pid, Signal::CONT).unwrap();
     let document = wait_until_well(&sandbox);
-    let same = expected(&document, ProcessKind::Perception).unwrap()["pid"].as_u64();
+    let same = expected(&document, ProcessKind::PERCEPTION).unwrap()["pid"].as_u64();
     assert_eq!(same, Some(u64::from(pid)), "it was not restarted");
     assert!(sandbox.tabula(&["doctor"]).status.success());
     daemon.stop();
@@ -238,13 +238,13 @@ fn pids(document: &Value, processes: [ProcessKind; 2]) -> [Option<u64>; 2] {
 
 #[test]
 fn program_that_ends_at_once_many_times_does_not_stop_the_others() {
-    const OTHERS: [ProcessKind; 2] = [ProcessKind::Memory, ProcessKind::Perception];
+    const OTHERS: [ProcessKind; 2] = [ProcessKind::MEMORY, ProcessKind::PERCEPTION];
     let script = "case \"$*\" in *--check-config*) exec \"$REAL\" \"$@\";; esac\nexit 42";
-    let sandbox = Sandbox::with_script(ProcessKind::Camera, script);
+    let sandbox = Sandbox::with_script(ProcessKind::CAMERA, script);
     sandbox.configure(WITH_FAST_RESTARTS);
     let mut launched = Launched::new(&sandbox);
-    let early = launched.wait_for_ends(ProcessKind::Camera, 5);
-    let document = launched.wait_for_ends(ProcessKind::Camera, 40);
+    let early = launched.wait_for_ends(ProcessKind::CAMERA, 5);
+    let document = launched.wait_for_ends(ProcessKind::CAMERA, 40);
     assert_eq!(
         pids(&early, OTHERS),
         pids(&document, OTHERS),
@@ -257,7 +257,7 @@ fn program_that_ends_at_once_many_times_does_not_stop_the_others() {
     for process in OTHERS {
         assert_eq!(trouble(&document, process), None, "{document:#}");
     }
-    let sentence = trouble(&document, ProcessKind::Camera).unwrap();
+    let sentence = trouble(&document, ProcessKind::CAMERA).unwrap();
     assert!(sentence.contains("tabula-camera"), "{sentence}");
     assert!(sentence.contains("exit status: 42"), "{sentence}");
     let text = sandbox.tabula(&["status"]);
@@ -286,13 +286,13 @@ fn process_that_cannot_start_is_retried_until_it_can() {
     let obstacle = sandbox.home().join("perceptual-memory");
     std::fs::write(&obstacle, "not a folder").unwrap();
     let mut launched = Launched::new(&sandbox);
-    let document = launched.wait_for_ends(ProcessKind::Memory, 3);
+    let document = launched.wait_for_ends(ProcessKind::MEMORY, 3);
     // The memory answers nothing, and still the status names it.
-    let sentence = trouble(&document, ProcessKind::Memory).unwrap();
+    let sentence = trouble(&document, ProcessKind::MEMORY).unwrap();
     assert!(sentence.contains("tabula-memory"), "{sentence}");
     assert!(sentence.contains("exit status: 1"), "{sentence}");
     assert_eq!(status(&sandbox).1, NO_DAEMON);
-    let camera = |document: &Value| expected(document, ProcessKind::Camera).unwrap();
+    let camera = |document: &Value| expected(document, ProcessKind::CAMERA).unwrap();
     eventually("the camera works without the memory", || {
         camera(&status(&sandbox).0)["state"] == "running"
     });
@@ -311,13 +311,13 @@ fn process_that_cannot_start_is_retried_until_it_can() {
 fn process_that_hangs_while_starting_is_replaced_and_those_that_wait_for_it_are_not() {
     // It never reports anything, and perception waits for its track-ids.
     let script = "case \"$*\" in *--check-config*) exec \"$REAL\" \"$@\";; esac\nexec sleep 300";
-    let sandbox = Sandbox::with_script(ProcessKind::Memory, script);
+    let sandbox = Sandbox::with_script(ProcessKind::MEMORY, script);
     sandbox.configure(&format!("{WITH_SHORT_WATCHDOG}startup_watchdog_s = 5.0\n"));
     let mut launched = Launched::new(&sandbox);
-    let document = launched.wait_for_ends(ProcessKind::Memory, 1);
-    let sentence = trouble(&document, ProcessKind::Memory).unwrap();
+    let document = launched.wait_for_ends(ProcessKind::MEMORY, 1);
+    let sentence = trouble(&document, ProcessKind::MEMORY).unwrap();
     assert!(sentence.contains("no progress"), "{sentence}");
-    for process in [ProcessKind::Perception, ProcessKind::Camera] {
+    for process in [ProcessKind::PERCEPTION, ProcessKind::CAMERA] {
         let others = expected(&document, process).unwrap();
         assert_eq!(others["n_ends"], 0, "{document:#}\n{}", log(&sandbox));
     }
@@ -330,22 +330,22 @@ fn check_retried_after_readiness(code: i32) {
     let script = "case \"$*\" in *--check-config*) ;; *)\n\
                   [ -e \"$TABULA_HOME/exit-code\" ] && exit $(cat \"$TABULA_HOME/exit-code\");;\n\
                   esac\nexec \"$REAL\" \"$@\"";
-    let sandbox = Sandbox::with_script(ProcessKind::Camera, script);
+    let sandbox = Sandbox::with_script(ProcessKind::CAMERA, script);
     sandbox.configure(WITH_FAST_RESTARTS);
     let daemon = sandbox.start(&TABLE);
     wait_until_well(&sandbox);
     let exit_code = sandbox.home().join("exit-code");
     std::fs::write(&exit_code, code.to_string()).unwrap();
-    daemon.signal(ProcessKind::Camera, Signal::KILL);
+    daemon.signal(ProcessKind::CAMERA, Signal::KILL);
     eventually("it ends with the exit code several times", || {
-        let camera = expected(&status(&sandbox).0, ProcessKind::Camera);
+        let camera = expected(&status(&sandbox).0, ProcessKind::CAMERA);
         camera.is_some_and(|camera| {
             camera["n_ends"].as_u64() > Some(4) && camera["cause"] == format!("exit status: {code}")
         })
     });
     std::fs::remove_file(&exit_code).unwrap();
     wait_until_well(&sandbox);
-    wait_for_frames(&daemon, ProcessKind::Camera);
+    wait_for_frames(&daemon, ProcessKind::CAMERA);
     wait_for_objects(&daemon);
     daemon.stop();
 }
@@ -361,7 +361,7 @@ fn usage_and_already_running_are_final_before_readiness() {
     for code in [2, 6] {
         let script =
             format!("case \"$*\" in *--check-config*) exec \"$REAL\" \"$@\";; esac\nexit {code}");
-        let sandbox = Sandbox::with_script(ProcessKind::Camera, &script);
+        let sandbox = Sandbox::with_script(ProcessKind::CAMERA, &script);
         let mut run = sandbox.launch(&TABLE);
         let status = wait_for_end(&mut run, WATCHDOG).unwrap_or_else(|| {
             let _ = kill_process(Pid::from_child(&run), Signal::TERM);
@@ -388,7 +388,7 @@ fn restart_messages_go_to_the_log_only() {
     let printed = || std::fs::read_to_string(sandbox.home().join("stdout.txt")).unwrap();
     eventually("it is announced", || printed().contains("Ctrl-C stops"));
     let document = wait_until_well(&sandbox);
-    let camera = expected(&document, ProcessKind::Camera).unwrap()["pid"].as_u64();
+    let camera = expected(&document, ProcessKind::CAMERA).unwrap()["pid"].as_u64();
     send_signal(camera.unwrap() as u32, Signal::KILL).unwrap();
     eventually("the camera runs again", || {
         log(&sandbox).contains("tabula-camera runs again")

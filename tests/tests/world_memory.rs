@@ -1,17 +1,17 @@
 //! Working memory: facts survive a kill, and end when their object was last seen.
 
-use crate::daemon::{Daemon, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest};
+use crate::daemon::{Daemon, KilledOnDrop, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest};
 use crate::skeleton::{id, place_of, wait_for_all};
-use channel::control::SocketClient;
-use message::ProcessKind;
-use message::control::{
-    Command, MutationId, RefusalKind, Reply, TaskOutcome, WorldCommand, WorldReply,
+use control_protocol::{
+    Command, MutationId, RefusalKind, Reply, TaskOutcome, WorldCommand, WorldReply, request,
 };
+use daemon_client::DaemonClient;
+use message::ProcessKind;
 use rustix::process::{Pid, Signal, kill_process};
 use scene_document::{EventsDocument, TaskDocument};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Stdio};
+use std::process::Stdio;
 
 fn list(document: &Value, name: &str) -> Vec<Value> {
     document[name].as_array().unwrap().clone()
@@ -36,23 +36,13 @@ fn n_events(events: &[Value], kind: &str) -> usize {
     events.iter().filter(|event| event["event"] == kind).count()
 }
 
-/// Child process that is killed on drop.
-struct KilledOnDrop(Child);
-
-impl Drop for KilledOnDrop {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
 /// Kills the memory, and waits until its replacement answers.
 fn kill_memory(daemon: &Daemon<'_>) {
-    let killed = daemon.pid(ProcessKind::Memory);
-    daemon.signal(ProcessKind::Memory, Signal::KILL);
+    let killed = daemon.pid(ProcessKind::MEMORY);
+    daemon.signal(ProcessKind::MEMORY, Signal::KILL);
     eventually("another memory answers", || {
         daemon
-            .pid(ProcessKind::Memory)
+            .pid(ProcessKind::MEMORY)
             .is_some_and(|pid| Some(pid) != killed)
     });
 }
@@ -193,32 +183,22 @@ fn events_are_followed_as_they_happen() {
     daemon.stop();
 }
 
-/// Starts a memory without a daemon, and waits until it answers.
+/// Starts a memory beside a gateway, and waits until it answers.
 fn start_memory(sandbox: &Sandbox) -> KilledOnDrop {
-    let alone = KilledOnDrop(
-        sandbox
-            .command("tabula-memory")
-            .arg(format!("--domain={}", sandbox.domain))
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap(),
-    );
+    let alone = sandbox.start_program("tabula-memory");
     eventually("the memory answers", || {
         sandbox.tabula(&["world"]).status.success()
     });
     alone
 }
 
-fn connect(sandbox: &Sandbox) -> SocketClient {
-    SocketClient::connect(&sandbox.domain, &[sandbox.run_folder()], WATCHDOG).unwrap()
+fn connect(sandbox: &Sandbox) -> DaemonClient {
+    DaemonClient::connect(&sandbox.domain, &[sandbox.run_folder()], WATCHDOG).unwrap()
 }
 
-fn task(client: &mut SocketClient, command: WorldCommand) -> Result<TaskDocument, RefusalKind> {
+fn task(client: &mut DaemonClient, command: WorldCommand) -> Result<TaskDocument, RefusalKind> {
     match client.call(Command::World(command)).unwrap() {
-        Reply::World(reply) => match *reply {
-            WorldReply::Task(task) => Ok(task),
-            other => panic!("{other:?}"),
-        },
+        Reply::World(WorldReply::Task(task)) => Ok(task),
         Reply::Refused(refusal) => Err(refusal.kind),
         other => panic!("{other:?}"),
     }
@@ -242,20 +222,15 @@ fn end_task(id: u128, task_id: u64) -> WorldCommand {
     }
 }
 
-fn events_since(client: &mut SocketClient, since: u64, wait_ms: u64) -> EventsDocument {
-    match client.call(Command::World(WorldCommand::Events { since, wait_ms })) {
-        Ok(Reply::World(reply)) => match *reply {
-            WorldReply::Events(events) => events,
-            other => panic!("{other:?}"),
-        },
-        other => panic!("{other:?}"),
-    }
+fn events_since(client: &mut DaemonClient, since: u64, wait_ms: u64) -> EventsDocument {
+    client.ask(&request::events(since, wait_ms)).unwrap()
 }
 
 #[test]
 fn task_is_recorded_once_and_survives_the_memory_process() {
     let sandbox = Sandbox::new();
     // Nobody looks at anything, so that only the task happens.
+    let _gateway = sandbox.start_program("tabula-gateway");
     let memory = start_memory(&sandbox);
     let mut client = connect(&sandbox);
     let started = task(&mut client, start_task()).unwrap();

@@ -139,7 +139,7 @@ fn steady_state_allocations_outside_the_camera_are_small() {
         objects.iter().filter(is_known).count() == 5
     });
     daemon.ask(&["teach", &objects[0]["track_id"].to_string(), "something"]);
-    for process in [ProcessKind::Perception, ProcessKind::Memory] {
+    for process in [ProcessKind::PERCEPTION, ProcessKind::MEMORY] {
         let bytes = bytes_per_frame(&daemon, process);
         println!("{} allocates {bytes} bytes per frame", process.word());
         assert!(

@@ -29,5 +29,5 @@ fn main() -> ExitCode {
         let config = config.get().as_ref().clone();
         camera::run(context, config, again.clone())
     };
-    again.or(service::run(ProcessKind::Camera, &process, check, run))
+    again.or(service::run(ProcessKind::CAMERA, &process, check, run))
 }

@@ -77,7 +77,7 @@ impl DaemonUnderTest {
 
 /// `true` if a perception process runs in the domain.
 fn is_running(domain: &DomainName, run_folder: &RunFolder) -> bool {
-    let perception = ProcessKind::Perception.program();
+    let perception = ProcessKind::PERCEPTION.program();
     let state = DomainState::inspect(domain, run_folder);
     state.running.iter().any(|(role, _)| *role == perception)
 }

@@ -131,9 +131,9 @@ mod tests {
 
     #[test]
     fn this_process_is_measured() {
-        let usage = ProcessUsage::begin(ProcessKind::Camera, std::process::id()).unwrap();
+        let usage = ProcessUsage::begin(ProcessKind::CAMERA, std::process::id()).unwrap();
         let report = usage.report().unwrap();
         assert!(report.open_files > 0 && report.threads > 0 && report.resident_mb > 0.1);
-        assert!(ProcessUsage::begin(ProcessKind::Camera, u32::MAX).is_none());
+        assert!(ProcessUsage::begin(ProcessKind::CAMERA, u32::MAX).is_none());
     }
 }

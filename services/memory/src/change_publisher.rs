@@ -1,5 +1,5 @@
-//! Publisher of changes: announces each new position of the memory's history to
-//! perception.
+//! Publisher of changes: announces each new position of the memory's history to the other
+//! processes.
 
 use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Publisher};
@@ -15,14 +15,22 @@ const PERIOD: Duration = Duration::from_millis(500);
 pub(crate) struct ChangePublisher {
     publisher: Publisher<MemoryChanged>,
     position: watch::Receiver<Position>,
+    announced: watch::Sender<Position>,
 }
 
 impl ChangePublisher {
-    pub(crate) fn new(domain: &Domain, position: watch::Receiver<Position>) -> Result<Self, Error> {
-        Ok(Self {
+    /// Publisher of the position, and the newest one that it has announced.
+    pub(crate) fn new(
+        domain: &Domain,
+        position: watch::Receiver<Position>,
+    ) -> Result<(Self, watch::Receiver<Position>), Error> {
+        let (announced, announcements) = watch::channel(*position.borrow());
+        let publisher = Self {
             publisher: Publisher::new(domain)?,
             position,
-        })
+            announced,
+        };
+        Ok((publisher, announcements))
     }
 
     /// Shared memory reserved by the publisher, bytes.
@@ -52,11 +60,14 @@ impl ChangePublisher {
     }
 
     fn publish(&mut self) -> Result<(), Error> {
-        let Position { store_id, sequence } = *self.position.borrow_and_update();
+        let position = *self.position.borrow_and_update();
+        let Position { store_id, sequence } = position;
         let store_id = [(store_id.0 >> 64) as u64, store_id.0 as u64];
         self.publisher.send_copy(
             PlainHeader::default(),
             &[MemoryChange { store_id, sequence }],
-        )
+        )?;
+        self.announced.send_replace(position);
+        Ok(())
     }
 }

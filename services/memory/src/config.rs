@@ -1,6 +1,5 @@
 //! Configuration section `[memory]`: parsing and validation.
 
-use channel::control::RoleGroups;
 use memory_requests::UploadLimits;
 use perceptual_memory::{HistoryLimits, RetentionLimits, WRITE_BUFFER_BYTES};
 use serde::Deserialize;
@@ -25,8 +24,6 @@ struct RawConfig {
     forgotten_kept_days: u64,
     import_max_mb: u64,
     free_disk_min_mb: u64,
-    teacher_group: String,
-    administrator_group: String,
     tombstones_kept_days: u64,
     history_recent_entries: u64,
     history_archive_max_mb: u64,
@@ -48,8 +45,6 @@ impl Default for RawConfig {
             forgotten_kept_days: 30,
             import_max_mb: 4096,
             free_disk_min_mb: 256,
-            teacher_group: "tabula".into(),
-            administrator_group: "tabula-admin".into(),
             tombstones_kept_days: 400,
             history_recent_entries: HistoryLimits::CONFIGURED.kept_entries,
             history_archive_max_mb: HistoryLimits::CONFIGURED.archive_max_bytes >> 20,
@@ -77,8 +72,6 @@ pub(crate) struct Config {
     pub(crate) forgotten_kept: Duration,
     /// Limits of the files of imports.
     pub(crate) uploads: UploadLimits,
-    /// Groups of teachers and administrators.
-    pub(crate) groups: RoleGroups,
     /// Retention time of the tombstones of purged views, during which no merge restores them.
     pub(crate) tombstones_kept: Duration,
     /// Period of updates of the world model, and of its writes to disk.
@@ -109,10 +102,6 @@ impl Config {
             uploads: UploadLimits {
                 max_bytes: raw.import_max_mb << 20,
                 free_disk_min_bytes: raw.free_disk_min_mb << 20,
-            },
-            groups: RoleGroups {
-                teachers: raw.teacher_group,
-                administrators: raw.administrator_group,
             },
             forgotten_kept: Duration::from_nanos(raw.forgotten_kept_days * NS_PER_DAY),
             tombstones_kept: Duration::from_nanos(raw.tombstones_kept_days * NS_PER_DAY),

@@ -2,7 +2,6 @@
 
 use crate::config::Config;
 use crate::working_memory::WorkingMemory;
-use channel::control::AccessControl;
 use memory_requests::MemoryRequestHandler;
 use perceptual_memory::StoreHandle;
 use service::LiveConfig;
@@ -14,7 +13,6 @@ pub(crate) struct ConfigurationChange {
     pub(crate) store: StoreHandle,
     pub(crate) handler: Arc<MemoryRequestHandler>,
     pub(crate) world: Arc<WorkingMemory>,
-    pub(crate) access: AccessControl,
 }
 
 impl ConfigurationChange {
@@ -25,7 +23,6 @@ impl ConfigurationChange {
             self.store.set_limits(config.limits);
             self.handler.set_upload_limits(config.uploads);
             self.world.set_config(&config);
-            self.access.set_groups(&config.groups);
         }
     }
 }

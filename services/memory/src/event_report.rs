@@ -1,7 +1,7 @@
 //! Conversion of world events to their documents.
 
 use crate::world_report::word;
-use message::control::{Command, LearningReport};
+use control_protocol::{Command, LearningReport};
 use scene_document::EventDocument;
 use working_memory::{Event, EventKind, Lesson, LessonKind};
 

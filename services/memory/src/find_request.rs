@@ -2,10 +2,10 @@
 //! objects that are gone.
 
 use crate::working_memory::{WorkingMemory, now_ns};
-use geometry::RigidTransform;
-use message::control::{
+use control_protocol::{
     FindQuery, FindReport, FoundObjectReport, Refusal, RefusalKind, WordUseReport,
 };
+use geometry::RigidTransform;
 use message::{TrackState, WirePose};
 use nalgebra::{UnitQuaternion, Vector3};
 use parking_lot::Mutex;

@@ -1,6 +1,5 @@
-//! `tabula-memory`: perceptual and working memory, and gateway for clients.
+//! `tabula-memory`: perceptual and working memory.
 
-mod absent_arm;
 mod change_publisher;
 mod config;
 mod configuration_change;
@@ -10,12 +9,10 @@ mod event_report;
 mod find_request;
 mod health_conditions;
 mod offline;
-mod process_table;
 mod question_asker;
 mod request_router;
 mod run;
 mod scene_follower;
-mod urgent_commands;
 mod working_memory;
 mod working_memory_requests;
 mod world_model_updater;
@@ -30,7 +27,7 @@ use std::process::ExitCode;
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// Stores views, labels and the world model, and answers clients and the daemon's other processes.
+/// Stores views, labels and the world model, and answers the requests about them.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-memory", version)]
 struct MemoryArguments {
@@ -50,7 +47,7 @@ fn main() -> ExitCode {
         return offline(&arguments.process);
     }
     service::run(
-        ProcessKind::Memory,
+        ProcessKind::MEMORY,
         &arguments.process,
         |found, _| Config::new(found),
         run::run,

@@ -9,13 +9,13 @@
 )]
 
 use crate::request_router::requester;
-use channel::control::{AnswerFuture, Handler, Peer, serve_stream};
+use channel::control::{AnswerFuture, Handler, serve_process};
 use channel::{DomainName, DomainState, RunFolder};
+use control_protocol::{
+    Command, JobCommand, JobKind, JobOutcome, JobReport, Peer, Refusal, RefusalKind, Reply,
+};
 use memory_requests::{
     MemoryRequestHandler, MemoryRequestHandlerConfig, UploadLimits, verification_report,
-};
-use message::control::{
-    Command, JobCommand, JobKind, JobOutcome, JobReport, Refusal, RefusalKind, Reply,
 };
 use perceptual_memory::{
     HistoryLimits, RetentionLimits, StoreConfig, StoreThread, WRITE_BUFFER_BYTES,
@@ -74,7 +74,7 @@ pub(crate) fn run(common: &CommonArguments) -> Result<(), Failure> {
     runtime
         .block_on(async {
             let stream = tokio::net::UnixStream::from_std(stream)?;
-            serve_stream(stream, &handler, IDLE_LIMIT).await
+            serve_process(stream, &handler, IDLE_LIMIT).await
         })
         .map_err(failed)
 }

@@ -1,6 +1,6 @@
 //! Question asker: turns a question that lasts into an event, once for each object.
 
-use message::control::QuestionReport;
+use control_protocol::QuestionReport;
 use std::collections::BTreeSet;
 
 /// Time for which a question about an object has to stand before it is asked, nanoseconds. Chosen:
@@ -59,7 +59,7 @@ impl QuestionAsker {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use message::control::QuestionKind;
+    use control_protocol::QuestionKind;
 
     const SECOND_NS: u64 = 1_000_000_000;
 

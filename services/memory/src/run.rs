@@ -6,12 +6,11 @@ use crate::configuration_change::ConfigurationChange;
 use crate::control;
 use crate::daily_purge;
 use crate::health_conditions::{Condition, HealthConditions, Store};
-use crate::process_table::ProcessTable;
 use crate::request_router::RequestRouter;
 use crate::scene_follower::SceneFollower;
 use crate::working_memory::WorkingMemory;
 use crate::world_model_updater::WorldModelUpdater;
-use channel::control::Client;
+use channel::control::{Client, Server};
 use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 use message::ProcessKind;
 use perceptual_memory::{OpenReport, StoreConfig, StoreHandle, StoreThread};
@@ -45,18 +44,15 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     });
     let handler = Arc::new(handler);
     let domain = &context.domain;
-    let processes = Arc::new(ProcessTable::new(domain)?);
+    let (change_publisher, announced) = ChangePublisher::new(domain, positions.clone())?;
     let router = RequestRouter {
-        domain: domain.clone(),
         handler: handler.clone(),
-        perception: Client::new(domain, ProcessKind::Perception)?,
-        arm: Client::new(domain, ProcessKind::Simulator)?,
-        processes: processes.clone(),
+        perception: Client::new(domain, ProcessKind::PERCEPTION),
         world: world.clone(),
         synonyms: Arc::default(),
-        position: positions.clone(),
+        position: positions,
+        announced,
     };
-    let change_publisher = ChangePublisher::new(domain, positions)?;
     let feed = WorldModelUpdater::new(domain, world.clone())?;
     let follower = SceneFollower::new(domain, context.health.clone(), feed, live.clone())?;
     let reserved_bytes = change_publisher.reserved_bytes() + follower.reserved_bytes();
@@ -64,17 +60,15 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
         .health
         .shared_memory_bytes
         .store(reserved_bytes, Ordering::Relaxed);
-    let (processes_server, people_server) = control::servers(domain, router, &config.groups)?;
-    let probe = probe(store.clone(), context.health.clone(), processes);
+    let server = Server::bind(domain, ProcessKind::MEMORY, control::handler(router))?;
+    let probe = probe(store.clone(), context.health.clone());
     let configuration_change = ConfigurationChange {
         store: store.clone(),
         handler,
         world,
-        access: people_server.access_control(),
     };
     let mut tasks = TaskGroup::default();
-    tasks.spawn("the control server", processes_server.run());
-    tasks.spawn("the control socket", people_server.run());
+    tasks.spawn("the request server", server.run());
     tasks.spawn("the publisher of changes", change_publisher.run());
     tasks.spawn("the scene follower", follower.run());
     tasks.spawn("the probe of the store", probe);
@@ -183,7 +177,7 @@ fn log_report(health: &HealthConditions, report: &OpenReport) {
 }
 
 /// Liveness probe: a round trip through the store's queue.
-async fn probe(store: StoreHandle, health: Arc<HealthCounters>, processes: Arc<ProcessTable>) {
+async fn probe(store: StoreHandle, health: Arc<HealthCounters>) {
     loop {
         let (sender, answered) = tokio::sync::oneshot::channel();
         store.read(
@@ -195,7 +189,6 @@ async fn probe(store: StoreHandle, health: Arc<HealthCounters>, processes: Arc<P
         if matches!(answered, Ok(Ok(_))) {
             health.record_progress();
         }
-        processes.refresh();
         tokio::time::sleep(PROBE).await;
     }
 }

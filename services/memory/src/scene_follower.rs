@@ -32,7 +32,7 @@ impl SceneFollower {
         Ok(Self {
             scenes: Subscriber::waiting(domain)?,
             finished: Publisher::new(domain)?,
-            trace: TracePublisher::new(domain, ProcessKind::Memory)?,
+            trace: TracePublisher::new(domain, ProcessKind::MEMORY)?,
             health,
             feed,
             live,
@@ -83,7 +83,7 @@ impl SceneFollower {
         let done = FrameDone {
             session: scene.session,
             sequence: scene.sequence,
-            process: u64::from(ProcessKind::Memory.code()),
+            process: u64::from(ProcessKind::MEMORY.code()),
         };
         self.finished.send_copy(PlainHeader::default(), &[done])
     }

@@ -3,7 +3,7 @@
 use crate::event_report::event;
 use crate::working_memory::{WorkingMemory, now_ns};
 use crate::world_report::{self as report, SceneFreshness};
-use message::control::{
+use control_protocol::{
     MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_TASKS, Refusal, RefusalKind, Reply, WorldCommand,
     WorldReply,
 };
@@ -24,7 +24,9 @@ impl WorkingMemory {
         let reply = match command {
             WorldCommand::Now => {
                 let freshness = SceneFreshness::of(self.scene_time(), monotonic_ns());
-                WorldReply::Now(self.with(|model| report::world(model, &freshness, now_ns())))
+                WorldReply::Now(Box::new(
+                    self.with(|model| report::world(model, &freshness, now_ns())),
+                ))
             }
             WorldCommand::Facts(filter) => {
                 let query = report::query(filter)?;
@@ -72,12 +74,8 @@ impl WorkingMemory {
                         .await?,
                 )
             }
-            other => {
-                let sentence = format!("tabula-memory does not answer {other:?}");
-                return Err(Refusal::new(RefusalKind::Internal, sentence));
-            }
         };
-        Ok(Reply::World(Box::new(reply)))
+        Ok(Reply::World(reply))
     }
 
     /// Long poll: the events after a sequence number, or none after the time limit.

@@ -5,7 +5,7 @@ use crate::question_asker::QuestionAsker;
 use crate::working_memory::{WorkingMemory, now_ns};
 use channel::topic::{ArmStates, Scene};
 use channel::{Domain, Error, SharedMessage, Subscriber};
-use message::control::QuestionReport;
+use control_protocol::QuestionReport;
 use message::{
     ArmActivity, ArmState, SceneObject, SceneSummary, Span, Stage, TrackState, frame_flag,
 };

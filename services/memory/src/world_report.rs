@@ -1,6 +1,6 @@
 //! Conversion between the working memory's types and the control protocol.
 
-use message::control::{
+use control_protocol::{
     FactFilter, MAX_PAGE_FACTS, Refusal, RefusalKind, TaskOutcome, WorldRegion,
 };
 use message::{SceneTime, TrackState};

@@ -3,8 +3,8 @@
 use crate::latest_scene::LatestScene;
 use crate::memory_replica::{HistoryPosition, SyncBarrier};
 use channel::control::{AnswerFuture, Handler};
+use control_protocol::{Command, QuestionReport, QuestionsReport, Refusal, RefusalKind, Reply};
 use message::ProcessState;
-use message::control::{Command, Refusal, RefusalKind, Reply};
 use scene_document::SceneDocument;
 use service::{HealthCounters, monotonic_ns};
 use std::sync::Arc;
@@ -78,6 +78,11 @@ fn answer(scene: &LatestScene, health: &HealthCounters, command: &Command) -> Re
                 ..SceneDocument::default()
             }
         }))),
+        Command::Question => {
+            let scene = scene.objects(now_ns).unwrap_or_default();
+            let question = QuestionReport::most_useful(&scene.objects);
+            Reply::Question(QuestionsReport { question })
+        }
         Command::DepthNoise => Reply::DepthNoise(scene.depth_noise()),
         Command::Ask { track_id } => match scene.object(*track_id, now_ns) {
             Some(object) => Reply::Object(Box::new(object)),

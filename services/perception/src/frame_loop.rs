@@ -361,7 +361,7 @@ impl FrameLoop {
         let done = FrameDone {
             session: header.session,
             sequence: header.sequence,
-            process: u64::from(ProcessKind::Perception.code()),
+            process: u64::from(ProcessKind::PERCEPTION.code()),
         };
         self.last_finished = Some(done);
         if received.is_lockstep() {

@@ -24,7 +24,7 @@ pub(crate) struct FrameTrace {
 impl FrameTrace {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
-            publisher: TracePublisher::new(domain, ProcessKind::Perception)?,
+            publisher: TracePublisher::new(domain, ProcessKind::PERCEPTION)?,
             spans: Vec::with_capacity(FrameTraces::MAX_ITEMS),
             publishing: None,
             at_ns: 0,

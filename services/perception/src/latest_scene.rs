@@ -1,7 +1,7 @@
 //! Latest scene, its labels and the measured depth noise, for the answers to clients.
 
 use crate::memory_replica::HistoryPosition;
-use message::control::DepthNoiseReport;
+use control_protocol::DepthNoiseReport;
 use message::{SceneObject, SceneSummary};
 use parking_lot::Mutex;
 use scene_document::{ObjectDocument, SceneDocument};

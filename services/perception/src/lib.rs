@@ -58,7 +58,7 @@ struct PerceptionArguments {
 pub fn main() -> ExitCode {
     let arguments: PerceptionArguments = service::parse_arguments();
     service::run(
-        ProcessKind::Perception,
+        ProcessKind::PERCEPTION,
         &arguments.process,
         |found, _| Config::new(found),
         run::run,

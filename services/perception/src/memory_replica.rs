@@ -3,13 +3,14 @@
 
 use crate::log_once::LogOnce;
 use crate::redescription::{DescribedView, as_stored, describe_again, is_current, view_id};
-use channel::control::{CallError, Client};
+use channel::control::Client;
 use channel::topic::MemoryChanged;
 use channel::{Domain, Error, Subscriber};
-use learning::{CategoryIndex, IndexBatch};
-use message::control::{
-    ChangesPage, Command, LearnedChange, LearnedView, Reply, SnapshotPage, ViewId,
+use control_protocol::{
+    ChangesPage, LearnedChange, LearnedView, SnapshotPage, TypedRequest, ViewId, request,
 };
+use daemon_client::CallError;
+use learning::{CategoryIndex, IndexBatch};
 use pipeline::category_index;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -180,25 +181,24 @@ impl MemoryReplica {
                 self.load().await?;
                 continue;
             };
-            match self.call(Command::Changes { store_id, since }).await? {
-                Reply::Changes(ChangesPage::Changes {
+            match self.ask(&request::changes(store_id, since)).await? {
+                ChangesPage::Changes {
                     up_to,
                     changes,
                     more,
-                }) => {
+                } => {
                     self.apply(up_to, changes).await?;
                     if !more {
                         return Ok(());
                     }
                 }
-                Reply::Changes(ChangesPage::Reload) => {
+                ChangesPage::Reload => {
                     tracing::warn!(
                         "the memory is another store, or so much changed that it does not list \
                          it; loading all views again"
                     );
                     self.load().await?;
                 }
-                other => return Err(SyncError::Unexpected(format!("{other:?}"))),
             }
         }
     }
@@ -210,16 +210,12 @@ impl MemoryReplica {
         let mut first: Option<(u128, u64)> = None;
         let mut views = Vec::new();
         loop {
-            let page = match self.call(Command::Snapshot { after }).await? {
-                Reply::Snapshot(page) => page,
-                other => return Err(SyncError::Unexpected(format!("{other:?}"))),
-            };
             let SnapshotPage {
                 store_id,
                 sequence,
                 views: more_views,
                 next,
-            } = page;
+            } = self.ask(&request::snapshot(after)).await?;
             if first.is_some_and(|(id, _)| id != store_id) {
                 // Another store took its place meanwhile: start again.
                 (first, after) = (None, None);
@@ -283,10 +279,11 @@ impl MemoryReplica {
                 .take(CLOUDS_PER_CALL)
                 .map(|view| view.id)
                 .collect();
-            let clouds = match self.call(Command::Clouds { ids }).await? {
-                Reply::Clouds(clouds) if !clouds.is_empty() => clouds,
-                other => return Err(SyncError::Unexpected(format!("{other:?}"))),
-            };
+            let clouds = self.ask(&request::clouds(ids)).await?;
+            if clouds.is_empty() {
+                let sentence = "the memory sent no cloud of the views asked for";
+                return Err(SyncError::Unexpected(sentence.to_owned()));
+            }
             let others = rest.split_off(clouds.len().min(rest.len()));
             let batch = std::mem::replace(&mut rest, others);
             let describe = move || describe_again(&batch, &clouds);
@@ -326,9 +323,9 @@ impl MemoryReplica {
         }
     }
 
-    async fn call(&self, command: Command) -> Result<Reply, SyncError> {
+    async fn ask<T>(&self, request: &TypedRequest<T>) -> Result<T, SyncError> {
         self.client
-            .call(command, CALL_TIMEOUT)
+            .ask(request, CALL_TIMEOUT)
             .await
             .map_err(SyncError::Call)
     }

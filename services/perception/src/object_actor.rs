@@ -4,8 +4,8 @@ use crate::detector::DetectedFrame;
 use crate::frame_receiver::ReceivedFrame;
 use crate::memory_replica::CategorySnapshot;
 use actor::{Actor, DropOldest, Flow, Progress};
+use control_protocol::pack_cloud;
 use learning::TrackEvidence;
-use message::control::pack_cloud;
 use message::{ActorStamps, SegmentLocation, Span, Stage, points};
 use pipeline::{
     CandidateMeasurement, Config, Error, ObjectState, ObjectWorkspace, Observation,

@@ -2,7 +2,8 @@
 
 use crate::log_once::LogOnce;
 use channel::control::Client;
-use message::control::{Command, MutationId, Refusal, RefusalKind, Reply, StoredView};
+use control_protocol::{MutationId, Refusal, RefusalKind, StoredView, request};
+use daemon_client::CallError;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, mpsc, oneshot};
@@ -132,23 +133,20 @@ impl OutboxSender {
     /// Repeats a request until the memory has acknowledged it. The mutation id makes
     /// repetitions idempotent.
     async fn deliver(&self, views: Vec<StoredView>) {
-        let id = mutation_id();
+        let n_views = views.len();
+        let store = request::store_views(mutation_id(), views);
         let mut wait_log = LogOnce::default();
         loop {
-            let command = Command::StoreViews {
-                id,
-                views: views.clone(),
-            };
-            match self.client.call(command, CALL_TIMEOUT).await {
-                Ok(Reply::Stored) => return,
-                Ok(Reply::Refused(refusal)) if !is_transient(&refusal) => {
-                    tracing::error!("{} key views were refused: {refusal}", views.len());
+            match self.client.ask(&store, CALL_TIMEOUT).await {
+                Ok(()) => return,
+                Err(CallError::Refusal(refusal)) if !is_transient(&refusal) => {
+                    tracing::error!("{n_views} key views were refused: {refusal}");
                     return;
                 }
-                other if wait_log.is_first() => {
-                    tracing::warn!("key views wait for the memory: {other:?}");
+                Err(error) if wait_log.is_first() => {
+                    tracing::warn!("key views wait for the memory: {error}");
                 }
-                _ => {}
+                Err(_) => {}
             }
             tokio::time::sleep(RETRY_PERIOD).await;
         }
@@ -172,8 +170,8 @@ fn mutation_id() -> MutationId {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use message::DescriptorBytes;
-    use message::control::ViewId;
+    use control_protocol::DescriptorBytes;
+    use control_protocol::ViewId;
 
     fn view(number: u32, n_bytes: usize) -> StoredView {
         StoredView {

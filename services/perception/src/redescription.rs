@@ -4,9 +4,9 @@
 //! The memory keeps what was stored, so a robot that is set back to an earlier version
 //! loses nothing either.
 
+use control_protocol::{LearnedView, PackedCloud};
 use learning::CategoryName;
 use learning::DESCRIPTOR_KIND;
-use message::control::{LearnedView, PackedCloud};
 use pipeline::StoredViewDescriber;
 use point_cloud::Point;
 
@@ -78,7 +78,7 @@ fn described(view: &LearnedView, values: Vec<f32>) -> Result<DescribedView, Stri
 }
 
 /// Id of a stored view in the index.
-pub(crate) fn view_id(id: message::control::ViewId) -> learning::ViewId {
+pub(crate) fn view_id(id: control_protocol::ViewId) -> learning::ViewId {
     learning::ViewId {
         track_id: id.track_id,
         view_id: id.view_id,
@@ -88,8 +88,8 @@ pub(crate) fn view_id(id: message::control::ViewId) -> learning::ViewId {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_protocol::{ViewId, pack_cloud};
     use geometry::RigidTransform;
-    use message::control::{ViewId, pack_cloud};
     use point_cloud::Rgba;
 
     fn view(descriptor_kind: &str) -> LearnedView {

@@ -42,9 +42,8 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     let pool = start_pool(&config)?;
     let categories = SharedCategories::default();
     let (supervisor, events) = start_supervisor(&config, &pool)?;
-    let memory = Arc::new(Client::new(domain, ProcessKind::Memory)?);
-    let outbox_client = Arc::new(Client::new(domain, ProcessKind::Memory)?);
-    let (outbox, outbox_sender) = outbox(outbox_client);
+    let memory = Arc::new(Client::new(domain, ProcessKind::MEMORY));
+    let (outbox, outbox_sender) = outbox(memory.clone());
     let ids = Arc::new(TrackIds::default());
     // The configuration has laws with names only.
     let noise_law = config.detection.get().depth_noise.name().unwrap_or("");
@@ -54,7 +53,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
         ActorEventPublisher::new(domain, events, backoff.clone(), health.clone())?;
     let (replica, sync_barrier) = MemoryReplica::new(domain, memory.clone(), categories.clone())?;
     let handler = control::handler(latest_scene.clone(), sync_barrier.clone(), health.clone());
-    let server = Server::new(domain, ProcessKind::Perception, handler)?;
+    let server = Server::bind(domain, ProcessKind::PERCEPTION, handler)?;
     let parts = FrameLoopParts {
         pool: pool.clone(),
         actors: actors(&config, supervisor, backoff),

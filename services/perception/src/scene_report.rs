@@ -4,12 +4,12 @@ use crate::frame_receiver::ReceivedFrame;
 use crate::newest_view::{NewestView, NewestViews};
 use crate::object_actor::ObservedView;
 use constraint::Assumption;
+use control_protocol::{DescriptorBytes, StoredView, ViewId};
 use detection::{Candidate, Detection};
 use geometry::RigidTransform;
 use learning::{DESCRIPTOR_KIND, N_NEAREST, Neighbour, Recognition};
-use message::control::{StoredView, ViewId};
 use message::{
-    DescriptorBytes, MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
+    MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
     ObjectViewHeader, RejectedCandidate, SceneObject, SceneSummary, StageStamps, Text, TrackState,
     WirePose, upper_triangle,
 };

@@ -2,7 +2,7 @@
 
 use crate::log_once::LogOnce;
 use channel::control::Client;
-use message::control::{Command, Reply};
+use control_protocol::request;
 use parking_lot::Mutex;
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -66,18 +66,15 @@ impl TrackIds {
         let begun = Instant::now();
         let mut failure_log = LogOnce::default();
         loop {
-            match client
-                .call(Command::LeaseTrackIds { count: LEASE_SIZE }, CALL_TIMEOUT)
-                .await
-            {
-                Ok(Reply::TrackIds { first }) => {
+            let lease = request::lease_track_ids(LEASE_SIZE);
+            match client.ask(&lease, CALL_TIMEOUT).await {
+                Ok(first) => {
                     let block = first..first.saturating_add(u64::from(LEASE_SIZE));
                     self.blocks.lock().push_back(block);
                     return;
                 }
                 // The memory may be starting at this moment.
                 _ if begun.elapsed() < LOG_DELAY || !failure_log.is_first() => {}
-                Ok(other) => tracing::error!("no track-ids were leased: {other:?}"),
                 Err(error) => {
                     tracing::warn!("waiting for track-ids, new objects are not tracked: {error}");
                 }

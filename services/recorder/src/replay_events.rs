@@ -149,7 +149,7 @@ impl EventCollector {
     fn receive_finished(&mut self) -> Result<(), Failure> {
         while let Received::Message(finished) = self.finished.receive()? {
             for done in finished.items() {
-                if done.process == u64::from(ProcessKind::Perception.code()) {
+                if done.process == u64::from(ProcessKind::PERCEPTION.code()) {
                     self.receive_scenes()?;
                     let report = FrameDone {
                         process: RECORDER_CODE,
@@ -180,7 +180,7 @@ impl EventCollector {
         let mut is_idle = false;
         while let Received::Message(reports) = self.health.receive()? {
             is_idle |= reports.items().iter().any(|health| {
-                health.process == ProcessKind::Camera.code()
+                health.process == ProcessKind::CAMERA.code()
                     && health.state == ProcessState::Idle.code()
             });
         }

@@ -1,8 +1,8 @@
 //! Arm command queue: from the control server to the simulation thread.
 
 use channel::control::{AnswerFuture, Handler};
+use control_protocol::{ArmCommand, ArmReport, Command, Refusal, RefusalKind, Reply};
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
-use message::control::{ArmCommand, ArmReport, Command, Refusal, RefusalKind, Reply};
 use service::monotonic_ns;
 use std::collections::VecDeque;
 use std::sync::{Arc, OnceLock};

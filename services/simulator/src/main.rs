@@ -22,7 +22,7 @@ fn main() -> ExitCode {
     let arguments: SimulatorArguments = service::parse_arguments();
     let process = arguments.process.clone();
     service::run(
-        ProcessKind::Simulator,
+        ProcessKind::SIMULATOR,
         &process,
         move |found, _| Config::new(&arguments, found),
         // Its keys need a restart.

@@ -18,7 +18,7 @@ use tokio::sync::oneshot;
 /// When the scene cannot be set up, or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
     let (handler, requests) = arm_command_queue();
-    let server = Server::new(&context.domain, ProcessKind::Simulator, handler)?;
+    let server = Server::bind(&context.domain, ProcessKind::SIMULATOR, handler)?;
     let (sender, ended) = oneshot::channel();
     let runtime = Handle::current();
     let spawned = std::thread::Builder::new()

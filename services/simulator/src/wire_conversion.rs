@@ -1,6 +1,6 @@
 //! Conversion between the simulation's types and wire messages.
 
-use message::control::{ArmCommand as WireCommand, ArmReport};
+use control_protocol::{ArmCommand as WireCommand, ArmReport};
 use message::{
     ArmActivity, ArmState, Text, TrueObject as WireObject, TrueState, WireCapsule, WirePose,
 };

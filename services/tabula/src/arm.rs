@@ -2,8 +2,8 @@
 
 use crate::arguments::{ArmMove, ArmVerb};
 use command_line::Output;
-use control_client::call_once;
-use message::control::{ArmCommand, ArmReport, Command, Reply};
+use control_client::ask_once;
+use control_protocol::{ArmReport, TypedRequest, request};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use service::{CommonArguments, Failure, exit_code};
 use std::f64::consts::PI;
@@ -19,19 +19,19 @@ pub(crate) fn run(
     verb: &ArmVerb,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let (command, waits) = match verb {
-        ArmVerb::State => (ArmCommand::State, false),
+    let (request, waits) = match verb {
+        ArmVerb::State => (request::arm(), false),
         ArmVerb::Move(to) => (move_to(to)?, !to.wait.no_wait),
-        ArmVerb::Home(wait) => (ArmCommand::Home, !wait.no_wait),
-        ArmVerb::Open(wait) => (ArmCommand::Open, !wait.no_wait),
-        ArmVerb::Close(wait) => (ArmCommand::Close, !wait.no_wait),
-        ArmVerb::Stop => (ArmCommand::Stop, false),
+        ArmVerb::Home(wait) => (request::home_arm(), !wait.no_wait),
+        ArmVerb::Open(wait) => (request::open_gripper(), !wait.no_wait),
+        ArmVerb::Close(wait) => (request::close_gripper(), !wait.no_wait),
+        ArmVerb::Stop => (request::stop_arm(), false),
     };
-    let mut report = ask(common, command)?;
+    let mut report = ask_once(common, &request)?;
     let id = report.command_id;
     while waits && report.command_id == id && is_busy(&report) {
         std::thread::sleep(POLL_PERIOD);
-        report = ask(common, ArmCommand::State)?;
+        report = ask_once(common, &request::arm())?;
     }
     output.answer(&report, || text(&report));
     let is_replaced = report.command_id != id;
@@ -47,22 +47,13 @@ pub(crate) fn run(
     })
 }
 
-fn ask(common: &CommonArguments, command: ArmCommand) -> Result<ArmReport, Failure> {
-    match call_once(common, &Command::Arm(command))? {
-        Reply::Arm(report) => Ok(report),
-        other => Err(Failure::general(format!(
-            "the daemon answered the arm's command with {other:?}"
-        ))),
-    }
-}
-
 fn is_busy(report: &ArmReport) -> bool {
     ["moving", "opening", "closing"].contains(&&*report.activity)
 }
 
-/// Pose command: fingers down and closing along x, then tilted forward and turned about the
+/// Request of a pose: fingers down and closing along x, then tilted forward and turned about the
 /// vertical.
-fn move_to(to: &ArmMove) -> Result<ArmCommand, Failure> {
+fn move_to(to: &ArmMove) -> Result<TypedRequest<ArmReport>, Failure> {
     let position_m = [to.x, to.y, to.z];
     let numbers = position_m.iter().chain([&to.tilt, &to.yaw]);
     if !numbers.copied().all(f64::is_finite) {
@@ -73,11 +64,12 @@ fn move_to(to: &ArmMove) -> Result<ArmCommand, Failure> {
     let yaw = Rotation3::from_axis_angle(&Vector3::z_axis(), to.yaw.to_radians());
     let tilt = Rotation3::from_axis_angle(&Vector3::x_axis(), PI + to.tilt.to_radians());
     let orientation = UnitQuaternion::from_rotation_matrix(&(yaw * tilt));
-    Ok(ArmCommand::MoveTo {
+    let orientation_xyzw = orientation.coords.into();
+    Ok(request::move_gripper(
         position_m,
-        orientation_xyzw: orientation.coords.into(),
-        straight: to.straight,
-    })
+        orientation_xyzw,
+        to.straight,
+    ))
 }
 
 fn text(report: &ArmReport) -> String {
@@ -111,6 +103,7 @@ fn text(report: &ArmReport) -> String {
 mod tests {
     use super::*;
     use crate::arguments::ArmWait;
+    use control_protocol::{ArmCommand, Command};
 
     fn gripper_axes(tilt: f64, yaw: f64) -> [Vector3<f64>; 2] {
         let to = ArmMove {
@@ -122,10 +115,11 @@ mod tests {
             straight: false,
             wait: ArmWait { no_wait: false },
         };
-        let Ok(ArmCommand::MoveTo {
+        let request = move_to(&to).unwrap();
+        let Command::Arm(ArmCommand::MoveTo {
             orientation_xyzw: [x, y, z, w],
             ..
-        }) = move_to(&to)
+        }) = *request.command()
         else {
             panic!("no pose");
         };

@@ -41,7 +41,7 @@ fn check(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
     SupervisionConfig::new(&found)?;
     checked_processes(common, &RunArguments::default())?;
     if found.is_of_services() && Sensor::is_camera_of_services(&found)? {
-        supervision::check(ProcessKind::Camera, &supervision::common_arguments(common))?;
+        supervision::check(ProcessKind::CAMERA, &supervision::common_arguments(common))?;
     }
     let document = CheckDocument {
         files: files(&found),

@@ -4,11 +4,11 @@ use crate::arguments::RunArguments;
 use crate::daemon_reload::DaemonReload;
 use crate::sensor::Sensor;
 use crate::supervision::{self, Child, Supervision, SupervisionConfig};
-use channel::control::SocketClient;
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
+use control_protocol::request;
+use daemon_client::DaemonClient;
 use message::ProcessKind;
-use message::control::{Command, Reply};
 use serde::Serialize;
 use service::{CommonArguments, Configuration, Failure, guest_places, start_log, stop_with_parent};
 use std::process::ExitCode;
@@ -147,9 +147,9 @@ fn keep_running(
 /// domain might answer.
 fn is_ready(children: &[Child], domain: &Domain) -> bool {
     let folders = [RunFolder::of_user()];
-    let asked = Command::Health;
-    let health = SocketClient::call_once(domain.name(), &folders, READINESS_TIMEOUT, &asked);
-    let Ok(Reply::Health(processes)) = health else {
+    let asked = request::health();
+    let health = DaemonClient::ask_once(domain.name(), &folders, READINESS_TIMEOUT, &asked);
+    let Ok(processes) = health else {
         return false;
     };
     let works = |child: &Child| {

@@ -6,7 +6,7 @@ use crate::daemon::checked_processes;
 use crate::supervision::{Supervision, SupervisionConfig};
 use channel::Domain;
 use command_line::HangUps;
-use message::control::{KeyChange, ReloadReport};
+use control_protocol::{KeyChange, ReloadReport};
 use service::{
     CommonArguments, Configuration, ControllingTerminal, Failure, ReloadNotice, ReloadPlan,
     ReloadRecordPublisher, log_reload, monotonic_ns,

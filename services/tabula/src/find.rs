@@ -4,7 +4,7 @@ use crate::arguments::FindArguments;
 use crate::objects::metres;
 use command_line::Output;
 use control_client::{connect, find_objects};
-use message::control::{FindReport, FoundObjectReport};
+use control_protocol::{FindReport, FoundObjectReport};
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
 

@@ -5,7 +5,7 @@ use crate::missing_document::with_stored_names;
 use crate::time::utc;
 use command_line::{Output, format_table};
 use control_client::{MemoryClient, NewDocument, StoredDocument};
-use message::control::{DocumentKind, DocumentName, DocumentReport, MAX_DOCUMENT_BYTES};
+use control_protocol::{DocumentKind, DocumentName, DocumentReport, MAX_DOCUMENT_BYTES};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::io::Read;

@@ -4,12 +4,8 @@
 use crate::arguments::{ForgetArguments, LabelArguments};
 use crate::track_or_name::{labelled_track, with_meant};
 use command_line::{Output, format_table};
-use control_client::{
-    MemoryClient, TrackScope, author_or_user, call, change, connect, mutation_id, unexpected_reply,
-};
-use message::control::{
-    Command, Labelling, LearningReport, Reply, Revision, RevisionChange, ViewId,
-};
+use control_client::{MemoryClient, TrackScope, ask, author_or_user, change, connect, mutation_id};
+use control_protocol::{Labelling, LearningReport, Revision, RevisionChange, ViewId, request};
 use scene_document::CategoryDocument;
 use serde::Serialize;
 use service::{CommonArguments, Failure};
@@ -22,10 +18,7 @@ pub(crate) fn teach(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let track_id = labelled_track(common, "teach", label)?;
-    let report = learned(change(
-        common,
-        &Command::Teach(labelling(track_id, label)?),
-    )?)?;
+    let report = change(common, &request::teach(labelling(track_id, label)?))?;
     output.answer(&report, || learned_text(track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
@@ -37,10 +30,7 @@ pub(crate) fn correct(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let track_id = labelled_track(common, "correct", label)?;
-    let report = learned(change(
-        common,
-        &Command::Correct(labelling(track_id, label)?),
-    )?)?;
+    let report = change(common, &request::correct(labelling(track_id, label)?))?;
     output.answer(&report, || learned_text(track_id, &report));
     Ok(ExitCode::SUCCESS)
 }
@@ -64,13 +54,9 @@ pub(crate) fn forget(
         };
         return revise(common, change, author, output);
     };
-    let command = Command::Forget {
-        id: mutation_id()?,
-        author: author_or_user(author),
-        category: category.clone(),
-    };
-    let changed = change(common, &command).and_then(learned);
-    let report = changed.map_err(|failure| with_meant(common, category, failure))?;
+    let forget = request::forget(mutation_id()?, author_or_user(author), category.clone());
+    let report =
+        change(common, &forget).map_err(|failure| with_meant(common, category, failure))?;
     output.answer(&report, || {
         format!(
             "forgot {}: {} view(s) are now unlabelled",
@@ -99,17 +85,16 @@ pub(crate) fn revise(
         _ => "undid".to_owned(),
     };
     let is_reversal = matches!(revision, RevisionChange::Undo { .. } | RevisionChange::Redo);
-    let command = Command::Revise(Revision {
+    let request = request::revise(Revision {
         id: mutation_id()?,
         author: author_or_user(author),
         change: revision,
     });
-    let reply = if is_reversal {
-        MemoryClient::open(common)?.change(&command)
+    let report = if is_reversal {
+        MemoryClient::open(common)?.change(&request)
     } else {
-        change(common, &command)
-    };
-    let report = learned(reply?)?;
+        change(common, &request)
+    }?;
     output.answer(&report, || {
         let (n, sequence) = (report.n_views_changed, report.sequence);
         let done = if is_reversal {
@@ -130,10 +115,7 @@ struct CategoriesDocument {
 
 /// Runs `tabula categories`.
 pub(crate) fn categories(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let categories = match call(&mut connect(common)?, Command::Categories)? {
-        Reply::Categories(categories) => categories,
-        other => return Err(unexpected_reply(&other)),
-    };
+    let categories = ask(&mut connect(common)?, &request::categories())?;
     let document = CategoriesDocument { categories };
     output.answer(&document, || categories_text(&document.categories));
     Ok(ExitCode::SUCCESS)
@@ -152,13 +134,6 @@ fn categories_text(categories: &[CategoryDocument]) -> String {
     };
     let rows: Vec<_> = categories.iter().map(row).collect();
     format_table(&["category", "views", "bytes"], &rows)
-}
-
-fn learned(reply: Reply) -> Result<LearningReport, Failure> {
-    match reply {
-        Reply::Learned(report) => Ok(report),
-        other => Err(unexpected_reply(&other)),
-    }
 }
 
 fn learned_text(track_id: u64, report: &LearningReport) -> String {

@@ -24,7 +24,7 @@ mod world;
 
 use arguments::{CliArguments, Verb, ViewVerb};
 use command_line::Output;
-use message::control::RevisionChange;
+use control_protocol::RevisionChange;
 use service::Failure;
 use std::process::ExitCode;
 

@@ -1,7 +1,7 @@
 //! Failure about a document that is not stored, with the names of those that are.
 
 use control_client::MemoryClient;
-use message::control::{DocumentKind, DocumentName};
+use control_protocol::{DocumentKind, DocumentName};
 use service::{Failure, probable_name};
 
 /// Most names in a sentence.

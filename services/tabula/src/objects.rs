@@ -1,10 +1,10 @@
 //! `tabula objects` and `ask`: tracked objects.
 
-use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table};
-use control_client::{TrackReference, TrackScope, call, connect, unexpected_reply};
+use control_client::{TrackReference, TrackScope, ask as ask_daemon, connect};
+use control_protocol::{QuestionsReport, request};
+use daemon_client::DaemonClient;
 use message::TrackState;
-use message::control::{Command, QuestionsReport, Reply};
 use scene_document::{ObjectDocument, RejectedDocument, SceneDocument};
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
@@ -28,11 +28,8 @@ pub(crate) fn objects(
     Ok(ExitCode::SUCCESS)
 }
 
-fn ask_objects(client: &mut SocketClient) -> Result<SceneDocument, Failure> {
-    match call(client, Command::Objects)? {
-        Reply::Objects(report) => Ok(*report),
-        other => Err(unexpected_reply(&other)),
-    }
+fn ask_objects(client: &mut DaemonClient) -> Result<SceneDocument, Failure> {
+    ask_daemon(client, &request::objects())
 }
 
 /// Redraws the table until Ctrl-C, or until nobody reads it; with `--json` prints one document for each line. Reconnects to a
@@ -178,25 +175,17 @@ pub(crate) fn ask(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let track_id = track.resolve(common, TrackScope::LOOK, None)?;
-    match call(&mut connect(common)?, Command::Ask { track_id })? {
-        Reply::Object(object) => {
-            output.answer(&object, || answer_text(&object));
-            Ok(ExitCode::SUCCESS)
-        }
-        other => Err(unexpected_reply(&other)),
-    }
+    let object = ask_daemon(&mut connect(common)?, &request::ask(track_id))?;
+    output.answer(&object, || answer_text(&object));
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Prints the question about the object whose name would teach most.
 pub(crate) fn question(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let mut client = connect(common)?;
-    match call(&mut client, Command::Question)? {
-        Reply::Question(report) => {
-            output.answer(&report, || question_text(&report));
-            Ok(ExitCode::SUCCESS)
-        }
-        other => Err(unexpected_reply(&other)),
-    }
+    let report = ask_daemon(&mut client, &request::question())?;
+    output.answer(&report, || question_text(&report));
+    Ok(ExitCode::SUCCESS)
 }
 
 fn question_text(report: &QuestionsReport) -> String {

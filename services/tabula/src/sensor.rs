@@ -69,22 +69,22 @@ impl Sensor {
     /// Process kind of the sensor.
     pub(crate) fn process(&self) -> ProcessKind {
         match self {
-            Self::Camera => ProcessKind::Camera,
-            Self::Simulator { .. } => ProcessKind::Simulator,
+            Self::Camera => ProcessKind::CAMERA,
+            Self::Simulator { .. } => ProcessKind::SIMULATOR,
         }
     }
 
     /// Processes of the daemon in the order of their start.
     pub(crate) fn processes(&self) -> Vec<ProcessKind> {
-        let all = ProcessKind::ALL.into_iter();
+        let all = ProcessKind::all();
         all.filter(|process| *process != self.other()).collect()
     }
 
     /// The other sensor process, which is not started.
     fn other(&self) -> ProcessKind {
         match self {
-            Self::Camera => ProcessKind::Simulator,
-            Self::Simulator { .. } => ProcessKind::Camera,
+            Self::Camera => ProcessKind::SIMULATOR,
+            Self::Simulator { .. } => ProcessKind::CAMERA,
         }
     }
 
@@ -120,11 +120,12 @@ mod tests {
         assert_eq!(
             simulated,
             [
-                ProcessKind::Memory,
-                ProcessKind::Perception,
-                ProcessKind::Simulator
+                ProcessKind::GATEWAY,
+                ProcessKind::MEMORY,
+                ProcessKind::PERCEPTION,
+                ProcessKind::SIMULATOR
             ]
         );
-        assert!(!Sensor::Camera.processes().contains(&ProcessKind::Simulator));
+        assert!(!Sensor::Camera.processes().contains(&ProcessKind::SIMULATOR));
     }
 }

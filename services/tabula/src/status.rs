@@ -2,9 +2,9 @@
 
 use crate::supervision::{ProcessRecord, RecordedState, read_records};
 use command_line::{Output, format_table};
-use control_client::{call_once, unexpected_reply};
+use control_client::ask_once;
+use control_protocol::request;
 use message::ProcessKind;
-use message::control::{Command, Reply};
 use scene_document::HealthDocument;
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
@@ -52,13 +52,10 @@ pub(crate) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode,
 }
 
 fn reports(common: &CommonArguments) -> Result<Vec<HealthDocument>, Failure> {
-    match call_once(common, &Command::Health)? {
-        Reply::Health(processes) => Ok(processes),
-        other => Err(unexpected_reply(&other)),
-    }
+    ask_once(common, &request::health())
 }
 
-/// Processes that should run, compared with the reports of those that do. The memory answers for
+/// Processes that should run, compared with the reports of those that do. The gateway answers for
 /// all, so without its answer only the record of the parent is known of the others.
 pub(crate) fn expected_processes(
     records: &[ProcessRecord],
@@ -73,9 +70,9 @@ pub(crate) fn expected_processes(
                 format!("tabula-{process} has sent no health report for 3 s")
             })
         }
-        Err(failure) => (record.process == ProcessKind::Memory.word()
+        Err(failure) => (record.process == ProcessKind::GATEWAY.word()
             && record.state == RecordedState::Running)
-            .then(|| format!("tabula-memory does not answer: {failure}")),
+            .then(|| format!("tabula-gateway does not answer: {failure}")),
     };
     let expected = |record: &ProcessRecord| ExpectedProcess {
         record: record.clone(),
@@ -230,9 +227,9 @@ mod tests {
     }
 
     #[test]
-    fn memory_that_does_not_answer_is_in_trouble_and_the_others_are_not() {
+    fn gateway_that_does_not_answer_is_in_trouble_and_the_others_are_not() {
         let records = [
-            record("memory", Some(1), RecordedState::Running),
+            record("gateway", Some(1), RecordedState::Running),
             record("camera", Some(2), RecordedState::Running),
         ];
         let troubles = troubles(&records, &Err(Failure::general("no answer within 5 s")));

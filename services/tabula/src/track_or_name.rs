@@ -1,8 +1,8 @@
 //! Track-ids and names of categories, which a person may have given in each other's place.
 
 use crate::arguments::LabelArguments;
-use control_client::{TrackReference, TrackScope, call, connect, is_track_id, unexpected_reply};
-use message::control::{Command, Reply};
+use control_client::{TrackReference, TrackScope, ask, connect, is_track_id};
+use control_protocol::request;
 use service::{CommonArguments, Failure, probable_name};
 
 /// Track-id of the object that gets a label by the command `verb`.
@@ -71,10 +71,8 @@ fn meant(name: &str, categories: &[String]) -> Option<String> {
 
 /// Names of the categories.
 fn categories(common: &CommonArguments) -> Result<Vec<String>, Failure> {
-    match call(&mut connect(common)?, Command::Categories)? {
-        Reply::Categories(all) => Ok(all.into_iter().map(|one| one.category).collect()),
-        other => Err(unexpected_reply(&other)),
-    }
+    let all = ask(&mut connect(common)?, &request::categories())?;
+    Ok(all.into_iter().map(|one| one.category).collect())
 }
 
 /// Words as one argument in a shell.

@@ -2,10 +2,10 @@
 
 use crate::arguments::{EventsArguments, HistoryArguments, TimeArgument, WorldPoint, WorldVerb};
 use crate::objects::metres;
-use channel::control::SocketClient;
 use command_line::{Output, StopSignal, format_table};
-use control_client::{TrackScope, call, connect, unexpected_reply};
-use message::control::{Command, FactFilter, Reply, WorldCommand, WorldRegion, WorldReply};
+use control_client::{TrackScope, ask, connect};
+use control_protocol::{FactFilter, WorldRegion, request};
+use daemon_client::DaemonClient;
 use scene_document::{
     EventDocument, EventsDocument, FactDocument, FactsDocument, RobotDocument, TaskDocument,
     TasksDocument, WorldDocument, WorldObjectDocument,
@@ -56,37 +56,20 @@ fn now_ns() -> u64 {
     wall_clock_ns().max(0) as u64
 }
 
-fn ask(client: &mut SocketClient, command: WorldCommand) -> Result<WorldReply, Failure> {
-    match call(client, Command::World(command))? {
-        Reply::World(reply) => Ok(*reply),
-        other => Err(unexpected_reply(&other)),
-    }
-}
-
-fn unexpected_answer(reply: WorldReply) -> Failure {
-    unexpected_reply(&Reply::World(Box::new(reply)))
-}
-
-fn now(client: &mut SocketClient) -> Result<WorldDocument, Failure> {
-    match ask(client, WorldCommand::Now)? {
-        WorldReply::Now(report) => Ok(report),
-        other => Err(unexpected_answer(other)),
-    }
+fn now(client: &mut DaemonClient) -> Result<WorldDocument, Failure> {
+    ask(client, &request::world())
 }
 
 /// Facts of the filter, read page by page up to the limit.
 fn history(
-    client: &mut SocketClient,
+    client: &mut DaemonClient,
     wanted: &HistoryArguments,
     track_id: Option<u64>,
 ) -> Result<FactsDocument, Failure> {
     let mut filter = filter(wanted, track_id, now_ns());
     let mut facts = Vec::new();
     loop {
-        let page = match ask(client, WorldCommand::Facts(filter.clone()))? {
-            WorldReply::Facts(page) => page,
-            other => return Err(unexpected_answer(other)),
-        };
+        let page = ask(client, &request::facts(filter.clone()))?;
         facts.extend(page.facts);
         filter.before = page.next;
         filter.limit = wanted.limit - (facts.len() as u32).min(wanted.limit);
@@ -113,18 +96,15 @@ fn filter(wanted: &HistoryArguments, track_id: Option<u64>, now_ns: u64) -> Fact
 }
 
 fn events_page(
-    client: &mut SocketClient,
+    client: &mut DaemonClient,
     since: u64,
     wait_ms: u64,
 ) -> Result<EventsDocument, Failure> {
-    match ask(client, WorldCommand::Events { since, wait_ms })? {
-        WorldReply::Events(page) => Ok(page),
-        other => Err(unexpected_answer(other)),
-    }
+    ask(client, &request::events(since, wait_ms))
 }
 
 /// Prints events, read page by page.
-fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsDocument, Failure> {
+fn events(client: &mut DaemonClient, wanted: &EventsArguments) -> Result<EventsDocument, Failure> {
     let mut since = wanted.since.unwrap_or(0);
     let mut events = Vec::new();
     loop {
@@ -146,7 +126,7 @@ fn events(client: &mut SocketClient, wanted: &EventsArguments) -> Result<EventsD
 /// daemon that restarts.
 fn follow(
     common: &CommonArguments,
-    mut client: SocketClient,
+    mut client: DaemonClient,
     since: Option<u64>,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
@@ -181,14 +161,11 @@ fn follow(
 }
 
 /// Tasks, read page by page up to the limit.
-fn tasks(client: &mut SocketClient, wanted: u32) -> Result<TasksDocument, Failure> {
+fn tasks(client: &mut DaemonClient, wanted: u32) -> Result<TasksDocument, Failure> {
     let mut tasks = Vec::new();
     let (mut before, mut limit) = (None, wanted);
     loop {
-        let page = match ask(client, WorldCommand::Tasks { before, limit })? {
-            WorldReply::Tasks(page) => page,
-            other => return Err(unexpected_answer(other)),
-        };
+        let page = ask(client, &request::tasks(before, limit))?;
         tasks.extend(page.tasks);
         before = page.next;
         limit = wanted - (tasks.len() as u32).min(wanted);

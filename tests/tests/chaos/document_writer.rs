@@ -3,9 +3,9 @@
 use crate::daemon::Sandbox;
 use channel::DomainName;
 use channel::RunFolder;
-use channel::control::{CallError, SocketClient};
 use control_client::{NewDocument, read_document, try_put_document};
-use message::control::{Command, DocumentKind, DocumentName, MutationId, Reply};
+use control_protocol::{Command, DocumentKind, DocumentName, MutationId, Reply};
+use daemon_client::{CallError, DaemonClient};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -27,7 +27,7 @@ struct Client {
 
 impl Client {
     fn ask(&self, command: &Command) -> Result<Reply, CallError> {
-        SocketClient::call_once(&self.domain, &self.folders, ANSWER, command)
+        DaemonClient::connect(&self.domain, &self.folders, ANSWER)?.call(command.clone())
     }
 }
 
@@ -143,7 +143,7 @@ fn store(client: &Client, progress: &Acknowledged, number: u64) -> bool {
             return false;
         }
         let call = |command| client.ask(&command);
-        if let Ok(Reply::Learned(_)) = try_put_document(id, "chaos", new, &mut upload, call) {
+        if try_put_document(id, "chaos", new, &mut upload, call).is_ok() {
             progress.newest.lock().unwrap()[(number % N_NAMES) as usize] = number;
             progress.n_acknowledged.fetch_add(1, Ordering::Relaxed);
             return true;

@@ -34,7 +34,7 @@ pub(super) fn sandbox() -> Option<Sandbox> {
          exec \"$REAL\" \"$@\"",
         library()?.display()
     );
-    let sandbox = Sandbox::with_script(ProcessKind::Memory, &script);
+    let sandbox = Sandbox::with_script(ProcessKind::MEMORY, &script);
     set(&sandbox, "+0");
     Some(sandbox)
 }

@@ -53,28 +53,28 @@ pub(super) enum Fault {
 impl Fault {
     /// Faults that any user can inject.
     pub(super) const FOR_ALL: [Self; 8] = [
-        Self::Kill(ProcessKind::Memory),
-        Self::Kill(ProcessKind::Perception),
-        Self::Kill(ProcessKind::Camera),
-        Self::Stop(ProcessKind::Memory),
-        Self::Stop(ProcessKind::Perception),
-        Self::Stop(ProcessKind::Camera),
+        Self::Kill(ProcessKind::MEMORY),
+        Self::Kill(ProcessKind::PERCEPTION),
+        Self::Kill(ProcessKind::CAMERA),
+        Self::Stop(ProcessKind::MEMORY),
+        Self::Stop(ProcessKind::PERCEPTION),
+        Self::Stop(ProcessKind::CAMERA),
         Self::HostileClients,
         Self::SparseSharedMemory,
     ];
     /// Faults by starvation.
     pub(super) const STARVATION: [Self; 3] = [
-        Self::Starve(ProcessKind::Memory),
-        Self::Starve(ProcessKind::Perception),
-        Self::Starve(ProcessKind::Camera),
+        Self::Starve(ProcessKind::MEMORY),
+        Self::Starve(ProcessKind::PERCEPTION),
+        Self::Starve(ProcessKind::CAMERA),
     ];
     /// Faults that need file systems of their own, so root.
     pub(super) const FOR_ROOT: [Self; 5] = [
         Self::FullDisk,
         Self::FullDiskAndKill,
         Self::FullSharedMemory,
-        Self::FullSharedMemoryAndKill(ProcessKind::Camera),
-        Self::FullSharedMemoryAndKill(ProcessKind::Perception),
+        Self::FullSharedMemoryAndKill(ProcessKind::CAMERA),
+        Self::FullSharedMemoryAndKill(ProcessKind::PERCEPTION),
     ];
     /// Faults that need strace, and the permission to trace.
     pub(super) const BY_STRACE: [Self; 2] = [Self::WriteErrors, Self::ReadErrors];
@@ -119,13 +119,13 @@ impl Fault {
             }
             Self::FullDiskAndKill => {
                 let _rubbish = Rubbish::fill(daemon);
-                daemon.signal(ProcessKind::Memory, Signal::KILL);
+                daemon.signal(ProcessKind::MEMORY, Signal::KILL);
                 std::thread::sleep(LASTS);
             }
             Self::SparseSharedMemory => {
                 let file = tempfile::NamedTempFile::new_in("/dev/shm").unwrap();
                 file.as_file().set_len(1 << 40).unwrap();
-                daemon.signal(ProcessKind::Camera, Signal::KILL);
+                daemon.signal(ProcessKind::CAMERA, Signal::KILL);
                 std::thread::sleep(LASTS);
             }
             Self::FullSharedMemory => {
@@ -182,7 +182,7 @@ pub(super) fn can_strace() -> bool {
 
 /// Lets system calls of the memory fail with EIO during `work`; some of them must.
 fn fail_system_calls(daemon: &Daemon<'_>, calls: &str, work: impl FnOnce()) {
-    let pid = daemon.pid(ProcessKind::Memory).expect("it runs");
+    let pid = daemon.pid(ProcessKind::MEMORY).expect("it runs");
     let traced = tempfile::NamedTempFile::new().unwrap();
     let mut strace = Command::new("strace")
         .args(["-qq", "-f", "-p", &pid.to_string()])

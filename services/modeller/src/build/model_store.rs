@@ -2,7 +2,7 @@
 
 use command_line::Output;
 use control_client::{MemoryClient, NewDocument};
-use message::control::{DocumentKind, DocumentName};
+use control_protocol::{DocumentKind, DocumentName};
 use object_model::{MEDIA_TYPE, ObjectModel};
 use service::{CommonArguments, Failure};
 

@@ -3,7 +3,7 @@
 
 use crate::object_receiver::TrackedObject;
 use control_client::MemoryClient;
-use message::control::{DocumentKind, DocumentName};
+use control_protocol::{DocumentKind, DocumentName};
 use nalgebra::Vector2;
 use object_model::ObjectModel;
 use service::{CommonArguments, Failure, exit_code};

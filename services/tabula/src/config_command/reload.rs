@@ -1,8 +1,8 @@
 //! `tabula config reload`: reload by the running daemon, and the outcome in each process.
 
 use command_line::Output;
-use control_client::{call_once, unexpected_reply};
-use message::control::{Command, ReloadReport, Reply};
+use control_client::ask_once;
+use control_protocol::{ReloadReport, request};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
@@ -15,10 +15,7 @@ struct ReloadDocument {
 
 /// Runs `tabula config reload`.
 pub(super) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let processes = match call_once(common, &Command::ReloadConfiguration)? {
-        Reply::Reloaded(reports) => reports,
-        other => return Err(unexpected_reply(&other)),
-    };
+    let processes = ask_once(common, &request::reload_configuration())?;
     if processes.is_empty() {
         let sentence = "no process of the daemon takes requests to reload; see its log";
         return Err(Failure::general(sentence));
@@ -71,7 +68,7 @@ fn lines(report: &ReloadReport) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use message::control::KeyChange;
+    use control_protocol::KeyChange;
 
     #[test]
     fn every_change_has_a_line_with_its_process() {

@@ -2,16 +2,17 @@
 //! noise, disk, camera.
 
 use super::{Finding, Severity, configuration, depth_noise, expected_processes};
-use channel::control::{CallError, SocketClient};
 use channel::topic::MAX_FRAME_POINTS;
 use channel::{
     DomainState, GUEST_PLACES, RunFolder, SharedMemory, domain_bytes, domain_reservation,
     fitting_guest_places,
 };
+use control_protocol::request;
+use daemon_client::{CallError, DaemonClient};
 use freenect::{Library, LibraryKind, Presence};
 use message::ProcessKind;
-use message::control::{Command, Reply};
 use rustix::process::{Resource, getrlimit};
+use scene_document::HealthDocument;
 use service::{CommonArguments, Configuration, guest_places};
 use std::path::Path;
 use std::time::Duration;
@@ -23,15 +24,15 @@ const FREE_BYTES_MIN: u64 = 100_000_000;
 /// Time limit of a connection to the daemon, and of each of its answers.
 const DEADLINE: Duration = Duration::from_secs(2);
 
-/// Answer of the daemon, or the error of asking it; the outer error is that of connecting.
-pub(super) type Asked = Result<Result<Reply, CallError>, CallError>;
+/// Health of the processes, or the error of asking for it; the outer error is that of connecting.
+pub(super) type Asked = Result<Result<Vec<HealthDocument>, CallError>, CallError>;
 
 /// Findings of all checks, in the order in which a new user meets the problems.
 pub(crate) fn run_all(common: &CommonArguments) -> Vec<Finding> {
     let run_folder = RunFolder::of_user();
     let state = DomainState::inspect(&common.domain, &run_folder);
-    let health = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE)
-        .map(|mut client| client.call(Command::Health));
+    let health = DaemonClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE)
+        .map(|mut client| client.ask(&request::health()));
     let places = guest_places_of(common);
     vec![
         shared_memory(common, places),
@@ -182,8 +183,7 @@ fn crashed_run(state: &DomainState) -> Finding {
 fn control_socket(health: &Asked, state: &DomainState) -> Finding {
     let name = "control socket";
     match health {
-        Ok(Ok(Reply::Health(processes))) => all_processes(name, processes.len()),
-        Ok(Ok(other)) => Finding::new(name, Severity::Failure, format!("it answers {other:?}")),
+        Ok(Ok(processes)) => all_processes(name, processes.len()),
         Ok(Err(error)) => Finding::new(name, Severity::Failure, error.to_string()),
         Err(error) if state.is_alive => Finding::new(name, Severity::Warning, error.to_string()),
         Err(_) => Finding::new(name, Severity::Ok, "no daemon runs, so there is none"),
@@ -192,11 +192,9 @@ fn control_socket(health: &Asked, state: &DomainState) -> Finding {
 
 /// Depth noise measured by a running daemon.
 fn noise(common: &CommonArguments, state: &DomainState) -> Finding {
-    let client = SocketClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE);
-    match client.map(|mut client| client.call(Command::DepthNoise)) {
-        Ok(Ok(Reply::DepthNoise(report))) => depth_noise::finding(&report),
-        Ok(Ok(Reply::Refused(refusal))) => depth_noise::unknown(&refusal.to_string()),
-        Ok(Ok(other)) => depth_noise::unknown(&format!("the daemon answers {other:?}")),
+    let client = DaemonClient::connect(&common.domain, &RunFolder::candidates(), DEADLINE);
+    match client.map(|mut client| client.ask(&request::depth_noise())) {
+        Ok(Ok(report)) => depth_noise::finding(&report),
         Ok(Err(error)) => depth_noise::unknown(&error.to_string()),
         Err(error) if state.is_alive => depth_noise::unknown(&error.to_string()),
         Err(_) => depth_noise::without_daemon(),
@@ -205,7 +203,8 @@ fn noise(common: &CommonArguments, state: &DomainState) -> Finding {
 
 fn all_processes(name: &'static str, n_processes: usize) -> Finding {
     // Either the camera or the simulator runs.
-    let n_expected = ProcessKind::ALL.len() - 1;
+    let sensors = ProcessKind::all().filter(|process| process.duties().is_sensor);
+    let n_expected = ProcessKind::all().count() - sensors.count() + 1;
     // One that was stopped a moment ago is still counted.
     let n_processes = n_processes.min(n_expected);
     let severity = if n_processes == n_expected {

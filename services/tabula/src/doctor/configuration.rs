@@ -1,7 +1,7 @@
 //! Check of the configuration by `tabula doctor`: the files, and the last reload of each process.
 
 use super::{Finding, Severity};
-use message::control::ReloadReport;
+use control_protocol::ReloadReport;
 use service::{CommonArguments, Configuration, last_reloads};
 
 /// Finding about the configuration files and the running processes.
@@ -35,7 +35,7 @@ fn trouble(reports: &[ReloadReport]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use message::control::KeyChange;
+    use control_protocol::KeyChange;
 
     #[test]
     fn trouble_names_refusals_and_keys_that_wait_for_a_restart() {

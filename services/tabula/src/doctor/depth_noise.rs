@@ -1,7 +1,7 @@
 //! Depth noise check of `tabula doctor`: the configured law and the noise on the table.
 
 use super::{Finding, Severity};
-use message::control::DepthNoiseReport;
+use control_protocol::DepthNoiseReport;
 use sensor_noise::DepthNoise;
 
 const NAME: &str = "depth noise";

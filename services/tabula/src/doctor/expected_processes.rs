@@ -4,7 +4,6 @@ use super::checks::Asked;
 use super::{Finding, Severity};
 use crate::status::expected_processes;
 use crate::supervision::{ProcessRecord, read_records};
-use message::control::Reply;
 use scene_document::HealthDocument;
 use service::{CommonArguments, Failure};
 
@@ -38,8 +37,7 @@ fn compare(records: &[ProcessRecord], reports: &Result<Vec<HealthDocument>, Fail
 
 fn reports(health: &Asked) -> Result<Vec<HealthDocument>, Failure> {
     match health {
-        Ok(Ok(Reply::Health(reports))) => Ok(reports.clone()),
-        Ok(Ok(other)) => Err(Failure::general(format!("it answers {other:?}"))),
+        Ok(Ok(reports)) => Ok(reports.clone()),
         Ok(Err(error)) | Err(error) => Err(Failure::general(error)),
     }
 }

@@ -5,12 +5,9 @@ use crate::time::utc;
 use command_line::{Output, progress_bar};
 use control_client::{
     ImportError, ImportRequest, MemoryClient, author_or_user, import as import_file,
-    unexpected_reply,
 };
+use control_protocol::{AheadDecision, ExportReport, ImportReport, JobOutcome, request};
 use dataset::{OutputFile, check_output};
-use message::control::{
-    AheadDecision, Command, ExportReport, ImportReport, JobCommand, JobKind, JobOutcome, Reply,
-};
 use rustix::fs::OFlags;
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
@@ -66,21 +63,15 @@ fn write_export(
     output: &Output,
 ) -> Result<ExportReport, Failure> {
     let failed = |error: io::Error| file_failed("written", path, &error);
-    let begun = memory.start_job(JobKind::Export)?;
+    let begun = memory.ask(&request::export())?;
     let bar = progress_bar(begun.total, "views", output);
     let mut offset = 0;
     let report = loop {
         // Asked before reading: once the job has ended, the bytes read next are the last ones.
-        let report = memory.job_request(JobCommand::Ask { job: begun.job })?;
+        let report = memory.ask(&request::job(begun.job))?;
         bar.set_length(report.total);
         bar.set_position(report.done);
-        let bytes = match memory.call(Command::Job(JobCommand::Read {
-            job: begun.job,
-            offset,
-        }))? {
-            Reply::JobBytes { bytes } => bytes,
-            other => return Err(unexpected_reply(&other)),
-        };
+        let bytes = memory.ask(&request::read_job(begun.job, offset))?;
         file.write_all(&bytes).map_err(failed)?;
         offset += bytes.len() as u64;
         match report.outcome {

@@ -3,32 +3,16 @@
 use crate::arguments::{EntriesArguments, InspectArguments};
 use crate::time::utc;
 use command_line::{Output, format_table};
-use control_client::{MemoryClient, TrackReference, TrackScope, unexpected_reply};
-use message::control::{
-    Command, HistoryReport, MemoryAnswer, MemoryQuery, MemoryStats, Reply, ViewReport,
-};
+use control_client::{MemoryClient, TrackReference, TrackScope};
+use control_protocol::{HistoryReport, MemoryStats, ViewReport, request};
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
 
-fn ask(memory: &mut MemoryClient, query: MemoryQuery) -> Result<MemoryAnswer, Failure> {
-    match memory.call(Command::Memory(query))? {
-        Reply::Memory(answer) => Ok(answer),
-        other => Err(unexpected_reply(&other)),
-    }
-}
-
-fn unexpected_answer(answer: MemoryAnswer) -> Failure {
-    unexpected_reply(&Reply::Memory(answer))
-}
-
 /// Runs `tabula memory stats`.
 pub(super) fn stats(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let mut memory = MemoryClient::open(common)?;
-    let stats = match ask(&mut memory, MemoryQuery::Stats)? {
-        MemoryAnswer::Stats(stats) => stats,
-        other => return Err(unexpected_answer(other)),
-    };
+    let stats = memory.ask(&request::stats())?;
     output.answer(&stats, || stats_text(&stats));
     Ok(ExitCode::SUCCESS)
 }
@@ -88,18 +72,9 @@ pub(super) fn views(
     let mut all = Vec::new();
     let mut after = None;
     loop {
-        let query = MemoryQuery::Views {
-            category: arguments.category.clone(),
-            track_id,
-            after,
-        };
-        let next = match ask(&mut memory, query)? {
-            MemoryAnswer::Views { views, next } => {
-                all.extend(views);
-                next
-            }
-            other => return Err(unexpected_answer(other)),
-        };
+        let category = arguments.category.clone();
+        let (views, next) = memory.ask(&request::views(category, track_id, after))?;
+        all.extend(views);
         after = next;
         if after.is_none() {
             break;

@@ -2,37 +2,31 @@
 
 use crate::arguments::CompactArguments;
 use command_line::{Output, progress_bar};
-use control_client::{MemoryClient, connect_if_running, local_memory_folder, unexpected_reply};
-use message::control::{JobKind, JobOutcome, Reply, VerificationReport};
+use control_client::{MemoryClient, connect_if_running, local_memory_folder, unexpected_outcome};
+use control_protocol::{JobOutcome, JobReport, TypedRequest, VerificationReport, request};
 use service::{CommonArguments, Failure, exit_code};
 use std::process::ExitCode;
 
 const S_PER_DAY: u64 = 24 * 3600;
 
-/// Runs a job to its end, with a progress bar.
+/// Runs a job to its end, with a progress bar. A failed one is a failure.
 fn job(
     memory: &mut MemoryClient,
-    kind: JobKind,
+    begin: &TypedRequest<JobReport>,
     unit: &'static str,
     output: &Output,
 ) -> Result<JobOutcome, Failure> {
-    let report = memory.start_job(kind)?;
+    let report = memory.ask(begin)?;
     let bar = progress_bar(report.total, unit, output);
-    let outcome = memory.wait_for_job(report.job, |report| {
+    let outcome = memory.job_outcome(report.job, |report| {
         bar.set_length(report.total);
         bar.set_position(report.done);
     });
     bar.finish_and_clear();
-    outcome
-}
-
-fn unexpected_answer(outcome: JobOutcome) -> Failure {
-    unexpected_reply(&Reply::Job(message::control::JobReport {
-        job: 0,
-        done: 0,
-        total: 0,
-        outcome: Some(outcome),
-    }))
+    match outcome? {
+        JobOutcome::Failed(reason) => Err(Failure::general(reason)),
+        outcome => Ok(outcome),
+    }
 }
 
 /// `tabula memory verify`: without a daemon it reads a copy and changes nothing.
@@ -43,9 +37,9 @@ pub(super) fn verify(common: &CommonArguments, output: &Output) -> Result<ExitCo
         local_memory_folder(common)?;
         MemoryClient::open_offline(common)?
     };
-    let found = match job(&mut memory, JobKind::Verify, "views", output)? {
+    let found = match job(&mut memory, &request::verify(), "views", output)? {
         JobOutcome::Verified(found) => found,
-        other => return Err(unexpected_answer(other)),
+        other => return Err(unexpected_outcome(&other)),
     };
     output.answer(&found, || text(&found));
     Ok(if found.n_findings == 0 {
@@ -82,9 +76,9 @@ fn text(found: &VerificationReport) -> String {
 /// Runs `tabula memory repair`.
 pub(super) fn repair(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let mut memory = MemoryClient::open(common)?;
-    let outcome = job(&mut memory, JobKind::Repair, "views", output)?;
+    let outcome = job(&mut memory, &request::repair(), "views", output)?;
     let JobOutcome::Repaired { what, is_loss, .. } = &outcome else {
-        return Err(unexpected_answer(outcome));
+        return Err(unexpected_outcome(&outcome));
     };
     output.answer(&outcome, || what.clone());
     Ok(if *is_loss {
@@ -101,17 +95,15 @@ pub(super) fn compact(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let mut memory = MemoryClient::open(common)?;
-    let kind = JobKind::Compact {
-        forgotten_for_s: u64::from(arguments.forgotten_days) * S_PER_DAY,
-    };
-    let outcome = job(&mut memory, kind, "steps", output)?;
+    let compact = request::compact(u64::from(arguments.forgotten_days) * S_PER_DAY);
+    let outcome = job(&mut memory, &compact, "steps", output)?;
     let JobOutcome::Compacted {
         n_purged,
         disk_bytes_before,
         disk_bytes,
     } = outcome
     else {
-        return Err(unexpected_answer(outcome));
+        return Err(unexpected_outcome(&outcome));
     };
     output.answer(&outcome, || {
         format!(

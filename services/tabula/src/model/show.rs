@@ -4,7 +4,7 @@ use super::{document, read};
 use crate::time::utc;
 use command_line::{Output, format_table};
 use control_client::MemoryClient;
-use message::control::{DocumentReport, DocumentVersionReport};
+use control_protocol::{DocumentReport, DocumentVersionReport};
 use object_model::{ModelView, ObjectModel, RefusedView};
 use scene_document::{ModelDocument, ModelViewDocument, RefusedViewDocument};
 use serde::Serialize;

@@ -66,9 +66,10 @@ impl SupervisionConfig {
     pub(crate) fn progress_limits(&self, process: ProcessKind) -> ProgressLimits {
         ProgressLimits {
             starting: self.startup_watchdog,
-            ready: match process {
-                ProcessKind::Memory => self.memory_watchdog,
-                _ => self.watchdog,
+            ready: if process.duties().is_store {
+                self.memory_watchdog
+            } else {
+                self.watchdog
             },
         }
     }

@@ -104,7 +104,7 @@ impl ProcessRecord {
     /// Record without control characters, which would reach a terminal; `None` for an unknown
     /// process.
     fn checked(mut self) -> Option<Self> {
-        let is_known = ProcessKind::ALL.iter().any(|p| p.word() == self.process);
+        let is_known = ProcessKind::from_word(&self.process).is_some();
         let printable = |c: char| if c.is_control() { ' ' } else { c };
         self.cause = self.cause.chars().map(printable).collect();
         is_known.then_some(self)

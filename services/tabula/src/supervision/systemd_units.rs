@@ -23,7 +23,7 @@ pub(super) fn read(domain: &DomainName) -> Option<Vec<ProcessRecord>> {
     let mut command = Command::new("systemctl");
     command.args(["show", "--no-pager", "--timestamp=unix"]);
     command.arg(format!("--property={PROPERTIES}"));
-    command.args(ProcessKind::ALL.map(unit));
+    command.args(ProcessKind::all().map(unit));
     let answer = command.stdin(Stdio::null()).stderr(Stdio::null()).output();
     let answer = String::from_utf8(answer.ok()?.stdout).ok()?;
     let records = parse(&answer);
@@ -45,9 +45,7 @@ fn record(block: &str) -> Option<ProcessRecord> {
         .filter_map(|line| line.split_once('='))
         .collect();
     let property = |name: &str| properties.get(name).copied().unwrap_or_default();
-    let process = ProcessKind::ALL
-        .into_iter()
-        .find(|process| unit(*process) == property("Id"))?;
+    let process = ProcessKind::all().find(|process| unit(*process) == property("Id"))?;
     let active = property("ActiveState");
     let is_expected = property("UnitFileState") == "enabled" || active != "inactive";
     if property("LoadState") != "loaded" || !is_expected {

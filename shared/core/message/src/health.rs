@@ -5,29 +5,6 @@ use bytemuck::AnyBitPattern;
 use iceoryx2::prelude::ZeroCopySend;
 
 coded_enum::coded_enum! {
-    /// Process of the daemon, as a code in [`Health::process`], in starting order. Either the
-    /// camera or the simulator runs, never both.
-    #[derive(Hash)]
-    pub enum ProcessKind: u32 {
-        /// `tabula-memory`: stores views, labels and world facts.
-        Memory = 3, "memory";
-        /// `tabula-perception`: detects, tracks and recognises objects.
-        Perception = 2, "perception";
-        /// `tabula-camera`: publishes camera frames.
-        Camera = 1, "camera";
-        /// `tabula-simulator`: replaces the camera by a simulated scene.
-        Simulator = 4, "simulator";
-    }
-}
-
-impl ProcessKind {
-    /// File name of the executable, such as `tabula-camera`.
-    pub fn program(self) -> String {
-        format!("tabula-{}", self.word())
-    }
-}
-
-coded_enum::coded_enum! {
     /// State of a process, as a code in [`Health::state`].
     pub enum ProcessState: u32 {
         /// Process is starting and not ready yet.
@@ -51,7 +28,7 @@ coded_enum::coded_enum! {
 pub struct Health {
     /// [`SCHEMA_VERSION`] of the sending program.
     pub schema_version: u32,
-    /// Kind of the process: code of a [`ProcessKind`].
+    /// Kind of the process: code of a [`ProcessKind`](crate::ProcessKind).
     pub process: u32,
     /// Operating-system process id.
     pub pid: u32,

@@ -1,12 +1,10 @@
-//! Wire types: data-plane messages in shared memory and the control protocol.
+//! Messages in shared memory: the types of every topic.
 //!
-//! *Data plane*: `repr(C)` plain numbers in shared memory. Any bit pattern is a
+//! They are `repr(C)` plain numbers. Any bit pattern is a
 //! valid value of the type, so a torn or hostile message can never be undefined
 //! behaviour; the values are validated on receipt (`checked`). Sizes are
 //! asserted at compile time. Type names are explicit and carry the schema
 //! version, so that different versions of tabula cannot be connected by accident.
-//!
-//! *Control plane*: serde types with a protocol version, see [`control`].
 //!
 //! This crate does no I/O; only iceoryx2's marker trait is used here.
 //!
@@ -28,8 +26,6 @@
 
 mod actor_event;
 mod camera_images;
-pub mod control;
-mod descriptor_bytes;
 pub mod document;
 mod frame;
 mod ground_truth;
@@ -38,7 +34,6 @@ mod memory_change;
 mod near_category;
 mod object_view;
 mod pose;
-mod printable;
 mod rejected_candidate;
 mod robot;
 mod scene;
@@ -53,21 +48,19 @@ mod view_plan;
 pub use actor_event::{ActorEvent, ActorEventKind};
 pub use camera_images::{CheckedImages, ImageHeader, InvalidImages, image_bytes};
 pub use camera_images::{color_encoding, depth_encoding, image_flag};
-pub use descriptor_bytes::{DescriptorBytes, InvalidDescriptor};
 pub use frame::{CheckedFrame, CloudPoint, FrameDone, FrameHeader, InvalidFrame, SegmentLocation};
 pub use frame::{frame_flag, points, points_mut};
 pub use ground_truth::{MAX_TRUE_OBJECTS, MaskPixel, TrueObject, TrueState, TruthHeader};
-pub use health::{Health, ProcessKind, ProcessState};
+pub use health::{Health, ProcessState};
 pub use memory_change::MemoryChange;
 pub use near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 pub use object_view::{ObjectCloudHeader, ObjectViewHeader};
 pub use pose::{WirePose, WireTransform, upper_triangle};
-pub use printable::{escape_unprintable, escape_unprintable_lines, is_unprintable};
+pub use process_registry::ProcessKind;
 pub use rejected_candidate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, WireFinding};
-pub use robot::{ARM_JOINTS, ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
-pub use scene::{
-    ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps, TrackState,
-};
+pub use robot::{ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
+pub use scene::{ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps};
+pub use scene_document::{ARM_JOINTS, TrackState};
 pub use scene_time::SceneTime;
 pub use sequenced_header::{PlainHeader, SequencedHeader};
 pub use stage::{Stage, StageScope};

@@ -6,9 +6,7 @@ use bytemuck::AnyBitPattern;
 use geometry::Capsule;
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::Point3;
-
-/// Number of joints of the arm.
-pub const ARM_JOINTS: usize = 6;
+use scene_document::ARM_JOINTS;
 
 /// Maximum number of capsules of an arm or of the people in view.
 pub const MAX_CAPSULES: usize = 32;

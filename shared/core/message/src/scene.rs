@@ -10,27 +10,6 @@ use iceoryx2::prelude::ZeroCopySend;
 /// Maximum number of objects in one scene summary.
 pub const MAX_SCENE_OBJECTS: usize = 256;
 
-coded_enum::coded_enum! {
-    /// State of a track, as a code in [`SceneObject::state`].
-    pub enum TrackState: u32 {
-        /// Track not yet confirmed: measured in too few frames.
-        Tentative, "tentative";
-        /// Object measured in this frame.
-        Tracked, "tracked";
-        /// Not measured in this frame and expected to return; neither occluded nor outside the image.
-        Missing, "missing";
-        /// Object not measured in this frame because it is occluded.
-        Occluded, "occluded";
-        /// Object not measured in this frame because it is outside the image.
-        OutOfView, "out-of-view";
-    }
-}
-
-impl TrackState {
-    /// Word in place of the state in reports of a scene that no longer shows the present.
-    pub const STALE_WORD: &str = "stale";
-}
-
 /// Processing times of a frame by stage, monotonic clock, nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, AnyBitPattern, ZeroCopySend)]
 #[type_name("tabula.StageStamps.v1")]
@@ -299,16 +278,6 @@ impl SceneObject {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn states_survive_the_wire_and_others_are_none() {
-        for state in TrackState::ALL {
-            assert_eq!(TrackState::from_code(state.code()), Some(state));
-        }
-        assert_eq!(TrackState::from_code(77), None);
-        let words = TrackState::ALL.map(TrackState::word);
-        assert!(words.contains(&"occluded") && words.contains(&"out-of-view"));
-    }
 
     #[test]
     fn there_is_no_view_before_the_first() {

@@ -36,9 +36,3 @@ pub const TRUTH_OBJECTS: &str = "truth/objects";
 /// Ground-truth instance masks of simulated frames: [`TruthHeader`](crate::TruthHeader) and
 /// [`MaskPixel`](crate::MaskPixel)s.
 pub const TRUTH_MASK: &str = "truth/mask";
-/// Control requests to the memory process.
-pub const CONTROL_MEMORY: &str = "control/memory";
-/// Control requests to the perception process.
-pub const CONTROL_PERCEPTION: &str = "control/perception";
-/// Commands to the arm, answered by the process that drives it.
-pub const CONTROL_ARM: &str = "arm/command";

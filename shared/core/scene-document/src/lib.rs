@@ -32,6 +32,7 @@ mod rejected;
 mod scene;
 mod schema;
 mod task;
+mod track_state;
 mod world;
 
 pub use category::CategoryDocument;
@@ -46,6 +47,10 @@ pub use rejected::{FindingDocument, RejectedDocument};
 pub use scene::{AssumptionDocument, CameraPoseDocument, SceneDocument, SurfaceDocument};
 pub use schema::{Document, schema};
 pub use task::{TaskDocument, TasksDocument};
+pub use track_state::TrackState;
 pub use world::{
     FactDocument, FactsDocument, PlaceDocument, RobotDocument, WorldDocument, WorldObjectDocument,
 };
+
+/// Number of joints of the arm.
+pub const ARM_JOINTS: usize = 6;

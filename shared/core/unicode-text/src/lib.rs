@@ -6,9 +6,11 @@
 
 mod invisible;
 mod likeness;
+mod printable;
 
 pub use invisible::{is_invisible, is_joiner, is_unprintable, joiner_out_of_place};
 pub use likeness::{Likeness, likeness};
+pub use printable::{escape_unprintable, escape_unprintable_lines};
 
 use unicode_normalization::UnicodeNormalization;
 

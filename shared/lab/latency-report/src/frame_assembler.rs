@@ -107,11 +107,11 @@ mod tests {
     fn spans_of_a_frame_are_assembled_in_any_order() {
         let mut assembler = FrameAssembler::default();
         for sequence in 0..100 {
-            let hop = header(ProcessKind::Memory, 5, sequence);
+            let hop = header(ProcessKind::MEMORY, 5, sequence);
             assembler.add(&hop, &[span(Stage::LabelHop)]);
-            let frame = header(ProcessKind::Perception, 5, sequence);
+            let frame = header(ProcessKind::PERCEPTION, 5, sequence);
             assembler.add(&frame, &[span(Stage::Detection), span(Stage::Publishing)]);
-            let made = header(ProcessKind::Simulator, 5, sequence);
+            let made = header(ProcessKind::SIMULATOR, 5, sequence);
             assembler.add(&made, &[span(Stage::Generation)]);
         }
         let mut timelines: Vec<FrameTimeline> =
@@ -136,7 +136,7 @@ mod tests {
     fn sessions_are_ordered_by_arrival() {
         let mut assembler = FrameAssembler::default();
         for (session, sequence) in [(900, 50), (900, 51), (3, 0), (3, 1)] {
-            assembler.add(&header(ProcessKind::Perception, session, sequence), &[]);
+            assembler.add(&header(ProcessKind::PERCEPTION, session, sequence), &[]);
         }
         let order: Vec<_> = assembler
             .drain()
@@ -152,7 +152,7 @@ mod tests {
             stage: 4_000_000,
             ..Span::default()
         };
-        assembler.add(&header(ProcessKind::Camera, 1, 1), &[broken]);
+        assembler.add(&header(ProcessKind::CAMERA, 1, 1), &[broken]);
         assembler.add(&TraceHeader::default(), &[broken, broken]);
         assert_eq!(assembler.n_unknown(), 3);
         assert!(

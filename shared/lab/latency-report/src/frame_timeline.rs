@@ -88,7 +88,7 @@ pub(crate) mod test_frames {
     ) -> StageInterval {
         StageInterval {
             stage,
-            process: ProcessKind::Perception,
+            process: ProcessKind::PERCEPTION,
             pid: 7,
             span: Span::waiting(stage, track_id, begin_ns, end_ns),
         }

@@ -14,7 +14,7 @@
 //! for sequence in 0..3 {
 //!     let scheduled_ns = sequence * 33_000_000;
 //!     let header = TraceHeader {
-//!         process: ProcessKind::Perception.code(),
+//!         process: ProcessKind::PERCEPTION.code(),
 //!         session: 1,
 //!         sequence,
 //!         scheduled_ns,

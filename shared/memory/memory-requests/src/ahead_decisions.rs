@@ -1,6 +1,6 @@
 //! Decisions of an export file from too far ahead of this clock: left out, or restamped.
 
-use message::control::AheadDecision;
+use control_protocol::AheadDecision;
 use perceptual_memory::{DecisionStamp, ForeignView, PortableBatch};
 
 /// Maximum number of decisions that are named.

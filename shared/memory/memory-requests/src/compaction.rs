@@ -1,7 +1,7 @@
 //! Compaction job: purges forgotten content and compacts the database in small steps.
 
 use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
-use message::control::JobOutcome;
+use control_protocol::JobOutcome;
 use perceptual_memory::{Error, Mutation, MutationId, PerceptualMemory, Requester, StoreChange};
 
 const NS_PER_S: u64 = 1_000_000_000;

@@ -1,7 +1,7 @@
 //! Pages of documents: their content by byte offset, their list, and their versions.
 
 use crate::{revision, translate};
-use message::control::{
+use control_protocol::{
     ContentDigest, DOCUMENT_PAGE_BYTES, DocumentName, DocumentPage, DocumentReport,
     DocumentVersionReport, MAX_MESSAGE_BYTES, MemoryAnswer, PageRequest, Refusal, RefusalKind,
 };

@@ -3,7 +3,7 @@
 use crate::jobs::Jobs;
 use crate::revision;
 use crate::store_client::{By, StoreClient};
-use message::control::{ContentDigest, DocumentName, Refusal, RefusalKind, Reply};
+use control_protocol::{ContentDigest, DocumentName, Refusal, RefusalKind, Reply};
 use perceptual_memory::{MemoryDocument, StoreChange};
 use std::sync::Arc;
 use tokio::sync::Mutex;

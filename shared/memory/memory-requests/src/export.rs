@@ -1,7 +1,7 @@
 //! Export job: writes the memory in the export format, streamed through a bounded buffer.
 
 use crate::job_context::{JobContext, Progress};
-use message::control::{ExportReport, JobOutcome, MAX_MESSAGE_BYTES};
+use control_protocol::{ExportReport, JobOutcome, MAX_MESSAGE_BYTES};
 use perceptual_memory::{Error, PerceptualMemory, PortableCounts, PortableWriter};
 use std::io::{self, Write};
 use std::sync::atomic::Ordering;

@@ -1,7 +1,7 @@
 //! History pages: reports of history entries with machine-readable fields.
 
 use crate::{change_text, revision, translate};
-use message::control::{HistoryOperation, HistoryReport, MAX_MESSAGE_BYTES, MutationId};
+use control_protocol::{HistoryOperation, HistoryReport, MAX_MESSAGE_BYTES, MutationId};
 use perceptual_memory::{Effect, Error, HistoryEntry, Operation, PerceptualMemory, Target};
 use std::collections::BTreeSet;
 

@@ -3,8 +3,8 @@
 use crate::ahead_decisions::AheadDecisions;
 use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
 use crate::translate;
+use control_protocol::{ImportReport, JobOutcome, MutationId, Refusal};
 use learning::CategoryName;
-use message::control::{ImportReport, JobOutcome, MutationId, Refusal};
 use perceptual_memory::{
     Digest, ImportPart, Mutation, MutationReceipt, PortableBatch, PortableReader, Requester,
     StoreChange,

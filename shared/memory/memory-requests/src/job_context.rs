@@ -1,7 +1,7 @@
 //! Shared state of background jobs: resources, progress, export buffer, history position.
 
 use crate::upload::UploadLimits;
-use message::control::JobOutcome;
+use control_protocol::JobOutcome;
 use parking_lot::{Condvar, Mutex};
 use perceptual_memory::{Position, StoreHandle};
 use service::wall_clock_ns;

@@ -9,7 +9,7 @@ mod document_upload;
 use crate::job_context::{JobContext, Progress};
 use crate::upload::Upload;
 use crate::{compaction, export, import, verification};
-use message::control::{
+use control_protocol::{
     JobCommand, JobKind, JobOutcome, JobReport, MAX_DOCUMENT_BYTES, Refusal, RefusalKind, Reply,
 };
 use parking_lot::Mutex;
@@ -100,10 +100,6 @@ impl Jobs {
                 let request = import::ImportRequest::new(id, author, requester, source, options)?;
                 self.import(job, requester, request)
             }
-            other => Err(Refusal::new(
-                RefusalKind::Invalid,
-                format!("this memory does not know the job {other:?}"),
-            )),
         }
     }
 
@@ -129,10 +125,6 @@ impl Jobs {
             JobKind::Document => {
                 let scratch = &self.context.scratch;
                 upload = Some(Upload::of_document(scratch, MAX_DOCUMENT_BYTES));
-            }
-            other => {
-                let sentence = format!("this memory does not know the job {other:?}");
-                return Err(Refusal::new(RefusalKind::Invalid, sentence));
             }
         }
         let job = self.next.fetch_add(1, Ordering::Relaxed);

@@ -6,7 +6,7 @@
 //!
 //! ```no_run
 //! use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig, UploadLimits};
-//! use message::control::{Command, MemoryQuery};
+//! use control_protocol::{Command, MemoryQuery};
 //! use perceptual_memory::Requester;
 //!
 //! async fn print_stats(store: perceptual_memory::StoreHandle) {

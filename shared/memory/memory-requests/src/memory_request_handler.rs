@@ -8,10 +8,10 @@ use crate::revision::allowing_alike;
 use crate::store_client::{By, StoreClient};
 use crate::upload::UploadLimits;
 use crate::{change_text, document_pages, queries, revision, translate};
-use learning::{CategoryName, ViewId};
-use message::control::{
+use control_protocol::{
     Command, Labelling, MemoryQuery, Refusal, Reply, Revision, RevisionChange, SnapshotCursor,
 };
+use learning::{CategoryName, ViewId};
 use parking_lot::Mutex;
 use perceptual_memory::{
     Digest, Error, Operation, PerceptualMemory, Position, Requester, StoreChange, StoreHandle,
@@ -23,11 +23,11 @@ use std::time::Duration;
 use tokio::sync::watch;
 
 /// Maximum size of the descriptors on a page, bytes; the rest of the message needs room too.
-const PAGE_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 2;
+const PAGE_BYTES: usize = control_protocol::MAX_MESSAGE_BYTES / 2;
 /// Most bytes of the clouds of one answer, unless a single one is larger.
-const CLOUD_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 2;
+const CLOUD_BYTES: usize = control_protocol::MAX_MESSAGE_BYTES / 2;
 /// Maximum size of the descriptors of a change feed message, bytes.
-const MAX_CHANGES_BYTES: usize = message::control::MAX_MESSAGE_BYTES / 4 * 3;
+const MAX_CHANGES_BYTES: usize = control_protocol::MAX_MESSAGE_BYTES / 4 * 3;
 
 /// Period in which abandoned jobs are ended.
 const EXPIRY_PERIOD: Duration = Duration::from_secs(1);

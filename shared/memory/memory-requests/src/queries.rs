@@ -2,7 +2,7 @@
 
 use crate::job_context::wall_ns;
 use crate::{document_pages, history_page, translate};
-use message::control::{MemoryAnswer, MemoryQuery, MemoryStats, Refusal, RefusalKind, ViewReport};
+use control_protocol::{MemoryAnswer, MemoryQuery, MemoryStats, Refusal, RefusalKind, ViewReport};
 use perceptual_memory::{Error, PerceptualMemory, Stats, Target, ViewSummary};
 
 /// Maximum number of views on a page.

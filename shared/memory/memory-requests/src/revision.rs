@@ -2,7 +2,7 @@
 //! changes.
 
 use crate::translate;
-use message::control::{
+use control_protocol::{
     DocumentKind as WireKind, DocumentName, Refusal, RefusalKind, RevisionChange,
 };
 use perceptual_memory::{DocumentKey, DocumentKind, StoreChange, Target};
@@ -50,9 +50,9 @@ pub(crate) fn change(change: RevisionChange) -> Result<(StoreChange, String), Re
             let about = document.name.clone();
             (StoreChange::RemoveDocument(key(document)?), about)
         }
-        other => {
-            let sentence = format!("this memory does not know the change {other:?}");
-            return Err(Refusal::new(RefusalKind::Invalid, sentence));
+        RevisionChange::PutDocument { .. } => {
+            let sentence = "a document is stored with its upload";
+            return Err(Refusal::new(RefusalKind::Internal, sentence));
         }
     })
 }
@@ -71,10 +71,6 @@ pub(crate) fn key(document: DocumentName) -> Result<DocumentKey, Refusal> {
     let kind = match document.kind {
         WireKind::ObjectModel => DocumentKind::ObjectModel,
         WireKind::TaskKnowledge => DocumentKind::TaskKnowledge,
-        other => {
-            let sentence = format!("this memory knows no documents of the kind {other:?}");
-            return Err(Refusal::new(RefusalKind::Invalid, sentence));
-        }
     };
     Ok(DocumentKey {
         kind,

@@ -2,7 +2,7 @@
 
 use crate::job_context::{publish_position, wall_ns};
 use crate::{change_text, translate};
-use message::control::{LearningReport, MutationId, Refusal, RefusalKind, Reply};
+use control_protocol::{LearningReport, MutationId, Refusal, RefusalKind, Reply};
 use perceptual_memory::{
     Error, Mutation, MutationReceipt, PerceptualMemory, Position, Requester, StoreChange,
     StoreHandle,

@@ -1,12 +1,13 @@
 //! Conversion between the types of the control protocol and of the store.
 
-use geometry::OrientedBox;
-use learning::{CategoryName, TeachingError as TeachingRefusal, ViewId};
-use message::control::{
+use control_protocol::DescriptorBytes;
+use control_protocol::{
     ChangesPage, LearnedChange, LearnedView, PackedCloud, Refusal, RefusalKind, SnapshotCursor,
     SnapshotPage, StoredView, ViewId as WireViewId,
 };
-use message::{DescriptorBytes, WirePose};
+use geometry::OrientedBox;
+use learning::{CategoryName, TeachingError as TeachingRefusal, ViewId};
+use message::WirePose;
 use nalgebra::Vector3;
 use perceptual_memory::{
     CapturedView, Changes, Error, LabelledView, NameChange, StoreChange, StoredDescriptor,
@@ -194,8 +195,8 @@ pub(crate) fn change_refusal(error: &Error) -> Refusal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use control_protocol::pack_cloud;
     use geometry::RigidTransform;
-    use message::control::pack_cloud;
     use point_cloud::Point;
 
     #[test]

@@ -1,7 +1,7 @@
 //! Upload of an export file or a document: an unnamed temporary file with a limit, which leaves
 //! disk free, or a small document in memory.
 
-use message::control::{DOCUMENT_PAGE_BYTES, Refusal, RefusalKind};
+use control_protocol::{DOCUMENT_PAGE_BYTES, Refusal, RefusalKind};
 use parking_lot::Mutex;
 use std::fs::{self, File};
 use std::os::unix::fs::{DirBuilderExt, FileExt, MetadataExt};

@@ -1,7 +1,7 @@
 //! Verification and repair jobs: full read of a checkpoint, and rebuild after findings.
 
 use crate::job_context::{JobContext, Progress, publish_position, wall_ns};
-use message::control::{JobOutcome, VerificationReport};
+use control_protocol::{JobOutcome, VerificationReport};
 use perceptual_memory::{
     Error, Mutation, MutationId, PerceptualMemory, Requester, StoreChange, Verification,
 };

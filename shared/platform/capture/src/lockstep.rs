@@ -6,8 +6,6 @@ use message::{FrameDone, ProcessKind};
 use service::{HealthCounters, Shutdown};
 use std::time::Duration;
 
-/// Processes that must finish a frame before the next one is sent.
-const FOLLOWERS: [ProcessKind; 2] = [ProcessKind::Perception, ProcessKind::Memory];
 /// Timeout after which the frame is sent again: a restarted follower has never seen
 /// it, one that has finished it reports again. Chosen.
 const SILENCE: Duration = Duration::from_secs(3);
@@ -67,7 +65,8 @@ impl Lockstep {
         shutdown: &Shutdown,
         health: &HealthCounters,
     ) -> Result<LockstepOutcome, Error> {
-        let mut waiting_for = FOLLOWERS.map(|process| u64::from(process.code())).to_vec();
+        let followers = ProcessKind::all().filter(|process| process.duties().follows_frames);
+        let mut waiting_for: Vec<u64> = followers.map(|one| u64::from(one.code())).collect();
         waiting_for.extend(self.has_recorder.then_some(RECORDER_CODE));
         let silence = tokio::time::sleep(SILENCE);
         tokio::pin!(silence);

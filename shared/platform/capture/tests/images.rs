@@ -162,7 +162,7 @@ fn capture(is_subscribed: bool, has_images: bool) -> (usize, Vec<ReceivedFrame>)
         received: sender,
     });
     let context = Context {
-        process: ProcessKind::Camera,
+        process: ProcessKind::CAMERA,
         domain,
         home: Home::at(folder.path().join("home")),
         shutdown: Shutdown::new().1,

@@ -109,7 +109,7 @@ fn capture(script: &[Attempt]) -> Captured {
     let domain = Domain::join(&name, &run_folder, Role::Guest).unwrap();
     let health = Arc::new(HealthCounters::default());
     let context = Context {
-        process: ProcessKind::Camera,
+        process: ProcessKind::CAMERA,
         domain,
         home: Home::at(folder.path().join("home")),
         shutdown: Shutdown::new().1,

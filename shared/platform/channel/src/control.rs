@@ -1,35 +1,31 @@
-//! Control protocol over two transports: shared memory between the daemon's
-//! processes, a Unix socket for people and tools of any user in the group.
+//! Servers and clients of the control protocol over Unix sockets: one socket of the gateway for
+//! people and tools of any user in the group, and a private one of each process that owns requests.
 //!
-//! Both carry the same CBOR bytes. Every request is answered, or its sender gets an
-//! error; none is dropped silently.
+//! Every request is answered, or its sender gets an error; none is dropped silently.
 
 mod access_policy;
-mod call_error;
 mod client;
-mod codec;
 mod connection;
 mod connection_table;
 mod message_stream;
-mod peer;
 mod peer_groups;
-mod printable_request;
-mod request_response;
 mod server;
-mod socket_client;
 mod socket_server;
 
 pub use access_policy::{AccessControl, RoleGroups};
-pub use call_error::CallError;
 pub use client::Client;
-pub use connection::serve_stream;
-pub use peer::Peer;
+pub use connection::serve_process;
 pub use server::Server;
-pub use socket_client::SocketClient;
-pub use socket_server::{SocketServer, UrgentHandler};
+pub use socket_server::SocketServer;
 
-use message::control::{Command, Reply};
+use crate::Error;
+use crate::trusted_folder::TrustedFolder;
+use control_protocol::{Command, Peer, Reply, UserRole};
 use std::future::Future;
+use std::io;
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::net::UnixListener;
+use std::path::Path;
 use std::pin::Pin;
 use std::sync::Arc;
 
@@ -38,3 +34,33 @@ pub type Handler = Arc<dyn Fn(Command, Peer) -> AnswerFuture + Send + Sync>;
 
 /// Future that resolves to the reply of a request handler.
 pub type AnswerFuture = Pin<Box<dyn Future<Output = Reply> + Send>>;
+
+/// This process's own user, who runs the daemon.
+pub fn own_peer() -> Peer {
+    Peer {
+        uid: rustix::process::geteuid().as_raw(),
+        role: UserRole::Administrator,
+    }
+}
+
+/// Binds a socket with a mode, in place of one that a dead process has left.
+fn bind_socket(path: &Path, mode: u32) -> Result<UnixListener, Error> {
+    let failed = |source| socket_failure(path, source);
+    let folder = path
+        .parent()
+        .ok_or_else(|| failed(io::ErrorKind::InvalidInput.into()))?;
+    TrustedFolder::open(folder)?;
+    let _ = std::fs::remove_file(path);
+    let listener = UnixListener::bind(path).map_err(failed)?;
+    listener.set_nonblocking(true).map_err(failed)?;
+    std::fs::set_permissions(path, PermissionsExt::from_mode(mode)).map_err(failed)?;
+    Ok(listener)
+}
+
+fn socket_failure(path: &Path, source: io::Error) -> Error {
+    Error::RunFolder {
+        attempt: "open the socket",
+        path: path.to_owned(),
+        source,
+    }
+}

@@ -11,6 +11,7 @@ use iceoryx2::prelude::{
     Config, FileName, Node, NodeBuilder, Path as IoxPath, SemanticString, SignalHandlingMode,
     ipc_threadsafe,
 };
+use message::ProcessKind;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -115,6 +116,11 @@ impl Domain {
     /// Path of the domain's control socket.
     pub fn control_socket(&self) -> PathBuf {
         self.0.run_folder.control_socket(&self.0.name)
+    }
+
+    /// Path of the socket on which a process serves the requests that it owns.
+    pub fn request_socket(&self, process: ProcessKind) -> PathBuf {
+        self.0.folder.join(format!("{}.sock", process.word()))
     }
 
     /// Number of guest places of each topic with large messages.
@@ -260,7 +266,8 @@ fn make_node(name: &DomainName, folder: &TrustedFolder) -> Result<Node<Service>,
     let root = IoxPath::new(root.as_os_str().as_encoded_bytes()).map_err(|e| failed(&e))?;
     let mut config = Config::default();
     config.global.set_root_path(&root);
-    config.global.prefix = FileName::new(name.prefix().as_bytes()).map_err(|e| failed(&e))?;
+    config.global.prefix =
+        FileName::new(name.shared_memory_prefix().as_bytes()).map_err(|e| failed(&e))?;
     // The periodic sweep looks for dead nodes; looking also while all members leave
     // at the same moment makes each wait for the others.
     config.global.node.cleanup_dead_nodes_on_destruction = false;
@@ -269,14 +276,6 @@ fn make_node(name: &DomainName, folder: &TrustedFolder) -> Result<Node<Service>,
         .defaults
         .publish_subscribe
         .subscriber_expired_connection_buffer = 4;
-    config
-        .defaults
-        .request_response
-        .client_expired_connection_buffer = 4;
-    config
-        .defaults
-        .request_response
-        .server_expired_connection_buffer = 4;
     NodeBuilder::new()
         .config(&config)
         .signal_handling_mode(SignalHandlingMode::Disabled)

@@ -1,13 +1,11 @@
 //! Upper bound of the shared memory that a whole domain uses.
 
-use crate::{Reservation, request_services, topic};
+use crate::{Reservation, topic};
 
 /// Reservations of all services of a domain, for frames of so many points, and with so many
 /// guest places.
 pub fn domain_reservation(frame_points: usize, guest_places: u32) -> Vec<Reservation> {
-    let mut all = topic::reservations(frame_points, guest_places);
-    all.extend(request_services::reservations());
-    all
+    topic::reservations(frame_points, guest_places)
 }
 
 /// Upper bound of the shared memory of a domain, bytes, as [`domain_reservation`].

@@ -7,9 +7,6 @@ use std::{fmt, io};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Invalid name of a domain.
-    #[error("the domain name {0:?} is not usable; choose 1 to 32 of the characters a-z, 0-9 and -")]
-    DomainName(String),
     /// Unusable file or folder of the run folder.
     #[error("could not {attempt} {}: {source}", .path.display())]
     RunFolder {

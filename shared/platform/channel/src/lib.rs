@@ -1,5 +1,5 @@
-//! Inter-process communication: publish-subscribe topics and request-response over
-//! iceoryx2 shared memory, and the Unix control socket.
+//! Inter-process communication: publish-subscribe topics over iceoryx2 shared memory, and
+//! request-response over Unix sockets.
 //!
 //! A [`Domain`] is one daemon on one machine: a name, a run folder on tmpfs, a prefix
 //! in shared memory. Its services are [`topic`]s; each defines its limits, its
@@ -31,7 +31,6 @@
 
 pub mod control;
 mod domain;
-mod domain_name;
 mod domain_reservation;
 mod domain_state;
 mod error;
@@ -41,9 +40,7 @@ mod live_file;
 mod lock_file;
 mod log_bridge;
 mod publisher;
-mod request_services;
 mod reservation;
-mod run_folder;
 mod segment_backing;
 mod segment_map;
 mod shared_memory;
@@ -54,8 +51,8 @@ mod topic_service;
 mod trusted_folder;
 mod wake_event;
 
+pub use daemon_client::{DomainName, RunFolder};
 pub use domain::{Domain, Role};
-pub use domain_name::DomainName;
 pub use domain_reservation::{domain_bytes, domain_reservation, fitting_guest_places};
 pub use domain_state::DomainState;
 pub use error::Error;
@@ -63,7 +60,6 @@ pub use guest_places::{GUEST_PLACES, MAX_GUEST_PLACES};
 pub use live_file::LiveFile;
 pub use publisher::{Loan, Publisher};
 pub use reservation::Reservation;
-pub use run_folder::RunFolder;
 pub use shared_memory::{SharedMemory, check_shared_memory};
 pub use shared_message::SharedMessage;
 pub use subscriber::{Received, Subscriber};

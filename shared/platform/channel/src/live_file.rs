@@ -22,7 +22,7 @@ const MAX_ATTEMPTS: u32 = 10;
 #[derive(Debug)]
 pub struct LiveFile {
     folder: TrustedFolder,
-    name: &'static str,
+    name: String,
     current: Option<File>,
     _domain: Domain,
 }
@@ -32,10 +32,10 @@ impl LiveFile {
     ///
     /// # Errors
     /// When the run folder is not this user's.
-    pub fn new(domain: &Domain, name: &'static str) -> Result<Self, Error> {
+    pub fn new(domain: &Domain, name: &str) -> Result<Self, Error> {
         Ok(Self {
             folder: TrustedFolder::open(domain.folder())?,
-            name,
+            name: name.to_owned(),
             current: None,
             _domain: domain.clone(),
         })
@@ -60,7 +60,7 @@ impl LiveFile {
         self.folder.share_entry_with_group(&draft);
         let readable_by_group = Mode::RUSR | Mode::WUSR | Mode::RGRP;
         fchmod(&file, readable_by_group).map_err(|error| failed(error.into()))?;
-        self.folder.rename(&draft, self.name)?;
+        self.folder.rename(&draft, &self.name)?;
         self.current = Some(file);
         Ok(())
     }
@@ -76,9 +76,9 @@ impl LiveFile {
 impl Drop for LiveFile {
     fn drop(&mut self) {
         if let Some(file) = &self.current
-            && self.folder.names(self.name, file)
+            && self.folder.names(&self.name, file)
         {
-            self.folder.remove_file(self.name);
+            self.folder.remove_file(&self.name);
         }
     }
 }

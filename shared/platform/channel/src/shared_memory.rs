@@ -2,6 +2,7 @@
 
 use crate::trusted_folder::SHARED_MEMORY_FOLDER as FOLDER;
 use crate::{DomainName, Error, domain_bytes, fitting_guest_places};
+use message::ProcessKind;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
@@ -32,7 +33,7 @@ impl SharedMemory {
             used_by_domain: 0,
             needed: domain_bytes(frame_points, guest_places),
         };
-        let own_prefix = domain.prefix();
+        let own_prefix = domain.shared_memory_prefix();
         for entry in std::fs::read_dir(FOLDER).ok()?.flatten() {
             let is_own = entry.file_name().to_string_lossy().starts_with(&own_prefix);
             if let (true, Ok(file)) = (is_own, entry.metadata()) {
@@ -78,7 +79,7 @@ pub fn check_shared_memory(
 
 /// Shared-memory files of the domain in `/dev/shm`.
 pub(crate) fn files_of(domain: &DomainName) -> Vec<PathBuf> {
-    let prefix = domain.prefix();
+    let prefix = domain.shared_memory_prefix();
     let Ok(entries) = std::fs::read_dir(FOLDER) else {
         return Vec::new();
     };
@@ -124,7 +125,10 @@ pub(crate) fn remove_leftovers(domain: &DomainName, domain_folder: &Path) -> usi
         let _ = std::fs::remove_file(file);
     }
     let _ = std::fs::remove_dir_all(domain_folder.join("iox2"));
-    let _ = std::fs::remove_file(domain_folder.join("control.sock"));
+    let sockets = ProcessKind::all().map(|process| format!("{}.sock", process.word()));
+    for socket in sockets.chain(["control.sock".to_owned()]) {
+        let _ = std::fs::remove_file(domain_folder.join(socket));
+    }
     files.len()
 }
 
@@ -157,7 +161,7 @@ mod tests {
     fn domain_with_file(kind: &str) -> (DomainName, Taken) {
         let name = format!("u{}-{kind}", std::process::id());
         let name: DomainName = name.parse().unwrap();
-        let path = Path::new(FOLDER).join(format!("{}x.data", name.prefix()));
+        let path = Path::new(FOLDER).join(format!("{}x.data", name.shared_memory_prefix()));
         (name, Taken(path))
     }
 

@@ -3,8 +3,9 @@
 
 use channel::DomainName;
 use channel::RunFolder;
-use channel::control::{AnswerFuture, Handler, RoleGroups, SocketClient, SocketServer};
-use message::control::{ArmCommand, Command, Refusal, RefusalKind, Reply, WorldCommand};
+use channel::control::{AnswerFuture, Handler, RoleGroups, SocketServer};
+use control_protocol::{ArmCommand, Command, Refusal, RefusalKind, Reply, WorldCommand};
+use daemon_client::DaemonClient;
 use std::io::{Read, Write};
 use std::net::Shutdown;
 use std::os::unix::net::UnixStream;
@@ -36,13 +37,12 @@ impl TestSocket {
         let folder = RunFolder::at(guard.path().to_owned());
         std::fs::create_dir(folder.domain_folder(&name)).unwrap();
         let path = folder.control_socket(&name);
-        let urgent = || Ok(handler("urgent"));
         let groups = RoleGroups {
             teachers: "tabula".into(),
             administrators: "tabula-admin".into(),
         };
         let server =
-            SocketServer::bind(&path, &groups, handler("ordinary"), Box::new(urgent)).unwrap();
+            SocketServer::bind(&path, &groups, handler("ordinary"), handler("urgent")).unwrap();
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(1)
             .enable_all()
@@ -58,15 +58,15 @@ impl TestSocket {
         }
     }
 
-    fn client(&self) -> SocketClient {
+    fn client(&self) -> DaemonClient {
         let folders = [self.folder.clone()];
-        SocketClient::connect(&self.name, &folders, Duration::from_secs(20)).unwrap()
+        DaemonClient::connect(&self.name, &folders, Duration::from_secs(20)).unwrap()
     }
 
     /// Sends a request on a connection of its own, and does not wait for the answer.
     fn send(&self, command: Command) -> UnixStream {
-        let mut bytes = Vec::new();
-        ciborium::into_writer(&message::control::Request::from(command), &mut bytes).unwrap();
+        let request = control_protocol::Request::from(command);
+        let bytes = control_protocol::codec::encode(&request).unwrap();
         let mut message = (bytes.len() as u32).to_le_bytes().to_vec();
         message.extend(bytes);
         let mut stream = UnixStream::connect(&self.path).unwrap();
@@ -190,4 +190,25 @@ fn socket_ends_with_its_future() {
         std::thread::sleep(Duration::from_millis(10));
     }
     panic!("the socket is still served");
+}
+
+#[test]
+fn request_on_behalf_of_another_user_is_refused() {
+    let socket = TestSocket::serve();
+    let request = control_protocol::Request {
+        user: Some(channel::control::own_peer()),
+        ..control_protocol::Request::from(Command::Objects)
+    };
+    let bytes = control_protocol::codec::encode(&request).unwrap();
+    let mut stream = UnixStream::connect(&socket.path).unwrap();
+    let message = control_protocol::codec::framed(&bytes);
+    stream.write_all(&message).unwrap();
+    let mut answer = Vec::new();
+    stream.shutdown(Shutdown::Write).unwrap();
+    stream.read_to_end(&mut answer).unwrap();
+    let reply = control_protocol::codec::decode_reply(&answer[4..]);
+    assert!(
+        matches!(&reply, Reply::Refused(refusal) if refusal.kind == RefusalKind::Invalid),
+        "{reply:?}"
+    );
 }

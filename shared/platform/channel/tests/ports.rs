@@ -3,12 +3,11 @@
 #![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
 use channel::GUEST_PLACES;
-use channel::control::{
-    AnswerFuture, CallError, Client, RoleGroups, Server, SocketClient, SocketServer,
-};
+use channel::control::{AnswerFuture, Client, RoleGroups, Server, SocketServer};
 use channel::topic::{CameraCloud, FinishedFrames, Scene};
 use channel::{Domain, DomainName, Error, Publisher, Received, Role, RunFolder, Subscriber};
-use message::control::{Command, MAX_MESSAGE_BYTES, Refusal, RefusalKind, Reply};
+use control_protocol::{Command, MAX_MESSAGE_BYTES, Peer, Refusal, RefusalKind, Reply, UserRole};
+use daemon_client::{CallError, DaemonClient};
 use message::{CloudPoint, FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -309,14 +308,14 @@ async fn request_server_answers_every_client() {
     let test_domain = TestDomain::new();
     let (server_domain, client_domain) = (test_domain.join(), test_domain.join());
     watched(async {
-        let client = Arc::new(Client::new(&client_domain, ProcessKind::Perception).unwrap());
+        let client = Arc::new(Client::new(&client_domain, ProcessKind::PERCEPTION));
         let ask = |track_id| Command::Ask { track_id };
         let early = client.call(ask(1), Duration::from_secs(1)).await;
         assert!(
             matches!(early, Err(CallError::NotThere { .. })),
             "{early:?}"
         );
-        let server = Server::new(&server_domain, ProcessKind::Perception, echo()).unwrap();
+        let server = Server::bind(&server_domain, ProcessKind::PERCEPTION, echo()).unwrap();
         let running = tokio::spawn(server.run());
         let calls: Vec<_> = (0..200)
             .map(|track_id| {
@@ -346,14 +345,50 @@ async fn request_server_answers_every_client() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn request_on_behalf_of_a_user_is_that_user_s() {
+    use std::os::unix::fs::PermissionsExt;
+    let test_domain = TestDomain::new();
+    let domain = test_domain.join();
+    let who: channel::control::Handler = Arc::new(|_, user: Peer| -> AnswerFuture {
+        Box::pin(async move {
+            assert!(user.role <= UserRole::Administrator);
+            Reply::TrackIds {
+                first: u64::from(user.uid),
+            }
+        })
+    });
+    let server = Server::bind(&domain, ProcessKind::MEMORY, who).unwrap();
+    let socket = domain.request_socket(ProcessKind::MEMORY);
+    let mode = std::fs::metadata(&socket).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o600);
+    let running = tokio::spawn(server.run());
+    let client = Client::new(&domain, ProcessKind::MEMORY);
+    let second = Duration::from_secs(15);
+    let own = rustix::process::geteuid().as_raw();
+    let reply = watched(client.call(Command::Objects, second))
+        .await
+        .unwrap();
+    assert_eq!(reply, Reply::TrackIds { first: own.into() });
+    let user = Peer {
+        uid: 4711,
+        role: UserRole::Reader,
+    };
+    let reply = watched(client.call_for(user, Command::Objects, second)).await;
+    assert_eq!(reply.unwrap(), Reply::TrackIds { first: 4711 });
+    running.abort();
+    let _ = running.await;
+    assert!(!socket.exists());
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn request_to_a_silent_server_times_out() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
     let silent: channel::control::Handler =
         Arc::new(|_, _| -> AnswerFuture { Box::pin(std::future::pending()) });
-    let server = Server::new(&domain, ProcessKind::Memory, silent).unwrap();
+    let server = Server::bind(&domain, ProcessKind::MEMORY, silent).unwrap();
     let running = tokio::spawn(server.run());
-    let client = Client::new(&domain, ProcessKind::Memory).unwrap();
+    let client = Client::new(&domain, ProcessKind::MEMORY);
     let answer = watched(client.call(Command::Categories, Duration::from_millis(200))).await;
     assert!(
         matches!(answer, Err(CallError::TimedOut { .. })),
@@ -372,9 +407,9 @@ async fn request_after_many_that_were_given_up_is_answered() {
             Reply::Stored
         })
     });
-    let server = Server::new(&domain, ProcessKind::Memory, slow).unwrap();
+    let server = Server::bind(&domain, ProcessKind::MEMORY, slow).unwrap();
     let running = tokio::spawn(server.run());
-    let client = Client::new(&domain, ProcessKind::Memory).unwrap();
+    let client = Client::new(&domain, ProcessKind::MEMORY);
     for _ in 0..10 {
         let given_up = client.call(Command::Categories, Duration::from_millis(5));
         assert!(matches!(given_up.await, Err(CallError::TimedOut { .. })));
@@ -393,14 +428,13 @@ async fn control_socket_answers_clients_and_refuses_invalid_bytes() {
         teachers: "tabula".into(),
         administrators: "tabula-admin".into(),
     };
-    let urgent = Box::new(|| Ok(echo()));
-    let server = SocketServer::bind(&domain.control_socket(), &groups, echo(), urgent).unwrap();
+    let server = SocketServer::bind(&domain.control_socket(), &groups, echo(), echo()).unwrap();
     let running = tokio::spawn(server.run());
     let (name, folder) = (test_domain.name.clone(), test_domain.folder.clone());
     let path = domain.control_socket();
     let people = tokio::task::spawn_blocking(move || {
         let folders = [RunFolder::at("/nowhere".into()), folder];
-        let mut client = SocketClient::connect(&name, &folders, Duration::from_secs(5)).unwrap();
+        let mut client = DaemonClient::connect(&name, &folders, Duration::from_secs(5)).unwrap();
         for track_id in 0..50 {
             let reply = client.call(Command::Ask { track_id }).unwrap();
             assert_eq!(reply, Reply::TrackIds { first: track_id });
@@ -417,7 +451,7 @@ async fn control_socket_answers_clients_and_refuses_invalid_bytes() {
         }
         assert!(client.call(Command::Ask { track_id: 1 }).is_ok());
         let nobody = "nobody".parse().unwrap();
-        let sentence = SocketClient::connect(&nobody, &folders, Duration::from_secs(1))
+        let sentence = DaemonClient::connect(&nobody, &folders, Duration::from_secs(1))
             .unwrap_err()
             .to_string();
         assert!(
@@ -498,19 +532,16 @@ fn segments(test_domain: &TestDomain) -> Vec<(String, u64, u64)> {
 }
 
 #[tokio::test]
-async fn segments_of_publishers_clients_and_servers_are_backed_when_they_are_made() {
+async fn segments_of_publishers_are_backed_when_they_are_made() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
     let publisher = Publisher::<CameraCloud>::new(&domain).unwrap();
-    let handler: channel::control::Handler =
-        Arc::new(|_, _| -> AnswerFuture { Box::pin(async { Reply::Stored }) });
-    let _server = Server::new(&domain, ProcessKind::Memory, handler).unwrap();
-    let _client = Client::new(&domain, ProcessKind::Memory).unwrap();
+    let _scenes = Publisher::<Scene>::new(&domain).unwrap();
     let data: Vec<_> = segments(&test_domain)
         .into_iter()
         .filter(|(name, ..)| std::path::Path::new(name).extension() == Some("data".as_ref()))
         .collect();
-    assert_eq!(data.len(), 3, "{data:?}");
+    assert_eq!(data.len(), 2, "{data:?}");
     assert!(
         data.iter()
             .any(|(_, size, _)| *size >= publisher.reservation().slots * 4_915_200)

@@ -1,12 +1,12 @@
 //! Output of answers for people (text) and scripts (JSON): the one writer of standard output.
 
-use message::{escape_unprintable_lines, is_unprintable};
 use serde::Serialize;
 use service::{Failure, exit_code};
 use std::fmt::Write as _;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
 use std::sync::{Arc, OnceLock};
+use unicode_text::{escape_unprintable_lines, is_unprintable};
 
 /// Output format: text, or one JSON document on standard output; with the end of the output, if it
 /// has come.

@@ -1,7 +1,7 @@
 //! Text tables with aligned columns.
 
-use message::escape_unprintable;
 use std::borrow::Cow;
+use unicode_text::escape_unprintable;
 
 /// Formats a table with a heading and columns as wide as their widest cell. Control characters
 /// and line feeds are escaped, so that no cell passes for a row.

@@ -1,6 +1,6 @@
 //! Author and idempotency key of a change.
 
-use message::control::MutationId;
+use control_protocol::MutationId;
 use service::Failure;
 
 /// Author of a change: the given name, else the user's name, else the user id.

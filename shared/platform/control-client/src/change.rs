@@ -1,9 +1,9 @@
 //! Changes with a known outcome: one whose fate is unknown is sent again under its mutation
 //! id, which makes the repetition idempotent.
 
-use crate::connection::{reply_or_failure, try_connect};
-use channel::control::CallError;
-use message::control::{Command, RefusalKind, Reply};
+use crate::connection::{call_failure, try_connect};
+use control_protocol::{RefusalKind, TypedRequest};
+use daemon_client::CallError;
 use service::{CommonArguments, Failure, exit_code};
 use std::time::{Duration, Instant};
 
@@ -13,56 +13,55 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 /// Pause between two attempts. Chosen.
 const PAUSE: Duration = Duration::from_millis(200);
 
-/// Sends a change to the daemon, again and again until its outcome is known. The command has a
+/// Sends a change to the daemon, again and again until its outcome is known. The request has a
 /// mutation id, which stays the same.
 ///
 /// # Errors
 /// If the change is refused or no daemon runs, so that nothing was changed; or, with a sentence
 /// that says so, if the outcome is still unknown after 20 s.
-pub fn change(common: &CommonArguments, command: &Command) -> Result<Reply, Failure> {
-    until_known(PATIENCE, || try_connect(common)?.call(command.clone()))
+pub fn change<T>(common: &CommonArguments, request: &TypedRequest<T>) -> Result<T, Failure> {
+    until_known(PATIENCE, || try_connect(common)?.ask(request))
 }
 
 /// Repeats an attempt until the outcome of the change is known, or `patience` is at its end.
-pub(crate) fn until_known(
+pub(crate) fn until_known<T>(
     patience: Duration,
-    mut attempt: impl FnMut() -> Result<Reply, CallError>,
-) -> Result<Reply, Failure> {
+    mut attempt: impl FnMut() -> Result<T, CallError>,
+) -> Result<T, Failure> {
     let mut in_doubt_since = None;
     loop {
-        let outcome = attempt();
-        let Some(doubt) = doubt(&outcome, in_doubt_since.is_some()) else {
-            return reply_or_failure(outcome);
+        let error = match attempt() {
+            Ok(value) => return Ok(value),
+            Err(error) => error,
         };
+        if !is_doubtful(&error, in_doubt_since.is_some()) {
+            return Err(call_failure(error));
+        }
         let since = *in_doubt_since.get_or_insert_with(Instant::now);
         if since.elapsed() >= patience {
-            return Err(unknown_outcome(&doubt));
+            return Err(unknown_outcome(&error.to_string()));
         }
         std::thread::sleep(PAUSE);
     }
 }
 
-/// Reason why it is not known if the change was made; `None` when it is known. After a doubtful
-/// attempt only an answer about the change itself counts.
-fn doubt(outcome: &Result<Reply, CallError>, was_in_doubt: bool) -> Option<String> {
-    let is_doubtful = match outcome {
-        Ok(Reply::Refused(refusal)) => match refusal.kind {
+/// True if it is not known whether the change was made. After a doubtful attempt only an answer
+/// about the change itself counts.
+fn is_doubtful(error: &CallError, was_in_doubt: bool) -> bool {
+    match error {
+        CallError::Refusal(refusal) => match refusal.kind {
             RefusalKind::UnknownOutcome => true,
-            RefusalKind::Unavailable | RefusalKind::Internal => was_in_doubt,
+            RefusalKind::Unavailable | RefusalKind::TimedOut | RefusalKind::Internal => {
+                was_in_doubt
+            }
             _ => false,
         },
-        Ok(_) => false,
         // The request was sent, and the reply was not received.
-        Err(
-            CallError::TimedOut { .. } | CallError::NotThere { .. } | CallError::Carrier { .. },
-        ) => true,
-        Err(_) => was_in_doubt,
-    };
-    is_doubtful.then(|| match outcome {
-        Ok(Reply::Refused(refusal)) => refusal.to_string(),
-        Ok(_) => String::new(),
-        Err(error) => error.to_string(),
-    })
+        CallError::TimedOut { .. } | CallError::Interrupted { .. } | CallError::Carrier { .. } => {
+            true
+        }
+        _ => was_in_doubt,
+    }
 }
 
 fn unknown_outcome(doubt: &str) -> Failure {
@@ -76,20 +75,20 @@ fn unknown_outcome(doubt: &str) -> Failure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use message::control::Refusal;
+    use control_protocol::Refusal;
 
     const NEVER: Duration = Duration::ZERO;
     const LONG: Duration = Duration::from_secs(3600);
 
-    fn refused(kind: RefusalKind) -> Reply {
-        Reply::Refused(Refusal::new(kind, "syncing failed"))
+    fn refused(kind: RefusalKind) -> Result<(), CallError> {
+        Err(CallError::Refusal(Refusal::new(kind, "syncing failed")))
     }
 
     /// Outcome of a change whose attempts have these answers, and the number of attempts.
     fn settle(
         patience: Duration,
-        answers: Vec<Result<Reply, CallError>>,
-    ) -> (Result<Reply, Failure>, usize) {
+        answers: Vec<Result<(), CallError>>,
+    ) -> (Result<(), Failure>, usize) {
         let mut answers = answers.into_iter();
         let mut n_attempts = 0;
         let outcome = until_known(patience, || {
@@ -102,13 +101,13 @@ mod tests {
     #[test]
     fn change_with_an_unknown_outcome_is_repeated_until_it_is_answered() {
         let answers = vec![
-            Ok(refused(RefusalKind::UnknownOutcome)),
-            Ok(refused(RefusalKind::Unavailable)),
+            refused(RefusalKind::UnknownOutcome),
+            refused(RefusalKind::Unavailable),
             Err(CallError::NoDaemon { domain: "x".into() }),
             Err(CallError::TimedOut { after: LONG }),
-            Ok(Reply::Stored),
+            Ok(()),
         ];
-        assert_eq!(settle(LONG, answers), (Ok(Reply::Stored), 5));
+        assert_eq!(settle(LONG, answers), (Ok(()), 5));
     }
 
     #[test]
@@ -118,7 +117,7 @@ mod tests {
             RefusalKind::Conflict,
             RefusalKind::Invalid,
         ] {
-            let (outcome, n_attempts) = settle(LONG, vec![Ok(refused(kind))]);
+            let (outcome, n_attempts) = settle(LONG, vec![refused(kind)]);
             assert!(outcome.is_err() && n_attempts == 1, "{kind:?}");
         }
         let no_daemon = Err(CallError::NoDaemon { domain: "x".into() });
@@ -129,8 +128,8 @@ mod tests {
     #[test]
     fn change_whose_outcome_stays_unknown_ends_with_a_sentence() {
         for answer in [
-            Ok(refused(RefusalKind::UnknownOutcome)),
-            Err(CallError::NotThere { process: "memory" }),
+            refused(RefusalKind::UnknownOutcome),
+            Err(CallError::Interrupted { process: "memory" }),
         ] {
             let failure = settle(NEVER, vec![answer]).0.unwrap_err();
             assert_eq!(failure.code, exit_code::TIMED_OUT);

@@ -1,8 +1,8 @@
 //! Connection to a daemon's control socket, with replies turned into results.
 
 use channel::RunFolder;
-use channel::control::{CallError, SocketClient};
-use message::control::{Command, Refusal, RefusalKind, Reply};
+use control_protocol::{Refusal, RefusalKind, TypedRequest};
+use daemon_client::{CallError, DaemonClient};
 use service::{CommonArguments, Failure, exit_code};
 use std::time::Duration;
 
@@ -13,47 +13,38 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
 ///
 /// # Errors
 /// If no daemon runs or it refuses the connection.
-pub fn connect(common: &CommonArguments) -> Result<SocketClient, Failure> {
-    try_connect(common).map_err(|error| call_failure(&error))
+pub fn connect(common: &CommonArguments) -> Result<DaemonClient, Failure> {
+    try_connect(common).map_err(call_failure)
 }
 
 /// As [`connect`], with the error of the channel.
-pub(crate) fn try_connect(common: &CommonArguments) -> Result<SocketClient, CallError> {
-    SocketClient::connect(&common.domain, &RunFolder::candidates(), ANSWER_TIMEOUT)
+pub(crate) fn try_connect(common: &CommonArguments) -> Result<DaemonClient, CallError> {
+    DaemonClient::connect(&common.domain, &RunFolder::candidates(), ANSWER_TIMEOUT)
 }
 
-/// Sends a command on a connection of its own and returns the reply; an urgent one is repeated
-/// when its connection was closed in favour of newer ones.
+/// Sends a request on a connection of its own and returns the value of its reply; an urgent one is
+/// repeated when its connection was closed in favour of newer ones.
 ///
 /// # Errors
-/// As [`connect`] and [`call`].
-pub fn call_once(common: &CommonArguments, command: &Command) -> Result<Reply, Failure> {
+/// As [`connect`] and [`ask`].
+pub fn ask_once<T>(common: &CommonArguments, request: &TypedRequest<T>) -> Result<T, Failure> {
     let folders = RunFolder::candidates();
-    let reply = SocketClient::call_once(&common.domain, &folders, ANSWER_TIMEOUT, command);
-    reply_or_failure(reply)
+    DaemonClient::ask_once(&common.domain, &folders, ANSWER_TIMEOUT, request).map_err(call_failure)
 }
 
-/// Sends a command and returns the reply; a refusal becomes a failure.
+/// Sends a request and returns the value of its reply; a refusal becomes a failure.
 ///
 /// # Errors
-/// If the command is refused, or the daemon does not answer in time.
-pub fn call(client: &mut SocketClient, command: Command) -> Result<Reply, Failure> {
-    reply_or_failure(client.call(command))
-}
-
-/// Reply of a call; a refusal becomes a failure.
-pub(crate) fn reply_or_failure(reply: Result<Reply, CallError>) -> Result<Reply, Failure> {
-    match reply.map_err(|error| call_failure(&error))? {
-        Reply::Refused(refusal) => Err(refusal_failure(refusal)),
-        reply => Ok(reply),
-    }
+/// If the request is refused, or the daemon does not answer in time.
+pub fn ask<T>(client: &mut DaemonClient, request: &TypedRequest<T>) -> Result<T, Failure> {
+    client.ask(request).map_err(call_failure)
 }
 
 /// Failure of a refusal, with its exit code.
-pub fn refusal_failure(refusal: Refusal) -> Failure {
+fn refusal_failure(refusal: Refusal) -> Failure {
     let code = match refusal.kind {
         RefusalKind::Unavailable => exit_code::NO_DAEMON,
-        RefusalKind::UnknownOutcome => exit_code::TIMED_OUT,
+        RefusalKind::UnknownOutcome | RefusalKind::TimedOut => exit_code::TIMED_OUT,
         RefusalKind::Internal | RefusalKind::Version => exit_code::FAILURE,
         _ => exit_code::REFUSED,
     };
@@ -66,16 +57,15 @@ pub fn refusal_failure(refusal: Refusal) -> Failure {
     }
 }
 
-pub(crate) fn call_failure(error: &CallError) -> Failure {
+/// Failure of a call, with its exit code.
+pub(crate) fn call_failure(error: CallError) -> Failure {
     let code = match error {
-        CallError::NoDaemon { .. } | CallError::NotThere { .. } => exit_code::NO_DAEMON,
+        CallError::Refusal(refusal) => return refusal_failure(refusal),
+        CallError::NoDaemon { .. } | CallError::NotThere { .. } | CallError::Interrupted { .. } => {
+            exit_code::NO_DAEMON
+        }
         CallError::TimedOut { .. } => exit_code::TIMED_OUT,
         _ => exit_code::FAILURE,
     };
     Failure::new(code, error)
-}
-
-/// Failure of a reply that does not fit its command.
-pub fn unexpected_reply(reply: &Reply) -> Failure {
-    Failure::general(format!("the daemon answered something else: {reply:?}"))
 }

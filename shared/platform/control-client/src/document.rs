@@ -2,15 +2,15 @@
 
 use crate::authorship::{author_or_user, mutation_id};
 use crate::change::{PATIENCE, until_known};
-use crate::connection::{call_failure, refusal_failure, try_connect, unexpected_reply};
+use crate::connection::{call_failure, try_connect};
 use crate::memory_client::MemoryClient;
-use channel::control::CallError;
-use message::control::{
+use control_protocol::{
     Command, ContentDigest, DOCUMENT_PAGE_BYTES, DocumentKind, DocumentName, DocumentPage,
-    DocumentReport, DocumentVersionReport, JobCommand, JobKind, LearningReport, MAX_DOCUMENT_BYTES,
-    MemoryAnswer, MemoryQuery, MutationId, PageRequest, Refusal, RefusalKind, Reply, Revision,
-    RevisionChange,
+    DocumentReport, DocumentVersionReport, JobReport, LearningReport, MAX_DOCUMENT_BYTES,
+    MutationId, PageRequest, Refusal, RefusalKind, Reply, Revision, RevisionChange, TypedRequest,
+    request,
 };
+use daemon_client::CallError;
 use service::{Failure, exit_code};
 
 /// Number of times that reading begins again because the document was replaced. Chosen: more than
@@ -53,7 +53,7 @@ pub fn read_document(
             Err(refusal) if refusal.kind == RefusalKind::Conflict && n_readings < MAX_READINGS => {
                 n_readings += 1;
             }
-            Err(refusal) => return Err(refusal_failure(refusal)),
+            Err(refusal) => return Err(call_failure(CallError::Refusal(refusal))),
         }
     }
 }
@@ -71,11 +71,11 @@ fn read_version(
             digest,
             offset: content.len() as u64,
         };
-        let query = Command::Memory(MemoryQuery::Document(request));
-        let page = match call(query).map_err(|error| call_failure(&error))? {
-            Reply::Memory(MemoryAnswer::Document(page)) => page,
-            Reply::Refused(refusal) => return Ok(Err(refusal)),
-            other => return Err(unexpected_reply(&other)),
+        let request = request::document(request);
+        let reply = call(request.command().clone()).map_err(call_failure)?;
+        let page = match request.read(reply) {
+            Ok(page) => page,
+            Err(refusal) => return Ok(Err(refusal)),
         };
         let DocumentPage {
             document: report,
@@ -104,28 +104,25 @@ fn read_version(
 /// of the upload of an earlier attempt, and gets that of this one; an attempt whose change may have
 /// been made is repeated with the same `id` and `upload`.
 ///
-/// The reply is [`Reply::Learned`] when the document is on disk, or a refusal.
+/// The document is on disk then.
 ///
 /// # Errors
-/// If the connection ends.
+/// If the document is refused, or the connection ends.
 pub fn try_put_document(
     id: MutationId,
     author: &str,
     new: NewDocument<'_>,
     upload: &mut Option<u64>,
     mut call: impl FnMut(Command) -> Result<Reply, CallError>,
-) -> Result<Reply, CallError> {
+) -> Result<LearningReport, CallError> {
     let digest = ContentDigest::of(new.content);
     loop {
         let known = *upload;
         let job = match known {
             Some(job) => job,
-            None => match upload_content(new.content, &mut call)? {
-                Reply::Job(report) => *upload.insert(report.job),
-                other => return Ok(other),
-            },
+            None => *upload.insert(upload_content(new.content, &mut call)?),
         };
-        let reply = call(Command::Revise(Revision {
+        let put = request::revise(Revision {
             id,
             author: author.to_owned(),
             change: RevisionChange::PutDocument {
@@ -134,37 +131,35 @@ pub fn try_put_document(
                 upload: job,
                 digest,
             },
-        }))?;
+        });
+        let outcome = put.read(call(put.command().clone())?);
         // The upload of an earlier attempt ends with its process, and another may have its id.
-        let is_lost = matches!(&reply, Reply::Refused(refusal)
-            if matches!(refusal.kind, RefusalKind::NotFound | RefusalKind::Invalid));
+        let is_lost = outcome.as_ref().is_err_and(|refusal| {
+            matches!(refusal.kind, RefusalKind::NotFound | RefusalKind::Invalid)
+        });
         if known.is_none() || !is_lost {
-            return Ok(reply);
+            return outcome.map_err(CallError::Refusal);
         }
         *upload = None;
     }
 }
 
-/// Uploads content; the reply to the last request is [`Reply::Job`] with the id of the upload, or a
-/// refusal.
+/// Uploads content; returns the id of the upload.
 fn upload_content(
     content: &[u8],
     call: &mut impl FnMut(Command) -> Result<Reply, CallError>,
-) -> Result<Reply, CallError> {
-    let mut reply = call(Command::Job(JobCommand::Begin(JobKind::Document)))?;
+) -> Result<u64, CallError> {
+    let mut send = |request: TypedRequest<JobReport>| {
+        let reply = call(request.command().clone())?;
+        request.read(reply).map_err(CallError::Refusal)
+    };
+    let job = send(request::upload_document())?.job;
     let mut offset = 0;
     for page in content.chunks(DOCUMENT_PAGE_BYTES) {
-        let Reply::Job(report) = &reply else {
-            return Ok(reply);
-        };
-        reply = call(Command::Job(JobCommand::Write {
-            job: report.job,
-            offset,
-            bytes: page.to_vec(),
-        }))?;
+        send(request::write_job(job, offset, page.to_vec()))?;
         offset += page.len() as u64;
     }
-    Ok(reply)
+    Ok(job)
 }
 
 /// Documents.
@@ -177,11 +172,7 @@ impl MemoryClient {
         let mut all = Vec::new();
         let mut after = None;
         loop {
-            let query = Command::Memory(MemoryQuery::Documents { after });
-            let (documents, next) = match self.call(query)? {
-                Reply::Memory(MemoryAnswer::Documents { documents, next }) => (documents, next),
-                other => return Err(unexpected_reply(&other)),
-            };
+            let (documents, next) = self.ask(&request::documents(after))?;
             let of_kind = |report: &DocumentReport| report.document.kind == kind;
             all.extend(documents.into_iter().filter(of_kind));
             after = match next {
@@ -199,11 +190,7 @@ impl MemoryClient {
         &mut self,
         document: &DocumentName,
     ) -> Result<Vec<DocumentVersionReport>, Failure> {
-        let query = MemoryQuery::DocumentVersions(document.clone());
-        match self.call(Command::Memory(query))? {
-            Reply::Memory(MemoryAnswer::DocumentVersions(versions)) => Ok(versions),
-            other => Err(unexpected_reply(&other)),
-        }
+        self.ask(&request::document_versions(document.clone()))
     }
 
     /// Reads a document with its content; see [`read_document`].
@@ -236,7 +223,7 @@ impl MemoryClient {
         }
         let (id, author) = (mutation_id()?, author_or_user(author));
         let (mut is_repeated, mut upload) = (false, None);
-        let reply = until_known(PATIENCE, || {
+        until_known(PATIENCE, || {
             if std::mem::replace(&mut is_repeated, true)
                 && let Some(common) = &self.daemon
             {
@@ -244,8 +231,7 @@ impl MemoryClient {
             }
             let call = |command| self.client.call(command);
             try_put_document(id, &author, new, &mut upload, call)
-        });
-        learned(reply?)
+        })
     }
 
     /// Removes a document. The author is the user unless one is given.
@@ -257,21 +243,13 @@ impl MemoryClient {
         document: &DocumentName,
         author: Option<&str>,
     ) -> Result<LearningReport, Failure> {
-        let removed = self.change(&Command::Revise(Revision {
+        self.change(&request::revise(Revision {
             id: mutation_id()?,
             author: author_or_user(author),
             change: RevisionChange::RemoveDocument {
                 document: document.clone(),
             },
-        }));
-        learned(removed?)
-    }
-}
-
-fn learned(reply: Reply) -> Result<LearningReport, Failure> {
-    match reply {
-        Reply::Learned(report) => Ok(report),
-        other => Err(unexpected_reply(&other)),
+        }))
     }
 }
 

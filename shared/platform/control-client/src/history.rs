@@ -1,8 +1,7 @@
 //! Paging of the memory's history.
 
-use crate::connection::unexpected_reply;
 use crate::memory_client::MemoryClient;
-use message::control::{Command, HistoryReport, MemoryAnswer, MemoryQuery, Reply};
+use control_protocol::{HistoryReport, request};
 use service::Failure;
 
 impl MemoryClient {
@@ -17,14 +16,7 @@ impl MemoryClient {
         count: u64,
     ) -> Result<(Vec<HistoryReport>, u64), Failure> {
         read_history(from, count, |from, max| {
-            let query = MemoryQuery::History { from, max };
-            match self.call(Command::Memory(query))? {
-                Reply::Memory(MemoryAnswer::History {
-                    entries,
-                    last_sequence,
-                }) => Ok((entries, last_sequence)),
-                other => Err(unexpected_reply(&other)),
-            }
+            self.ask(&request::history(from, max))
         })
     }
 }
@@ -33,7 +25,7 @@ impl MemoryClient {
 /// those among the last `count` sequence numbers. Returns them with the last sequence
 /// number of the history.
 ///
-/// `ask` sends one [`History`](MemoryQuery::History) query with a first sequence number and a
+/// `ask` sends one [`history`](request::history) query with a first sequence number and a
 /// maximum number of entries, and returns the entries of the answer with its last sequence
 /// number. The answer may hold fewer entries than asked for.
 ///

@@ -1,12 +1,9 @@
 //! Import of an export file into the perceptual memory.
 
 use crate::authorship::mutation_id;
-use crate::connection::unexpected_reply;
-use crate::memory_client::MemoryClient;
+use crate::memory_client::{MemoryClient, unexpected_outcome};
 use command_line::{Output, progress_bar};
-use message::control::{
-    ImportReport, JobCommand, JobKind, JobOutcome, JobReport, MAX_MESSAGE_BYTES, Reply,
-};
+use control_protocol::{ImportReport, JobOutcome, MAX_MESSAGE_BYTES, request};
 use service::Failure;
 use std::fs::File;
 use std::io::{self, Read};
@@ -55,16 +52,18 @@ pub fn import(
     output: &Output,
 ) -> Result<ImportReport, ImportError> {
     let job = upload(memory, file, output)?;
-    memory.job_request(JobCommand::Import {
-        job,
-        id: mutation_id()?,
-        author: request.author,
-        source: request.source,
-        renames: request.renames,
-        prefix: request.prefix,
-        is_new: request.is_new,
-        restamp: request.restamp,
-    })?;
+    let ImportRequest {
+        author,
+        source,
+        renames,
+        prefix,
+        is_new,
+        restamp,
+    } = request;
+    let id = mutation_id()?;
+    memory.ask(&request::complete_import(
+        job, id, author, source, renames, prefix, is_new, restamp,
+    ))?;
     let bar = progress_bar(0, "bytes", output);
     let outcome = memory.job_outcome(job, |report| {
         bar.set_length(report.total);
@@ -74,13 +73,7 @@ pub fn import(
     match outcome? {
         JobOutcome::Imported(report) => Ok(report),
         JobOutcome::Failed(reason) => Err(ImportError::RefusedFile(reason)),
-        other => Err(unexpected_reply(&Reply::Job(JobReport {
-            job,
-            done: 0,
-            total: 0,
-            outcome: Some(other),
-        }))
-        .into()),
+        other => Err(unexpected_outcome(&other).into()),
     }
 }
 
@@ -91,7 +84,7 @@ fn upload(memory: &mut MemoryClient, file: &mut File, output: &Output) -> Result
         Failure::general(sentence)
     };
     let n_bytes = file.metadata().map_err(failed)?.len();
-    let job = memory.start_job(JobKind::Import)?.job;
+    let job = memory.ask(&request::import())?.job;
     let bar = progress_bar(n_bytes, "bytes sent", output);
     let mut offset = 0;
     loop {
@@ -100,7 +93,7 @@ fn upload(memory: &mut MemoryClient, file: &mut File, output: &Output) -> Result
         { part }.read_to_end(&mut bytes).map_err(failed)?;
         let n_part = bytes.len() as u64;
         // The empty part at the end is sent too: an empty file is judged like any other.
-        memory.job_request(JobCommand::Write { job, offset, bytes })?;
+        memory.ask(&request::write_job(job, offset, bytes))?;
         offset += n_part;
         bar.set_position(offset);
         if n_part == 0 {

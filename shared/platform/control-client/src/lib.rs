@@ -1,6 +1,6 @@
 //! Client of the control protocol, for command-line programs.
 //!
-//! [`connect`] reaches a daemon through its control socket and [`call`] turns a
+//! [`connect`] reaches a daemon through its control socket and [`ask`] turns a
 //! refusal into a failure with its exit code. [`change`] repeats a change until its outcome
 //! is known. [`MemoryClient`] asks the memory of a
 //! running daemon, or, without one, a child process that opens the stored memory.
@@ -31,11 +31,13 @@ mod track_reference;
 
 pub use authorship::{author_or_user, mutation_id};
 pub use change::change;
-pub use connection::{call, call_once, connect, refusal_failure, unexpected_reply};
+pub use connection::{ask, ask_once, connect};
 pub use document::{NewDocument, StoredDocument, read_document, try_put_document};
 pub use history::read_history;
 pub use import::{ImportError, ImportRequest, import};
-pub use memory_client::{MemoryClient, connect_if_running, local_memory_folder};
+pub use memory_client::{
+    MemoryClient, connect_if_running, local_memory_folder, unexpected_outcome,
+};
 pub use object_search::find_objects;
 pub use spawned_daemon::SpawnedDaemon;
 pub use track_reference::{InvalidTrackReference, TrackReference, TrackScope, is_track_id};

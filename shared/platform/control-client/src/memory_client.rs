@@ -2,10 +2,9 @@
 //! the store.
 
 use crate::change::{PATIENCE, until_known};
-use crate::connection::{call, connect, try_connect, unexpected_reply};
-use channel::control::SocketClient;
-use message::control::{Command, JobCommand, JobKind, JobOutcome, JobReport, Reply};
-use message::escape_unprintable_lines;
+use crate::connection::{ask, connect, try_connect};
+use control_protocol::{JobOutcome, JobReport, TypedRequest, request};
+use daemon_client::DaemonClient;
 use service::{CommonArguments, Failure, exit_code};
 use std::io::ErrorKind;
 use std::os::fd::OwnedFd;
@@ -13,6 +12,7 @@ use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
+use unicode_text::escape_unprintable_lines;
 
 /// Polling period of a job's progress. Chosen.
 const POLL_PERIOD: Duration = Duration::from_millis(50);
@@ -22,7 +22,7 @@ const OFFLINE_DEADLINE: Duration = Duration::from_secs(24 * 3600);
 /// Client connection to the perceptual memory.
 #[derive(Debug)]
 pub struct MemoryClient {
-    pub(crate) client: SocketClient,
+    pub(crate) client: DaemonClient,
     /// Arguments to connect to the daemon again; `None` without a daemon.
     pub(crate) daemon: Option<CommonArguments>,
     /// Child process, if any. Dropped after the connection, whose end makes the child close the
@@ -70,6 +70,14 @@ fn not_there(common: &CommonArguments, folder: &Path, error: &std::io::Error) ->
     )
 }
 
+/// Failure of a job that ended as another kind of job does: client and memory differ.
+pub fn unexpected_outcome(outcome: &JobOutcome) -> Failure {
+    let sentence = "use the tabula of the daemon's version";
+    Failure::general(format!(
+        "the job ended as another one: {outcome:?}; {sentence}"
+    ))
+}
+
 /// Prints a remark beside the output of the command, which may be the bytes of a document.
 #[expect(clippy::print_stderr, reason = "standard output is the command's own")]
 pub(crate) fn print_aside(text: &str) {
@@ -80,7 +88,7 @@ pub(crate) fn print_aside(text: &str) {
 ///
 /// # Errors
 /// If a daemon runs but refuses the connection.
-pub fn connect_if_running(common: &CommonArguments) -> Result<Option<SocketClient>, Failure> {
+pub fn connect_if_running(common: &CommonArguments) -> Result<Option<DaemonClient>, Failure> {
     match connect(common) {
         Ok(client) => Ok(Some(client)),
         Err(failure) if failure.code == exit_code::NO_DAEMON => Ok(None),
@@ -90,7 +98,7 @@ pub fn connect_if_running(common: &CommonArguments) -> Result<Option<SocketClien
 
 impl MemoryClient {
     /// Client of a daemon over an open connection to it.
-    pub fn of_daemon(common: &CommonArguments, client: SocketClient) -> Self {
+    pub fn of_daemon(common: &CommonArguments, client: DaemonClient) -> Self {
         Self {
             client,
             daemon: Some(common.clone()),
@@ -162,7 +170,7 @@ impl MemoryClient {
             .map_err(not_started)?;
         let offline = OfflineProcess(child);
         let client =
-            SocketClient::from_stream(socket, OFFLINE_DEADLINE).map_err(Failure::general)?;
+            DaemonClient::from_stream(socket, OFFLINE_DEADLINE).map_err(Failure::general)?;
         Ok(Self {
             client,
             daemon: None,
@@ -170,12 +178,12 @@ impl MemoryClient {
         })
     }
 
-    /// Sends a request and returns the reply; a refusal becomes a failure.
+    /// Sends a request and returns the value of its reply; a refusal becomes a failure.
     ///
     /// # Errors
     /// If the request is refused or the connection ends.
-    pub fn call(&mut self, command: Command) -> Result<Reply, Failure> {
-        call(&mut self.client, command)
+    pub fn ask<T>(&mut self, request: &TypedRequest<T>) -> Result<T, Failure> {
+        ask(&mut self.client, request)
     }
 
     /// Sends a change, again and again until its outcome is known, as
@@ -183,7 +191,7 @@ impl MemoryClient {
     ///
     /// # Errors
     /// As [`change`](crate::change).
-    pub fn change(&mut self, command: &Command) -> Result<Reply, Failure> {
+    pub fn change<T>(&mut self, request: &TypedRequest<T>) -> Result<T, Failure> {
         let mut is_repeated = false;
         until_known(PATIENCE, || {
             if std::mem::replace(&mut is_repeated, true)
@@ -191,55 +199,21 @@ impl MemoryClient {
             {
                 self.client = try_connect(common)?;
             }
-            self.client.call(command.clone())
+            self.client.ask(request)
         })
-    }
-
-    /// Sends a request about a job.
-    ///
-    /// # Errors
-    /// As [`Self::call`].
-    pub fn job_request(&mut self, command: JobCommand) -> Result<JobReport, Failure> {
-        match self.call(Command::Job(command))? {
-            Reply::Job(report) => Ok(report),
-            other => Err(unexpected_reply(&other)),
-        }
-    }
-
-    /// Starts a job on the memory.
-    ///
-    /// # Errors
-    /// As [`Self::call`].
-    pub fn start_job(&mut self, kind: JobKind) -> Result<JobReport, Failure> {
-        self.job_request(JobCommand::Begin(kind))
-    }
-
-    /// Waits for the outcome of a job; `on_progress` gets each report.
-    ///
-    /// # Errors
-    /// If the job fails or the connection ends.
-    pub fn wait_for_job(
-        &mut self,
-        job: u64,
-        on_progress: impl FnMut(&JobReport),
-    ) -> Result<JobOutcome, Failure> {
-        match self.job_outcome(job, on_progress)? {
-            JobOutcome::Failed(reason) => Err(Failure::general(reason)),
-            outcome => Ok(outcome),
-        }
     }
 
     /// Waits for the outcome of a job, which may be [`JobOutcome::Failed`].
     ///
     /// # Errors
     /// If the connection ends.
-    pub(crate) fn job_outcome(
+    pub fn job_outcome(
         &mut self,
         job: u64,
         mut on_progress: impl FnMut(&JobReport),
     ) -> Result<JobOutcome, Failure> {
         loop {
-            let report = self.job_request(JobCommand::Ask { job })?;
+            let report = self.ask(&request::job(job))?;
             on_progress(&report);
             if let Some(outcome) = report.outcome {
                 return Ok(outcome);

@@ -1,9 +1,9 @@
 //! Query in words for objects: the `find` request of a person.
 
 use crate::authorship::author_or_user;
-use crate::connection::{call, unexpected_reply};
-use channel::control::SocketClient;
-use message::control::{Command, FindQuery, FindReport, Reply};
+use crate::connection::ask;
+use control_protocol::{FindQuery, FindReport, request};
+use daemon_client::DaemonClient;
 use service::Failure;
 
 /// Asks the daemon for objects by English words. "I" is the author, else the user, and days are
@@ -12,7 +12,7 @@ use service::Failure;
 /// # Errors
 /// If the query is refused, or the daemon does not answer in time.
 pub fn find_objects(
-    client: &mut SocketClient,
+    client: &mut DaemonClient,
     words: &str,
     author: Option<&str>,
 ) -> Result<FindReport, Failure> {
@@ -21,8 +21,5 @@ pub fn find_objects(
         speaker: Some(author_or_user(author)),
         utc_offset_s: jiff::ZonedDateTime::now().offset().seconds(),
     };
-    match call(client, Command::Find(query))? {
-        Reply::Found(report) => Ok(*report),
-        other => Err(unexpected_reply(&other)),
-    }
+    ask(client, &request::find(query))
 }

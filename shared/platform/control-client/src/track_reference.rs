@@ -1,15 +1,15 @@
 //! Reference to a track on a command line: its track-id, or words that mean exactly one object.
 
-use crate::connection::{call, connect, unexpected_reply};
+use crate::connection::{ask, connect};
 use crate::memory_client::print_aside;
 use crate::object_search::find_objects;
-use message::control::{Command, FindReport, FoundObjectReport, Reply};
+use control_protocol::{FindReport, FoundObjectReport, request};
 use scene_document::ObjectDocument;
 use service::{CommonArguments, Failure, exit_code};
 use std::str::FromStr;
 
 /// State of an object that is not on the table any more, as in
-/// [`FoundObjectReport::state`](message::control::FoundObjectReport::state).
+/// [`FoundObjectReport::state`](control_protocol::FoundObjectReport::state).
 const GONE: &str = "gone";
 /// Most objects that a sentence names.
 const N_NAMED_MAX: usize = 12;
@@ -92,7 +92,7 @@ impl FromStr for TrackReference {
 
 impl TrackReference {
     /// Track-id of the reference. Words are looked for among the labels of the live objects, then
-    /// by the daemon's [`find`](Command::Find). `author` is whom "I" means.
+    /// by the daemon's [`find`](request::find). `author` is whom "I" means.
     ///
     /// # Errors
     /// If words mean no object or several: with the candidates, and what to say instead. If a
@@ -108,10 +108,7 @@ impl TrackReference {
             Self::Words(words) => words,
         };
         let mut client = connect(common)?;
-        let live = match call(&mut client, Command::Objects)? {
-            Reply::Objects(report) => report.objects,
-            other => return Err(unexpected_reply(&other)),
-        };
+        let live = ask(&mut client, &request::objects())?.objects;
         if let Some(outcome) = labelled(words, &live) {
             return outcome.map_err(refused);
         }

@@ -109,7 +109,7 @@ fn documents_with_any_number_conform_to_their_schemas() {
         check_document(&ObjectViewDocument::new(&view, &[number as f32]));
     }
     let health = Health {
-        process: ProcessKind::Memory.code(),
+        process: ProcessKind::MEMORY.code(),
         ..Health::default()
     };
     check_document(&document::health(&health).unwrap());

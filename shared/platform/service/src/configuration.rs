@@ -24,9 +24,10 @@ use std::sync::Arc;
 use toml::{Table, Value};
 
 /// Sections of the configuration: one for each process, and `run` for their parent.
-pub const SECTIONS: [&str; 6] = [
+pub const SECTIONS: [&str; 7] = [
     "run",
     "shared_memory",
+    "gateway",
     "camera",
     "simulator",
     "perception",

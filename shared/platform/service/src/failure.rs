@@ -76,7 +76,6 @@ impl From<channel::Error> for Failure {
     fn from(error: channel::Error) -> Self {
         let code = match error {
             channel::Error::RoleTaken { .. } => exit_code::ALREADY_RUNNING,
-            channel::Error::DomainName(_) => exit_code::USAGE,
             _ => exit_code::FAILURE,
         };
         Self::new(code, error)

@@ -3,21 +3,13 @@
 use clap::Command;
 use clap_complete::{Shell, generate_to};
 use clap_mangen::Man;
+use message::ProcessKind;
 use std::fs::{File, create_dir_all};
 use std::io;
 use std::path::Path;
 
 /// Shells for which completions are written.
 const SHELLS: [Shell; 3] = [Shell::Bash, Shell::Zsh, Shell::Fish];
-/// Programs that the service manager starts: their pages are in section 8, those of programs for
-/// everybody in section 1.
-const DAEMONS: [&str; 4] = [
-    "tabula-camera",
-    "tabula-simulator",
-    "tabula-perception",
-    "tabula-memory",
-];
-
 /// Writes the pages of a program and of its subcommands into `folder/man`, and its completions
 /// into a folder for each shell, such as `folder/bash`.
 ///
@@ -32,11 +24,9 @@ pub(crate) fn write(program: Command, folder: &Path) -> io::Result<()> {
     }
     let pages = folder.join("man");
     create_dir_all(&pages)?;
-    let section = if DAEMONS.contains(&name.as_str()) {
-        "8"
-    } else {
-        "1"
-    };
+    // Programs that the service manager starts, and programs for everybody.
+    let is_daemon = ProcessKind::all().any(|process| process.program() == name);
+    let section = if is_daemon { "8" } else { "1" };
     write_pages(built(program), section, &pages)
 }
 

@@ -16,7 +16,7 @@ pub use reload_record::{ReloadRecordPublisher, last_reloads};
 pub use reload_request::reload_processes;
 pub(crate) use reloader::{ConfigPlace, Reloader};
 
-use message::control::ReloadReport;
+use control_protocol::ReloadReport;
 
 /// Logs the outcome of a reload.
 pub fn log_reload(report: &ReloadReport) {

@@ -1,9 +1,10 @@
 //! Notifications to systemd: readiness, state, watchdog, longer starts, and reloads.
 
-use message::{ProcessState, Text, escape_unprintable};
+use message::{ProcessState, Text};
 use sd_notify::NotifyState;
 use std::path::PathBuf;
 use std::time::Duration;
+use unicode_text::escape_unprintable;
 
 /// Environment variable in which systemd names the socket for notifications.
 const NOTIFY_SOCKET: &str = "NOTIFY_SOCKET";

@@ -3,8 +3,8 @@
 use crate::depth_noise::camera_depth_noise;
 use crate::stored_models::StoredModels;
 use control_client::{MemoryClient, connect_if_running};
+use control_protocol::{DocumentKind, DocumentName};
 use mesh::{Triangle, TriangleMesh};
-use message::control::{DocumentKind, DocumentName};
 use object_model::ObjectModel;
 use sensor_noise::DepthNoise;
 use service::{CommonArguments, Failure};
@@ -36,7 +36,7 @@ impl StoredModels for DaemonModels<'_> {
     fn versions(&mut self) -> Result<Vec<(String, u64)>, Failure> {
         let stored = self.memory.documents(DocumentKind::ObjectModel)?;
         let version =
-            |report: message::control::DocumentReport| (report.document.name, report.sequence);
+            |report: control_protocol::DocumentReport| (report.document.name, report.sequence);
         Ok(stored.into_iter().map(version).collect())
     }
 

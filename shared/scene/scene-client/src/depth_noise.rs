@@ -1,7 +1,7 @@
 //! Depth noise of the camera, as perception has it: the configured law and the measured ratio.
 
-use control_client::{call_once, unexpected_reply};
-use message::control::{Command, DepthNoiseReport, Reply};
+use control_client::ask_once;
+use control_protocol::{DepthNoiseReport, request};
 use sensor_noise::DepthNoise;
 use service::{CommonArguments, Failure};
 
@@ -10,10 +10,7 @@ use service::{CommonArguments, Failure};
 /// # Errors
 /// If perception does not answer, or its law is not known here.
 pub fn camera_depth_noise(common: &CommonArguments) -> Result<DepthNoise, Failure> {
-    let report = match call_once(common, &Command::DepthNoise)? {
-        Reply::DepthNoise(report) => report,
-        other => return Err(unexpected_reply(&other)),
-    };
+    let report = ask_once(common, &request::depth_noise())?;
     reported_noise(&report).ok_or_else(|| {
         let law = &report.law;
         Failure::general(format!("perception has the unknown depth noise {law:?}"))

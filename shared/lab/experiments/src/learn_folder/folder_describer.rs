@@ -2,12 +2,12 @@
 
 use crate::learn_folder::LabelledObject;
 use crate::metric_views::{MetricViews, extent};
+use control_protocol::pack_cloud;
 use dataset::object_views::ViewFile;
 use description::{AppearanceDescriptor, ObjectPoints};
 use geometry::{OrientedBox, RigidTransform};
 use learning::DESCRIPTOR_KIND;
 use learning::ViewId;
-use message::control::pack_cloud;
 use nalgebra::UnitVector3;
 use perceptual_memory::{
     CapturedView, DecisionStamp, Digest, ForeignView, LabelStatus, MAX_NAME_BYTES, Origin,

@@ -1,7 +1,7 @@
 //! Admission of jobs: how many run at a time, in all and of one user.
 
 use super::Job;
-use message::control::{JobKind, Refusal, RefusalKind};
+use control_protocol::{JobKind, Refusal, RefusalKind};
 use perceptual_memory::Requester;
 use std::collections::BTreeMap;
 use std::time::Duration;

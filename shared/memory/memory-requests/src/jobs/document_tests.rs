@@ -3,7 +3,7 @@
 use super::admission::{MAX_DOCUMENT_UPLOADS, MAX_DOCUMENT_UPLOADS_OF_USER};
 use super::tests::{ANNA, BEN, Fixture, kind};
 use super::*;
-use message::control::{ContentDigest, DOCUMENT_PAGE_BYTES};
+use control_protocol::{ContentDigest, DOCUMENT_PAGE_BYTES};
 
 const CARLA: Requester = Requester {
     uid: Some(1002),
@@ -73,7 +73,7 @@ fn document_is_no_import_and_an_import_no_document() {
     let import = JobCommand::Import {
         is_new: false,
         job: document,
-        id: message::control::MutationId(1),
+        id: control_protocol::MutationId(1),
         author: "anna".into(),
         source: "a document".into(),
         renames: Vec::new(),

@@ -1,7 +1,7 @@
 //! Uploaded content of a document.
 
 use super::Jobs;
-use message::control::{ContentDigest, JobKind, Refusal, RefusalKind};
+use control_protocol::{ContentDigest, JobKind, Refusal, RefusalKind};
 use perceptual_memory::Requester;
 
 impl Jobs {

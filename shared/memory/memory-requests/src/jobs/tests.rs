@@ -2,7 +2,7 @@ use super::*;
 use crate::job_context::wall_ns;
 use crate::jobs::admission::{MAX_JOBS, MAX_JOBS_OF_USER};
 use crate::upload::UploadLimits;
-use message::control::MutationId;
+use control_protocol::MutationId;
 use perceptual_memory::{
     DecisionStamp, Digest, ForeignView, PortableWriter, RetentionLimits, StoreConfig, StoreThread,
     WRITE_BUFFER_BYTES,

@@ -1,9 +1,8 @@
 //! Access policy of the control socket: roles by user and group.
 
-use super::Peer;
 use super::peer_groups::peer_groups;
 use crate::group::group_id;
-use message::control::UserRole;
+use control_protocol::{Peer, UserRole};
 use std::io;
 use std::sync::{Arc, PoisonError, RwLock};
 use tokio::net::UnixStream;

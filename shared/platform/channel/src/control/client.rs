@@ -1,163 +1,133 @@
-//! Request client over shared memory, for processes of the daemon.
+//! Request client, for processes of the daemon.
 
-use super::request_response::{IoxService, open};
-use super::{CallError, codec};
-use crate::Error;
-use crate::domain::{Domain, Service};
-use crate::request_services::{MAX_OPEN_REQUESTS, request_service};
-use crate::segment_backing::back_segment;
-use crate::wake_event::{WakeListener, WakeNotifier};
-use iceoryx2::pending_response::PendingResponse;
-use iceoryx2::prelude::{BackpressureStrategy, PortFactory as _};
+use super::message_stream::{read_reply, write_message};
+use crate::Domain;
+use control_protocol::{Command, MAX_MESSAGE_BYTES, Peer, Reply, Request, TypedRequest, codec};
+use daemon_client::CallError;
 use message::ProcessKind;
-use message::control::{Command, MAX_MESSAGE_BYTES, Reply, Request};
+use std::io::{self, ErrorKind};
+use std::path::PathBuf;
 use std::time::Duration;
-use tokio::sync::Mutex;
+use tokio::net::UnixStream;
 
-type IoxClient = iceoryx2::port::client::Client<Service, [u8], (), [u8], ()>;
-type IoxPending = PendingResponse<Service, [u8], (), [u8], ()>;
+/// Pause before another attempt to connect to a server whose queue of connections is full. Chosen.
+const RETRY_PERIOD: Duration = Duration::from_millis(5);
 
-/// Polling period while waiting for a reply: a reply is found even if its wake-up was
-/// lost.
-const LOOK_AGAIN: Duration = Duration::from_millis(20);
-
-/// Client of one process: sends one request at a time; further calls wait for their
-/// turn.
+/// Client of the requests that one process owns.
+///
+/// Each call has a connection of its own: calls do not wait for each other, and one that is
+/// dropped leaves nothing behind.
+#[derive(Debug, Clone)]
 pub struct Client {
-    port: Mutex<Port>,
+    socket: PathBuf,
     process: ProcessKind,
 }
 
-struct Port {
-    client: IoxClient,
-    requests: WakeNotifier,
-    replies: WakeListener,
-    service: IoxService,
-    /// Requests whose caller no longer waits, and that the server may still work on.
-    unanswered: Vec<IoxPending>,
-    _domain: Domain,
-}
-
-impl Port {
-    /// Waits until the server may get another request.
-    async fn room(&mut self) {
-        loop {
-            self.unanswered.retain(|pending| {
-                // Connected is checked first: a reply may arrive between the two checks.
-                pending.is_connected() && matches!(pending.receive(), Ok(None))
-            });
-            if self.unanswered.len() < MAX_OPEN_REQUESTS {
-                return;
-            }
-            let _ = tokio::time::timeout(LOOK_AGAIN, self.replies.woken()).await;
-        }
-    }
-}
-
 impl Client {
-    /// Creates a client of the server in `process`, which may start later; within a
-    /// tokio runtime.
-    ///
-    /// # Errors
-    /// When the process has no server, or shared memory fails.
-    pub fn new(domain: &Domain, process: ProcessKind) -> Result<Self, Error> {
-        let parameters = request_service(process)
-            .ok_or_else(|| Error::transport("ask", "control", process.word()))?;
-        let service = open(domain, parameters.name)?;
-        let client = service
-            .client_builder()
-            .initial_max_slice_len(parameters.message_bytes)
-            .max_active_requests(MAX_OPEN_REQUESTS)
-            .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .create()
-            .map_err(|e| Error::transport("make a client of", parameters.name, e))?;
-        back_segment(domain.name(), parameters.name, client.id().value())?;
-        let port = Port {
-            client,
-            requests: WakeNotifier::new(domain, parameters.name)?,
-            replies: WakeListener::new(domain, parameters.replies)?,
-            service,
-            unanswered: Vec::with_capacity(MAX_OPEN_REQUESTS),
-            _domain: domain.clone(),
-        };
-        Ok(Self {
-            port: Mutex::new(port),
-            process,
-        })
+    /// Creates a client of the server in `process`, which may start later.
+    pub fn new(domain: &Domain, process: ProcessKind) -> Self {
+        Self::at(domain.request_socket(process), process)
     }
 
-    /// Sends a request and waits for the reply at most for the time limit. May be dropped at any
-    /// time; the server still gets no more requests at once than it takes.
+    /// Creates a client of a socket that a process serves.
+    pub fn at(socket: PathBuf, process: ProcessKind) -> Self {
+        Self { socket, process }
+    }
+
+    /// Sends a command of this process, and waits for the reply at most for the time limit.
     ///
     /// # Errors
     /// When the process does not run, or does not answer in time.
     pub async fn call(&self, command: Command, deadline: Duration) -> Result<Reply, CallError> {
-        let bytes = codec::encode(&Request::from(command)).ok_or_else(|| {
+        self.send(Request::from(command), deadline).await
+    }
+
+    /// Sends a request of this process, and waits for the value of its reply.
+    ///
+    /// # Errors
+    /// As [`call`](Self::call), and when the process refuses the request.
+    pub async fn ask<T>(
+        &self,
+        request: &TypedRequest<T>,
+        deadline: Duration,
+    ) -> Result<T, CallError> {
+        let reply = self.call(request.command().clone(), deadline).await?;
+        request.read(reply).map_err(CallError::Refusal)
+    }
+
+    /// Sends a command on behalf of a user, whom the server then takes for its sender.
+    ///
+    /// # Errors
+    /// As [`call`](Self::call).
+    pub async fn call_for(
+        &self,
+        user: Peer,
+        command: Command,
+        deadline: Duration,
+    ) -> Result<Reply, CallError> {
+        let request = Request {
+            user: Some(user),
+            ..Request::from(command)
+        };
+        self.send(request, deadline).await
+    }
+
+    async fn send(&self, request: Request, deadline: Duration) -> Result<Reply, CallError> {
+        let bytes = codec::encode(&request).ok_or_else(|| {
             CallError::Refused(format!(
                 "a request may have at most {MAX_MESSAGE_BYTES} bytes"
             ))
         })?;
-        let answered = async {
-            let mut port = self.port.lock().await;
-            port.room().await;
-            let pending = self.send(&port, &bytes)?;
-            port.unanswered.push(pending);
-            self.last_reply(&mut port).await
+        let exchange = async {
+            let connected = self.connect().await;
+            let mut stream = connected.map_err(|error| self.not_connected(error))?;
+            let reply = async {
+                write_message(&mut stream, &bytes).await?;
+                read_reply(&mut stream).await
+            };
+            reply.await.map_err(|error| self.interrupted(error))
         };
-        match tokio::time::timeout(deadline, answered).await {
+        match tokio::time::timeout(deadline, exchange).await {
             Ok(reply) => reply,
             Err(_) => Err(CallError::TimedOut { after: deadline }),
         }
     }
 
-    fn send(&self, port: &Port, bytes: &[u8]) -> Result<IoxPending, CallError> {
-        let not_there = CallError::NotThere {
-            process: self.process.word(),
-        };
-        if port.service.dynamic_config().number_of_servers() == 0 {
-            return Err(not_there);
-        }
-        let failed = |cause: &dyn std::fmt::Debug| {
-            CallError::Refused(format!("the request could not be sent: {cause:?}"))
-        };
-        let request = port
-            .client
-            .loan_slice_uninit(bytes.len())
-            .map_err(|e| failed(&e))?;
-        let pending = request
-            .write_from_slice(bytes)
-            .send()
-            .map_err(|e| failed(&e))?;
-        if pending.number_of_server_connections() == 0 {
-            return Err(not_there);
-        }
-        port.requests.wake();
-        Ok(pending)
-    }
-
-    /// Waits for the reply to the last request.
-    async fn last_reply(&self, port: &mut Port) -> Result<Reply, CallError> {
+    async fn connect(&self) -> io::Result<UnixStream> {
         loop {
-            if let Some(reply) = self.take_last_reply(port) {
-                return reply;
+            match UnixStream::connect(&self.socket).await {
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                    tokio::time::sleep(RETRY_PERIOD).await;
+                }
+                connected => return connected,
             }
-            let _ = tokio::time::timeout(LOOK_AGAIN, port.replies.woken()).await;
         }
     }
 
-    /// Reply to the last request, or the error that there will be none; `None` before either.
-    fn take_last_reply(&self, port: &mut Port) -> Option<Result<Reply, CallError>> {
-        let pending = port.unanswered.last()?;
-        // Connected is checked first: a reply may arrive between the two checks.
-        let is_connected = pending.is_connected();
-        let reply = match pending.receive() {
-            Ok(Some(response)) => Ok(codec::decode_reply(response.payload())),
-            Ok(None) if is_connected => return None,
-            _ => Err(CallError::NotThere {
+    fn not_connected(&self, source: io::Error) -> CallError {
+        match source.kind() {
+            ErrorKind::NotFound | ErrorKind::ConnectionRefused => CallError::NotThere {
                 process: self.process.word(),
-            }),
-        };
-        port.unanswered.pop();
-        Some(reply)
+            },
+            _ => carrier(source),
+        }
+    }
+
+    fn interrupted(&self, source: io::Error) -> CallError {
+        match source.kind() {
+            ErrorKind::UnexpectedEof | ErrorKind::ConnectionReset | ErrorKind::BrokenPipe => {
+                CallError::Interrupted {
+                    process: self.process.word(),
+                }
+            }
+            _ => carrier(source),
+        }
+    }
+}
+
+fn carrier(source: io::Error) -> CallError {
+    CallError::Carrier {
+        attempt: "ask",
+        source,
     }
 }

@@ -2,8 +2,8 @@
 
 use super::connection_table::Connection;
 use super::message_stream::{hung_up, next_length, read_bytes, write_reply};
-use super::{Handler, Peer, codec};
-use message::control::{Command, Refusal, RefusalKind, Reply};
+use super::{Handler, own_peer};
+use control_protocol::{Command, Peer, Refusal, RefusalKind, Reply, Request, codec};
 use std::io;
 use std::time::Duration;
 use tokio::net::UnixStream;
@@ -118,26 +118,36 @@ async fn carry_out(stream: &mut UnixStream, mut task: JoinHandle<Reply>) -> io::
     };
     let reply = reply.unwrap_or_else(|lost| {
         tracing::error!("a control request failed: {lost}");
-        let sentence = "the request failed; see the log of tabula-memory";
+        let sentence = "the request failed; see the log of the daemon";
         Reply::Refused(Refusal::new(RefusalKind::Internal, sentence))
     });
     write_reply(stream, &reply).await.map(|()| true)
 }
 
-/// Serves the only client of a private socket until it closes the connection or is silent for
-/// `idle_limit`.
+/// Serves a process of this user, over a private socket, until it closes the connection or is
+/// silent for `idle_limit`. It may send internal commands, and commands on behalf of other users.
 ///
 /// # Errors
 /// When the stream fails, or a message does not arrive or leave in time.
-pub async fn serve_stream(
+pub async fn serve_process(
     mut stream: UnixStream,
     handler: &Handler,
     idle_limit: Duration,
 ) -> io::Result<()> {
     while let Some(length) = next_length(&mut stream, idle_limit).await? {
         let bytes = read_bytes(&mut stream, length).await?;
-        let reply = answer(&bytes, handler, Peer::own()).await;
-        write_reply(&mut stream, &reply).await?;
+        let handler = handler.clone();
+        let reply = async move {
+            match codec::decode_request(&bytes) {
+                Ok(request) => {
+                    handler(request.command, request.user.unwrap_or_else(own_peer)).await
+                }
+                Err(refusal) => Reply::Refused(refusal),
+            }
+        };
+        if !carry_out(&mut stream, tokio::spawn(reply)).await? {
+            break;
+        }
     }
     Ok(())
 }
@@ -151,8 +161,8 @@ async fn answer(bytes: &[u8], handler: &Handler, peer: Peer) -> Reply {
 
 /// Command of a request that the peer may send.
 fn accepted(bytes: &[u8], peer: Peer) -> Result<Command, Refusal> {
-    let command = codec::decode_request(bytes)?;
-    if command.is_internal() {
+    let Request { command, user, .. } = codec::decode_request(bytes)?;
+    if command.is_internal() || user.is_some() {
         let sentence = "only the daemon's own processes may send this command";
         return Err(Refusal::new(RefusalKind::Invalid, sentence));
     }
@@ -160,7 +170,7 @@ fn accepted(bytes: &[u8], peer: Peer) -> Result<Command, Refusal> {
     if peer.role < required {
         let sentence = format!(
             "user {} has the role of a {} here, and this command needs the one of a {}; ask for \
-             membership in its group, see [memory] {}_group in the configuration",
+             membership in its group, see [gateway] {}_group in the configuration",
             peer.uid,
             peer.role.name(),
             required.name(),

@@ -1,7 +1,6 @@
 //! Connection table of the control socket: limits per user, and eviction of silent connections.
 
-use super::Peer;
-use message::control::{Refusal, RefusalKind};
+use control_protocol::{Peer, Refusal, RefusalKind};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;

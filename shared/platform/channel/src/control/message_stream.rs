@@ -1,7 +1,6 @@
 //! Messages over a stream socket: a length (4 bytes, little-endian) and that many bytes of CBOR.
 
-use super::codec;
-use message::control::{MAX_MESSAGE_BYTES, Refusal, RefusalKind, Reply};
+use control_protocol::{MAX_MESSAGE_BYTES, Refusal, RefusalKind, Reply, codec};
 use rustix::io::Errno;
 use rustix::net::{SendFlags, send};
 use std::io;
@@ -49,9 +48,27 @@ pub(super) async fn read_bytes(stream: &mut UnixStream, length: usize) -> io::Re
 
 /// Writes a reply.
 pub(super) async fn write_reply(stream: &mut UnixStream, reply: &Reply) -> io::Result<()> {
-    let message = codec::framed(&codec::encode_reply(reply));
-    tokio::time::timeout(TRANSFER, stream.write_all(&message)).await??;
-    Ok(())
+    let bytes = codec::encode_reply(reply);
+    tokio::time::timeout(TRANSFER, write_message(stream, &bytes)).await?
+}
+
+/// Writes a message.
+pub(super) async fn write_message(stream: &mut UnixStream, bytes: &[u8]) -> io::Result<()> {
+    stream.write_all(&codec::framed(bytes)).await
+}
+
+/// Reads the reply to a request.
+pub(super) async fn read_reply(stream: &mut UnixStream) -> io::Result<Reply> {
+    let mut length = [0; 4];
+    stream.read_exact(&mut length).await?;
+    let length = u32::from_le_bytes(length) as usize;
+    if length > MAX_MESSAGE_BYTES {
+        let sentence = format!("the reply has {length} bytes, more than a message may have");
+        return Err(io::Error::other(sentence));
+    }
+    let mut bytes = vec![0; length];
+    stream.read_exact(&mut bytes).await?;
+    Ok(codec::decode_reply(&bytes))
 }
 
 /// Waits until the peer has closed the connection. A peer that only ended its own writing still

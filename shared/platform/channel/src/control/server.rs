@@ -1,94 +1,85 @@
-//! Request server over shared memory, for processes of the daemon.
+//! Request server, for processes of the daemon.
 
-use super::request_response::{IoxService, open};
-use super::{Handler, Peer, codec};
-use crate::domain::{Domain, Service};
-use crate::request_services::request_service;
-use crate::segment_backing::back_segment;
-use crate::wake_event::{WakeListener, WakeNotifier};
-use crate::{Error, control::CallError};
-use iceoryx2::active_request::ActiveRequest;
-use iceoryx2::prelude::BackpressureStrategy;
+use super::connection::serve_process;
+use super::{Handler, bind_socket, own_peer, socket_failure};
+use crate::{Domain, Error};
 use message::ProcessKind;
-use message::control::Reply;
-use std::sync::Arc;
+use std::path::PathBuf;
+use std::time::Duration;
+use tokio::net::{UnixListener, UnixStream};
 
-type IoxServer = iceoryx2::port::server::Server<Service, [u8], (), [u8], ()>;
-type IoxRequest = ActiveRequest<Service, [u8], (), [u8], ()>;
+/// Mode of the socket: for this user only.
+const PRIVATE: u32 = 0o600;
+/// Idle time after which a connection is closed. Chosen: above the longest wait for an event.
+const IDLE: Duration = Duration::from_secs(60);
+/// Pause after a connection could not be accepted. Chosen.
+const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 
-/// Control server: answers one process's commands.
+/// Server of the requests that this process owns: a Unix socket for the daemon's own processes.
+///
+/// The socket is private to the user of the daemon, and whoever connects is asked for his user by
+/// the kernel: no one else sends a command, or says on whose behalf it is.
 pub struct Server {
-    port: IoxServer,
-    listener: WakeListener,
-    replies: Arc<WakeNotifier>,
+    listener: UnixListener,
+    socket: SocketFile,
     handler: Handler,
-    _service: IoxService,
-    _domain: Domain,
+}
+
+/// Socket in the file system, removed on drop.
+#[derive(Debug)]
+struct SocketFile(PathBuf);
+
+impl Drop for SocketFile {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
 }
 
 impl Server {
-    /// Creates a server; within a tokio runtime.
+    /// Binds the socket of a process; within a tokio runtime. A socket left by a dead process is
+    /// replaced: the caller holds the role's lock.
     ///
     /// # Errors
-    /// When the process has no service, or shared memory fails.
-    pub fn new(domain: &Domain, process: ProcessKind, handler: Handler) -> Result<Self, Error> {
-        let parameters = request_service(process)
-            .ok_or_else(|| Error::transport("serve", "control", process.word()))?;
-        let service = open(domain, parameters.name)?;
-        let server = service
-            .server_builder()
-            .initial_max_slice_len(parameters.message_bytes)
-            .max_loaned_responses_per_request(1)
-            .backpressure_strategy(BackpressureStrategy::DiscardData)
-            .create()
-            .map_err(|e| Error::transport("make a server of", parameters.name, e))?;
-        back_segment(domain.name(), parameters.name, server.id().value())?;
+    /// When the socket cannot be bound, or its folder is under another user's control.
+    pub fn bind(domain: &Domain, process: ProcessKind, handler: Handler) -> Result<Self, Error> {
+        let path = domain.request_socket(process);
+        let listener = bind_socket(&path, PRIVATE)?;
+        let socket = SocketFile(path);
+        let listener =
+            UnixListener::from_std(listener).map_err(|source| socket_failure(&socket.0, source))?;
         Ok(Self {
-            port: server,
-            listener: WakeListener::new(domain, parameters.name)?,
-            replies: Arc::new(WakeNotifier::new(domain, parameters.replies)?),
+            listener,
+            socket,
             handler,
-            _service: service,
-            _domain: domain.clone(),
         })
     }
 
-    /// Serves until the future is dropped; each request in a separate task.
+    /// Serves until the future is dropped; each connection in a task of its own.
     pub async fn run(self) {
         loop {
-            while let Ok(Some(request)) = self.port.receive() {
-                let answer = answer(request, self.handler.clone(), self.replies.clone());
-                tokio::spawn(answer);
+            match self.listener.accept().await {
+                Ok((stream, _)) => begin(stream, self.handler.clone()),
+                Err(error) => {
+                    let path = self.socket.0.display();
+                    tracing::warn!("{path} could not accept a connection: {error}");
+                    tokio::time::sleep(ACCEPT_PAUSE).await;
+                }
             }
-            self.listener.woken().await;
         }
     }
 }
 
-async fn answer(request: IoxRequest, handler: Handler, replies: Arc<WakeNotifier>) {
-    let command = codec::decode_request(request.payload());
-    let reply = match command {
-        // Only this user's processes may open the shared memory.
-        Ok(command) => handler(command, Peer::own()).await,
-        Err(refusal) => Reply::Refused(refusal),
-    };
-    if let Err(error) = respond(&request, &reply) {
-        tracing::warn!(
-            "a reply was lost: {error}; its client will time out and may repeat the request"
-        );
+fn begin(stream: UnixStream, handler: Handler) {
+    let own = own_peer();
+    match stream.peer_cred() {
+        Ok(peer) if [0, own.uid].contains(&peer.uid()) => {
+            tokio::spawn(async move {
+                if let Err(error) = serve_process(stream, &handler, IDLE).await {
+                    tracing::debug!("a connection of a process ended: {error}");
+                }
+            });
+        }
+        Ok(peer) => tracing::warn!("a connection of user {} was closed", peer.uid()),
+        Err(error) => tracing::debug!("a connection of a process ended: {error}"),
     }
-    drop(request);
-    replies.wake();
-}
-
-fn respond(request: &IoxRequest, reply: &Reply) -> Result<(), CallError> {
-    let bytes = codec::encode_reply(reply);
-    let lost = |cause: &dyn std::fmt::Debug| CallError::Refused(format!("{cause:?}"));
-    let response = request
-        .loan_slice_uninit(bytes.len())
-        .map_err(|e| lost(&e))?;
-    response
-        .write_from_slice(&bytes)
-        .send()
-        .map_err(|e| lost(&e))
 }

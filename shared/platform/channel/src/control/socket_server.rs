@@ -3,19 +3,20 @@
 use super::access_policy::{AccessControl, AccessPolicy};
 use super::connection::{Handlers, serve};
 use super::connection_table::{ConnectionTable, Limits};
-use super::{Handler, RoleGroups};
+use super::{Handler, RoleGroups, bind_socket, socket_failure};
 use crate::Error;
 use crate::trusted_folder::TrustedFolder;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use std::io;
-use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::UnixListener as BlockingListener;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::{UnixListener, UnixStream};
-use tokio::sync::oneshot;
+use tokio::sync::{mpsc, oneshot};
 
+/// Mode of the socket: for this user and the group.
+const FOR_THE_GROUP: u32 = 0o660;
 /// Limits of the control socket. Chosen; those of connections are high, since a client whose
 /// connection is closed for newer ones connects again: among a thousand hostile clients, half as
 /// many connections were made and a stop took half the time with 2048 as with 128.
@@ -30,11 +31,10 @@ const LIMITS: Limits = Limits {
 const IDLE: Duration = Duration::from_secs(10);
 /// Connections that are accepted before those that are open get their turn. Chosen.
 const ACCEPTED_AT_ONCE: u32 = 8;
+/// Period of the heartbeat. Chosen.
+const BEAT_PERIOD: Duration = Duration::from_millis(500);
 /// Pause after a connection could not be accepted. Chosen.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
-
-/// Makes the handler of the urgent commands, within the runtime that it is used in.
-pub type UrgentHandler = Box<dyn FnOnce() -> Result<Handler, Error> + Send>;
 
 /// Control-socket server. A message is a length (4 bytes, little-endian) and that many bytes of
 /// CBOR, in both directions, any number of times.
@@ -43,14 +43,16 @@ pub type UrgentHandler = Box<dyn FnOnce() -> Result<Handler, Error> + Send>;
 /// answered on the thread of the socket, however many clients connect, ask and wait. All other
 /// requests take a place of their user, so that a user slows down nobody else.
 ///
-/// [`Command::is_urgent`]: message::control::Command::is_urgent
+/// [`Command::is_urgent`]: control_protocol::Command::is_urgent
 pub struct SocketServer {
     listener: BlockingListener,
     path: PathBuf,
     access: AccessControl,
     ordinary: Handler,
-    /// Taken when serving begins.
-    urgent: Option<UrgentHandler>,
+    /// Handler of urgent commands, on the thread of the socket.
+    urgent: Handler,
+    /// Beats while the thread of the socket works; nobody listens at first.
+    heart: Option<mpsc::Sender<()>>,
 }
 
 impl SocketServer {
@@ -64,25 +66,27 @@ impl SocketServer {
         path: &Path,
         groups: &RoleGroups,
         ordinary: Handler,
-        urgent: UrgentHandler,
+        urgent: Handler,
     ) -> Result<Self, Error> {
-        let failed = |source| failure(path, source);
-        let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else {
-            return Err(failed(io::ErrorKind::InvalidInput.into()));
-        };
-        let folder = TrustedFolder::open(folder)?;
-        let _ = std::fs::remove_file(path);
-        let listener = BlockingListener::bind(path).map_err(failed)?;
-        listener.set_nonblocking(true).map_err(failed)?;
-        std::fs::set_permissions(path, PermissionsExt::from_mode(0o660)).map_err(failed)?;
-        folder.share_entry_with_group(&name.to_string_lossy());
+        let listener = bind_socket(path, FOR_THE_GROUP)?;
+        if let (Some(folder), Some(name)) = (path.parent(), path.file_name()) {
+            TrustedFolder::open(folder)?.share_entry_with_group(&name.to_string_lossy());
+        }
         Ok(Self {
             listener,
             path: path.to_owned(),
             access: AccessControl::new(groups),
             ordinary,
-            urgent: Some(urgent),
+            urgent,
+            heart: None,
         })
+    }
+
+    /// Heartbeat of the thread of the socket, for the time when the server runs.
+    pub fn heartbeat(&mut self) -> mpsc::Receiver<()> {
+        let (heart, beats) = mpsc::channel(1);
+        self.heart = Some(heart);
+        beats
     }
 
     /// Control of the groups, for the time when the server runs.
@@ -112,11 +116,11 @@ impl SocketServer {
     }
 
     fn serve_until(
-        mut self,
+        self,
         stopped: oneshot::Receiver<()>,
         runtime: tokio::runtime::Handle,
     ) -> Result<(), Error> {
-        let failed = |source| failure(&self.path, source);
+        let failed = |source| socket_failure(&self.path, source);
         let own_runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
             .build()
@@ -124,16 +128,14 @@ impl SocketServer {
         own_runtime.block_on(async {
             let listener = self.listener.try_clone().and_then(UnixListener::from_std);
             let listener = listener.map_err(failed)?;
-            let Some(urgent) = self.urgent.take() else {
-                return Ok(());
-            };
             let handlers = Handlers {
-                urgent: urgent()?,
+                urgent: self.urgent.clone(),
                 ordinary: self.ordinary.clone(),
                 runtime,
             };
             tokio::select! {
                 () = accept(&listener, &self.access, &handlers) => {}
+                () = beat(self.heart.as_ref()) => {}
                 _ = stopped => {}
             }
             Ok(())
@@ -144,6 +146,16 @@ impl SocketServer {
 impl Drop for SocketServer {
     fn drop(&mut self) {
         let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// Beats for ever. A beat that nobody has taken yet is enough.
+async fn beat(heart: Option<&mpsc::Sender<()>>) {
+    loop {
+        if let Some(heart) = heart {
+            let _ = heart.try_send(());
+        }
+        tokio::time::sleep(BEAT_PERIOD).await;
     }
 }
 
@@ -219,13 +231,5 @@ fn n_descriptors() -> u64 {
         possible
     } else {
         present
-    }
-}
-
-fn failure(path: &Path, source: io::Error) -> Error {
-    Error::RunFolder {
-        attempt: "open the control socket",
-        path: path.to_owned(),
-        source,
     }
 }

@@ -1,5 +1,5 @@
 use super::*;
-use message::control::{JobReport, Refusal};
+use control_protocol::{JobCommand, JobKind, MemoryAnswer, MemoryQuery, Refusal};
 
 /// Memory with one document, whose content other clients replace and whose pages may be cut.
 struct FakeMemory {
@@ -171,9 +171,13 @@ fn repeated_storing_names_the_same_upload_until_that_is_lost() {
     assert_eq!(changes, [(0, id), (0, id)]);
 
     let refused = |kind| Ok(Reply::Refused(Refusal::new(kind, "there is no job 0")));
-    let answers = vec![refused(RefusalKind::NotFound), Ok(Reply::Stored)];
-    let (reply, n_uploads, changes) = attempt(answers);
-    assert_eq!(reply.unwrap(), Reply::Stored);
+    let report = LearningReport {
+        category: "plan".into(),
+        ..LearningReport::default()
+    };
+    let stored = Ok(Reply::Learned(report.clone()));
+    let (reply, n_uploads, changes) = attempt(vec![refused(RefusalKind::NotFound), stored]);
+    assert_eq!(reply.unwrap(), report);
     assert_eq!(n_uploads, 2, "the lost upload is replaced");
     assert_eq!(changes.last(), Some(&(1, id)));
 }
@@ -186,10 +190,10 @@ fn refusal_of_a_first_attempt_is_the_reply() {
         media_type: "text/plain",
         content: b"",
     };
-    let refusal = Reply::Refused(Refusal::new(RefusalKind::Invalid, "its name is too long"));
+    let refusal = Refusal::new(RefusalKind::Invalid, "its name is too long");
     let mut memory = FakeUploads::default();
-    let call = |command| memory.answer(command, || Ok(refusal.clone()));
+    let call = |command| memory.answer(command, || Ok(Reply::Refused(refusal.clone())));
     let reply = try_put_document(MutationId(1), "anna", new, &mut None, call);
-    assert_eq!(reply.unwrap(), refusal);
+    assert_eq!(reply.unwrap_err().to_string(), refusal.to_string());
     assert_eq!(memory.changes.len(), 1);
 }

@@ -1,9 +1,9 @@
 //! Errors of reading and checking the configuration.
 
 use super::config_layer::MAX_DROP_INS;
-use message::escape_unprintable_lines;
 use std::io;
 use std::path::PathBuf;
+use unicode_text::escape_unprintable_lines;
 
 /// Longest cause in a sentence, bytes; the rest of a longer one is left out.
 const MAX_CAUSE_BYTES: usize = 400;

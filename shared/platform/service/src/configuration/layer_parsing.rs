@@ -49,10 +49,19 @@ pub(super) fn parse(
                 file: Arc::clone(file),
                 line,
             };
-            settings.push((known, key.into_inner().into_owned(), setting));
+            let key = key.into_inner().into_owned();
+            settings.push((present_section(known, &key), key, setting));
         }
     }
     Ok(settings)
+}
+
+/// Section in which a key stands today; an earlier version may have had it in another one.
+fn present_section(section: &'static str, key: &str) -> &'static str {
+    match (section, key) {
+        ("memory", "teacher_group" | "administrator_group") => "gateway",
+        _ => section,
+    }
 }
 
 fn value_of(value: Spanned<DeValue<'_>>) -> Result<Value, toml::de::Error> {
@@ -100,6 +109,18 @@ mod tests {
         let dotted = parsed("memory.queue_requests = 3\nrun = { watchdog_s = 5 }").unwrap();
         assert_eq!((dotted[0].0, dotted[0].2.line), ("memory", 1));
         assert_eq!((dotted[1].0, dotted[1].2.line), ("run", 2));
+    }
+
+    #[test]
+    fn key_of_an_earlier_section_counts_in_its_present_one() {
+        let text = "[memory]\nteacher_group = 'staff'\nqueue_requests = 5\n";
+        let settings = parsed(text).unwrap();
+        let places: Vec<_> = settings
+            .iter()
+            .map(|(section, key, _)| (*section, key.as_str()))
+            .collect();
+        assert!(places.contains(&("gateway", "teacher_group")), "{places:?}");
+        assert!(places.contains(&("memory", "queue_requests")), "{places:?}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use crate::configuration::{as_number, one_line};
 use crate::{Configuration, KeyReference, SECTIONS};
-use message::control::KeyChange;
+use control_protocol::KeyChange;
 use std::collections::BTreeSet;
 use toml::Value;
 

@@ -3,28 +3,13 @@
 //! The records name the processes of a domain that can reload, and hold the outcome.
 
 use channel::{Domain, DomainName, Error, LiveFile, RunFolder};
+use control_protocol::ReloadReport;
 use message::ProcessKind;
-use message::control::ReloadReport;
 use serde::{Deserialize, Serialize};
 
-/// Processes that may have a record; none stands for `tabula run`.
-const PROCESSES: [Option<ProcessKind>; 5] = [
-    None,
-    Some(ProcessKind::Memory),
-    Some(ProcessKind::Perception),
-    Some(ProcessKind::Camera),
-    Some(ProcessKind::Simulator),
-];
-
-/// Name of a record in the run folder.
-fn file_of(process: Option<ProcessKind>) -> &'static str {
-    match process {
-        None => "reload-run.toml",
-        Some(ProcessKind::Memory) => "reload-memory.toml",
-        Some(ProcessKind::Perception) => "reload-perception.toml",
-        Some(ProcessKind::Camera) => "reload-camera.toml",
-        Some(ProcessKind::Simulator) => "reload-simulator.toml",
-    }
+/// Name of the record of a process in the run folder; none stands for `tabula run`.
+fn file_of(process: Option<ProcessKind>) -> String {
+    format!("reload-{}.toml", process.map_or("run", ProcessKind::word))
 }
 
 /// Record of one process.
@@ -46,10 +31,14 @@ impl ReloadRecord {
 
     fn read(domain: &DomainName, folders: &[RunFolder]) -> Vec<Self> {
         let read = |process| {
-            let bytes = LiveFile::read(domain, folders, file_of(process))?;
+            let bytes = LiveFile::read(domain, folders, &file_of(process))?;
             toml::from_str(&String::from_utf8(bytes).ok()?).ok()
         };
-        PROCESSES.into_iter().filter_map(read).collect()
+        let processes = ProcessKind::all().map(Some);
+        std::iter::once(None)
+            .chain(processes)
+            .filter_map(read)
+            .collect()
     }
 }
 
@@ -80,7 +69,7 @@ impl ReloadRecordPublisher {
     ) -> Result<Self, Error> {
         let name = process.map_or("run", ProcessKind::word);
         let mut publisher = Self {
-            file: LiveFile::new(domain, file_of(process))?,
+            file: LiveFile::new(domain, &file_of(process))?,
             record: ReloadRecord {
                 parent,
                 began_ns: 0,

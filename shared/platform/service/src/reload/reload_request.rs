@@ -3,7 +3,7 @@
 use super::reload_record::ReloadRecord;
 use crate::monotonic_ns;
 use channel::Domain;
-use message::control::ReloadReport;
+use control_protocol::ReloadReport;
 use rustix::process::{Pid, Signal, kill_process};
 use std::time::{Duration, Instant};
 

@@ -9,7 +9,7 @@ use crate::{
     ConfigError, Configuration, Failure, HealthCounters, Shutdown, ShutdownTrigger, monotonic_ns,
 };
 use channel::Domain;
-use message::control::ReloadReport;
+use control_protocol::ReloadReport;
 use message::{ProcessKind, ProcessState};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -7,12 +7,12 @@ use crate::arguments::CrossValidationArguments;
 use crate::evaluate::recognition::DescriptionSettings;
 use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
 use crate::evaluate::view_table::ViewTable;
+use control_protocol::QuestionKind;
 use evaluation::calibration_score::expected_calibration_error;
 use evaluation::cross_validation::ConfusionMatrix;
 use evaluation::new_side_score::{NamedAnswer, NewSideScore};
 use evaluation::novelty_score::NoveltyScore;
 use evaluation::recogniser::Answer;
-use message::control::QuestionKind;
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
 use super::*;
-use message::control::UserRole;
+use control_protocol::UserRole;
 use tokio::sync::oneshot::error::TryRecvError;
 
 const LIMITS: Limits = Limits {

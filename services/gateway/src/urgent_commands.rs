@@ -1,0 +1,93 @@
+//! Urgent commands: stop and health, answered past all other requests.
+
+use crate::absent_arm::{arm_refusal, is_without_arm};
+use crate::process_table::ProcessTable;
+use channel::Domain;
+use channel::control::Client;
+use control_protocol::{ArmCommand, Command, Refusal, RefusalKind, Reply};
+use daemon_client::CallError;
+use message::ProcessKind;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tokio::sync::Mutex;
+
+/// Time limit for the answer of the arm; a client waits for 5 s.
+const DEADLINE: Duration = Duration::from_secs(2);
+
+/// Time for which a stop waits for an arm that is not there. Chosen.
+const RESTART_TIME: Duration = Duration::from_millis(500);
+/// Pause between two attempts. Chosen.
+const RETRY_PERIOD: Duration = Duration::from_millis(5);
+
+/// Answers of the urgent commands.
+pub(crate) struct UrgentCommands {
+    arm: Client,
+    processes: Arc<ProcessTable>,
+    last_stop: Mutex<Option<Stop>>,
+}
+
+/// Stop of the arm with its answer.
+struct Stop {
+    sent: Instant,
+    reply: Reply,
+}
+
+impl UrgentCommands {
+    /// Answers of the urgent commands in a domain.
+    pub(crate) fn new(domain: &Domain, processes: Arc<ProcessTable>) -> Self {
+        Self {
+            arm: Client::new(domain, ProcessKind::SIMULATOR),
+            processes,
+            last_stop: Mutex::new(None),
+        }
+    }
+
+    /// Reply to an urgent command.
+    pub(crate) async fn answer(&self, command: Command) -> Reply {
+        match command {
+            Command::Health => Reply::Health(self.processes.reports()),
+            Command::Arm(ArmCommand::Stop) => self.stop().await,
+            other => Reply::Refused(Refusal::new(
+                RefusalKind::Internal,
+                format!("{other:?} is not urgent"),
+            )),
+        }
+    }
+
+    /// Stops the arm. Requests that arrive while another stop is under way share the next one, so
+    /// that a thousand of them wait for two answers of the arm at most.
+    async fn stop(&self) -> Reply {
+        let arrived = Instant::now();
+        let mut last = self.last_stop.lock().await;
+        if let Some(stop) = last.as_ref().filter(|stop| stop.sent >= arrived) {
+            return stop.reply.clone();
+        }
+        let sent = Instant::now();
+        let reply = self.send_stop().await;
+        let reply =
+            reply.unwrap_or_else(|error| Reply::Refused(arm_refusal(&error, &self.processes)));
+        *last = Some(Stop {
+            sent,
+            reply: reply.clone(),
+        });
+        reply
+    }
+
+    /// Sends a stop until the arm answers; one that was lost is repeated, since a stop may be
+    /// carried out twice.
+    async fn send_stop(&self) -> Result<Reply, CallError> {
+        let begin = Instant::now();
+        loop {
+            let reply = self.arm.call(Command::Arm(ArmCommand::Stop), DEADLINE);
+            match reply.await {
+                Err(error @ (CallError::NotThere { .. } | CallError::Interrupted { .. }))
+                    if begin.elapsed() < RESTART_TIME
+                        && !is_without_arm(&error, &self.processes) =>
+                {
+                    tokio::time::sleep(RETRY_PERIOD).await;
+                }
+                reply => return reply,
+            }
+        }
+    }
+}

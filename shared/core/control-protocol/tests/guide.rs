@@ -1,0 +1,43 @@
+//! The guide's table of owners and roles is that of the requests.
+
+use control_protocol::request::ROWS;
+use std::fmt::Write;
+
+/// Words of a command on the wire: its variants in snake case, from the outermost inwards.
+fn words(command: &str) -> String {
+    let variants = command.split("::").skip(1).map(|part| {
+        let end = part.find(|c: char| !c.is_alphanumeric());
+        &part[..end.unwrap_or(part.len())]
+    });
+    let mut words = String::new();
+    for variant in variants {
+        if !words.is_empty() {
+            words.push(' ');
+        }
+        for (i, c) in variant.char_indices() {
+            if c.is_uppercase() && i > 0 {
+                words.push('_');
+            }
+            words.push(c.to_ascii_lowercase());
+        }
+    }
+    words
+}
+
+#[test]
+fn guide_has_the_table_of_owners_and_roles() {
+    let guide = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../docs/guides/control-protocol.md"
+    );
+    let guide = std::fs::read_to_string(guide).unwrap();
+    let mut table = String::from("| command | owner | role |\n|---|---|---|\n");
+    for (command, access) in ROWS {
+        let (owner, role) = (access.owner.word(), access.role.name());
+        writeln!(table, "| `{}` | {owner} | {role} |", words(command)).unwrap();
+    }
+    assert!(
+        guide.contains(&table),
+        "the guide needs this table:\n{table}"
+    );
+}

@@ -1,0 +1,152 @@
+//! Registry of the daemon's processes: the name, code and duties of each, as data.
+//!
+//! Channel, service, gateway, supervision and doctor read this table; a process that is added
+//! here needs no change in any of them.
+//!
+//! ```
+//! use process_registry::ProcessKind;
+//!
+//! let memory = ProcessKind::from_word("memory").unwrap();
+//! assert_eq!(memory, ProcessKind::MEMORY);
+//! assert_eq!(memory.program(), "tabula-memory");
+//! ```
+//!
+//! Invariants: names and codes are stored and sent; they never change and are never used again.
+
+use std::fmt;
+
+/// Description of one process of the daemon.
+#[derive(Debug, PartialEq, Eq)]
+struct ProcessEntry {
+    /// Code of the process in shared memory and on disk.
+    code: u32,
+    /// Name of the process for people and scripts, such as `camera`.
+    word: &'static str,
+    duties: Duties,
+}
+
+/// Duties of a process, as far as others need to know them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Duties {
+    /// Publishes frames. Exactly one such process runs in a daemon.
+    pub is_sensor: bool,
+    /// Reports each frame that it has finished, for which a source in lockstep waits.
+    pub follows_frames: bool,
+    /// Writes a store, and has more time than others before it counts as hung.
+    pub is_store: bool,
+    /// Owns requests of the control protocol, and serves them.
+    pub is_owner: bool,
+}
+
+const NONE: Duties = Duties {
+    is_sensor: false,
+    follows_frames: false,
+    is_store: false,
+    is_owner: false,
+};
+
+/// Process of the daemon: an entry of the registry.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ProcessKind(u32);
+
+macro_rules! processes {
+    ($($(#[$doc:meta])* $name:ident = $code:literal, $word:literal, $duties:expr;)+) => {
+        impl ProcessKind {
+            $($(#[$doc])* pub const $name: Self = Self($code);)+
+        }
+
+        /// Entries in starting order.
+        static REGISTRY: [ProcessEntry; [$($word),+].len()] = [
+            $(ProcessEntry { code: $code, word: $word, duties: $duties }),+
+        ];
+    };
+}
+
+processes! {
+    /// `tabula-gateway`: serves the control socket, and passes each request to its owner.
+    GATEWAY = 5, "gateway", NONE;
+    /// `tabula-memory`: stores views, labels and world facts.
+    MEMORY = 3, "memory", Duties { is_store: true, follows_frames: true, is_owner: true, ..NONE };
+    /// `tabula-perception`: detects, tracks and recognises objects.
+    PERCEPTION = 2, "perception", Duties { follows_frames: true, is_owner: true, ..NONE };
+    /// `tabula-camera`: publishes camera frames.
+    CAMERA = 1, "camera", Duties { is_sensor: true, ..NONE };
+    /// `tabula-simulator`: replaces the camera by a simulated scene, and drives its arm.
+    SIMULATOR = 4, "simulator", Duties { is_sensor: true, is_owner: true, ..NONE };
+}
+
+impl ProcessKind {
+    /// All processes in starting order.
+    pub fn all() -> impl DoubleEndedIterator<Item = Self> + Clone {
+        REGISTRY.iter().map(|entry| Self(entry.code))
+    }
+
+    /// Process of a code; `None` for one that is not registered.
+    pub fn from_code(code: u32) -> Option<Self> {
+        Self::all().find(|process| process.0 == code)
+    }
+
+    /// Process of a name; `None` for one that is not registered.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::all().find(|process| process.word() == word)
+    }
+
+    /// Code of the process in shared memory and on disk.
+    pub fn code(self) -> u32 {
+        self.0
+    }
+
+    /// Name of the process for people and scripts, such as `camera`.
+    pub fn word(self) -> &'static str {
+        self.entry().word
+    }
+
+    /// Duties of the process.
+    pub fn duties(self) -> Duties {
+        self.entry().duties
+    }
+
+    /// File name of the executable, such as `tabula-camera`.
+    pub fn program(self) -> String {
+        format!("tabula-{}", self.word())
+    }
+
+    fn entry(self) -> &'static ProcessEntry {
+        // Every value comes from an entry.
+        let found = REGISTRY.iter().find(|entry| entry.code == self.0);
+        found.unwrap_or(&REGISTRY[0])
+    }
+}
+
+impl fmt::Debug for ProcessKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn names_and_codes_are_pinned_and_unique() {
+        let pinned = [
+            ("gateway", 5),
+            ("memory", 3),
+            ("perception", 2),
+            ("camera", 1),
+            ("simulator", 4),
+        ];
+        let known: Vec<_> = ProcessKind::all()
+            .map(|process| (process.word(), process.code()))
+            .collect();
+        assert_eq!(known, pinned);
+        let codes: BTreeSet<_> = known.iter().map(|(_, code)| code).collect();
+        assert_eq!(codes.len(), known.len());
+        for (word, code) in known {
+            assert_eq!(ProcessKind::from_code(code), ProcessKind::from_word(word));
+        }
+        assert_eq!(ProcessKind::from_code(0), None);
+    }
+}
