@@ -24,7 +24,7 @@ const OWNERS: [(&str, &[&str]); 21] = [
         "ciborium",
         &[
             "object-model",
-            "channel",
+            "control-protocol",
             "durable-leveldb",
             "perceptual-memory",
         ],
@@ -48,6 +48,7 @@ const OWNERS: [(&str, &[&str]); 21] = [
             "simulator",
             "perception",
             "memory",
+            "gateway",
         ],
     ),
 ];

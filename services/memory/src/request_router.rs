@@ -101,7 +101,7 @@ impl RequestRouter {
         let position = *self.position.borrow();
         let mut announced = self.announced.clone();
         let caught_up = announced.wait_for(|announced| {
-            announced.store_id != position.store_id || announced.sequence >= position.sequence
+            announced.store_id == position.store_id && announced.sequence >= position.sequence
         });
         let _ = tokio::time::timeout(ANNOUNCEMENT, caught_up).await;
     }
