@@ -4,10 +4,7 @@ use crate::arguments::CameraArguments;
 use crate::source::{Playback, SourceSpec};
 use capture::FramePace;
 use serde::Deserialize;
-use service::{Configuration, Failure, is_service};
-
-/// Valid frame rates, hertz.
-const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=1000.0;
+use service::{Configuration, Failure, KeyReference, is_service};
 
 /// Name of the section.
 const SECTION: &str = "camera";
@@ -50,6 +47,9 @@ impl Config {
     pub fn new(arguments: &CameraArguments, found: &Configuration) -> Result<Self, Failure> {
         let raw: RawConfig = found.section(SECTION)?;
         let given = &arguments.source;
+        if let Some(rate) = given.rate {
+            KeyReference::check_option(SECTION, "rate_hz", "--rate", rate)?;
+        }
         // An overridden source may be the simulator's, and is not parsed.
         let written = raw.source.as_deref().filter(|_| given.source.is_none());
         let written = written.map(str::parse::<SourceSpec>).transpose();
@@ -87,16 +87,7 @@ impl Config {
 
     /// First rule that the options and keys violate together, with the keys that it is about.
     fn check(&self) -> Result<(), Violation> {
-        let Playback {
-            rate_hz, from, to, ..
-        } = self.playback;
-        if let Some(rate) = rate_hz
-            && !RATES_HZ.contains(&rate)
-        {
-            let sentence =
-                format!("--rate must lie between 0.01 and 1000 frames per second, not {rate}");
-            return Err((&["rate_hz"], sentence));
-        }
+        let Playback { from, to, .. } = self.playback;
         if let (from, Some(to)) = (from.unwrap_or(0), to)
             && from >= to
         {

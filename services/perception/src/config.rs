@@ -3,7 +3,6 @@
 #[cfg(feature = "fault-injection")]
 use crate::fault_injection::FaultConfig;
 use actor::RestartPolicy;
-use channel::topic::{CameraCloud, Topic};
 use detection::InvalidConfig;
 use message::Text;
 use sensor_noise::DepthNoise;
@@ -11,17 +10,8 @@ use serde::Deserialize;
 use service::{Configuration, Failure};
 use std::fmt::Display;
 use std::num::NonZeroUsize;
-use std::ops::RangeInclusive;
 use std::time::Duration;
 use tracking::{AssociationConfig, MotionConfig};
-
-/// Largest number of workers. A subscriber may hold a limited number of frames: one for
-/// each worker, one for the loop, and one to come.
-const MAX_WORKERS: usize = CameraCloud::LIMITS.borrowed - 2;
-
-/// Largest restart limit; every restart within the window is kept in memory.
-const RESTARTS_MAX: u32 = 10_000;
-const RESTART_WINDOW_MAX_S: f64 = 86_400.0;
 
 /// Restart back-off of a failed actor; doubled by each further failure within the window.
 const FIRST_BACKOFF: Duration = Duration::from_millis(50);
@@ -32,9 +22,9 @@ const SECTION: &str = "perception";
 
 /// Section `[perception]` as written in TOML.
 #[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 struct RawConfig {
-    workers: usize,
+    workers: NonZeroUsize,
     known_probability_min: f32,
     actor_deadline_ms: u64,
     worker_stall_ms: u64,
@@ -52,38 +42,9 @@ struct RawConfig {
     robot_margin_m: f64,
     person_margin_m: f64,
     #[cfg(feature = "fault-injection")]
-    fault_panic_every_ms: u64,
+    fault_panic_every_ms: Option<u64>,
     #[cfg(feature = "fault-injection")]
-    fault_panic_track_id: u64,
-}
-
-impl Default for RawConfig {
-    fn default() -> Self {
-        let detection = detection::RawConfig::default();
-        Self {
-            workers: 2,
-            known_probability_min: pipeline::Config::KNOWN_PROBABILITY_MIN,
-            actor_deadline_ms: 100,
-            worker_stall_ms: 2_000,
-            actor_restarts_max: 30,
-            actor_restart_window_s: 60.0,
-            depth_noise: "kinect-v1".to_owned(),
-            range_min_m: detection.range_min_m,
-            range_max_m: detection.range_max_m,
-            object_height_max_m: detection.height_max_m,
-            object_side_max_m: detection.side_max_m,
-            join_object_parts: detection.joins_parts,
-            candidate_rule: detection.rule,
-            graspable_side_max_m: detection.graspable_side_max_m,
-            rim_distance_m: detection.rim_distance_m,
-            robot_margin_m: detection.robot_margin_m,
-            person_margin_m: detection.person_margin_m,
-            #[cfg(feature = "fault-injection")]
-            fault_panic_every_ms: 0,
-            #[cfg(feature = "fault-injection")]
-            fault_panic_track_id: 1,
-        }
-    }
+    fault_panic_track_id: Option<u64>,
 }
 
 /// Validated configuration of perception.
@@ -111,33 +72,21 @@ pub(crate) struct Config {
 impl Config {
     /// Reads and validates the section of the configuration.
     pub(crate) fn new(found: &Configuration) -> Result<Self, Failure> {
-        let raw: RawConfig = found.section(SECTION)?;
+        let raw: RawConfig = found.section_with_defaults(SECTION)?;
         let wrong = |key: &str, rule: &dyn Display| {
             Failure::from(found.wrong(SECTION, &[key], format!("{key} {rule}")))
         };
-        let milliseconds = |key: &str, value: u64, range: RangeInclusive<u64>| {
-            if range.contains(&value) {
-                return Ok(Duration::from_millis(value));
-            }
-            let (least, most) = range.into_inner();
-            let rule = format!("must lie between {least} and {most}, not {value}");
-            Err(wrong(key, &rule))
-        };
-        let workers = NonZeroUsize::new(raw.workers).filter(|workers| workers.get() <= MAX_WORKERS);
-        let workers_rule = format!("must lie between 1 and {MAX_WORKERS}, not {}", raw.workers);
         let (motion, association) = (MotionConfig::default(), AssociationConfig::default());
         Ok(Self {
-            workers: workers.ok_or_else(|| wrong("workers", &workers_rule))?,
-            actor_deadline: milliseconds("actor_deadline_ms", raw.actor_deadline_ms, 1..=60_000)?,
-            worker_stall: milliseconds("worker_stall_ms", raw.worker_stall_ms, 100..=2_000)?,
-            actor_restarts_max: restarts_max(&raw)
-                .map_err(|rule| wrong("actor_restarts_max", &rule))?,
-            actor_restart_window: restart_window(&raw)
-                .map_err(|rule| wrong("actor_restart_window_s", &rule))?,
+            workers: raw.workers,
+            actor_deadline: Duration::from_millis(raw.actor_deadline_ms),
+            worker_stall: Duration::from_millis(raw.worker_stall_ms),
+            actor_restarts_max: raw.actor_restarts_max,
+            actor_restart_window: Duration::from_secs_f64(raw.actor_restart_window_s),
             #[cfg(feature = "fault-injection")]
             fault: FaultConfig {
-                panic_every: Duration::from_millis(raw.fault_panic_every_ms),
-                track_id: raw.fault_panic_track_id,
+                panic_every: Duration::from_millis(raw.fault_panic_every_ms.unwrap_or(0)),
+                track_id: raw.fault_panic_track_id.unwrap_or(1),
             },
             detection: detection(&raw).map_err(|WrongKey(key, rule)| wrong(key, &rule))?,
             pipeline: pipeline::Config::new(motion, association, raw.known_probability_min)
@@ -160,43 +109,11 @@ impl Config {
 #[derive(Debug, PartialEq)]
 struct WrongKey(&'static str, String);
 
-fn restarts_max(raw: &RawConfig) -> Result<u32, String> {
-    let given = raw.actor_restarts_max;
-    (given <= RESTARTS_MAX)
-        .then_some(given)
-        .ok_or_else(|| format!("must lie between 0 and {RESTARTS_MAX}, not {given}"))
-}
-
-fn restart_window(raw: &RawConfig) -> Result<Duration, String> {
-    let given = raw.actor_restart_window_s;
-    // NaN is in no range, and so is refused.
-    if (1.0..=RESTART_WINDOW_MAX_S).contains(&given) {
-        return Ok(Duration::from_secs_f64(given));
-    }
-    Err(format!(
-        "must lie between 1 and {RESTART_WINDOW_MAX_S}, not {given}"
-    ))
-}
-
-/// Key of a detection setting that is configured, by the setting's name.
-fn key_of(setting: &'static str) -> &'static str {
-    match setting {
-        "height_max_m" => "object_height_max_m",
-        "side_max_m" => "object_side_max_m",
-        other => other,
-    }
-}
-
 /// Validated detection settings, or the invalid key.
 fn detection(raw: &RawConfig) -> Result<detection::Config, WrongKey> {
     let depth_noise = DepthNoise::named(&raw.depth_noise).ok_or_else(|| {
-        let rule = format!(
-            "must be one of {}, not {:?}; the noise on the table is measured while running, so \
-             take the law that is nearest",
-            DepthNoise::NAMES.join(", "),
-            raw.depth_noise
-        );
-        WrongKey("depth_noise", rule)
+        let names = DepthNoise::NAMES.join(", ");
+        WrongKey("depth_noise", format!("must be one of {names}"))
     })?;
     let settings = detection::RawConfig {
         depth_noise,
@@ -214,15 +131,6 @@ fn detection(raw: &RawConfig) -> Result<detection::Config, WrongKey> {
     };
     let config = detection::Config::new(settings).map_err(|error| match error {
         InvalidConfig::Rule(error) => WrongKey("candidate_rule", format!("is invalid: {error}")),
-        InvalidConfig::OutOfRange {
-            name,
-            value,
-            min,
-            max,
-        } => WrongKey(
-            key_of(name),
-            format!("must lie between {min} and {max}, not {value}"),
-        ),
         other => WrongKey(
             "candidate_rule",
             format!("or another key is invalid: {other}"),
@@ -243,6 +151,8 @@ fn detection(raw: &RawConfig) -> Result<detection::Config, WrongKey> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use channel::topic::{CameraCloud, Topic};
+    use learning::UnknownRule;
 
     #[cfg(not(feature = "fault-injection"))]
     #[test]
@@ -256,43 +166,76 @@ mod tests {
         service::check_section_reference(SECTION, read).unwrap();
     }
 
-    fn with_rule(rule: &str) -> Result<detection::Config, WrongKey> {
-        detection(&RawConfig {
-            candidate_rule: rule.into(),
-            ..RawConfig::default()
-        })
+    /// Configuration of a file with one setting, or the sentence that refuses it.
+    fn with(setting: &str) -> Result<Config, String> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), format!("[perception]\n{setting}\n")).unwrap();
+        let found = Configuration::find(Some(file.path()), file.path());
+        let found = found.map_err(|error| error.to_string())?;
+        Config::new(&found).map_err(|failure| failure.sentence)
+    }
+
+    fn with_rule(rule: &str) -> Result<detection::Config, String> {
+        with(&format!("candidate_rule = {rule:?}")).map(|config| config.detection)
+    }
+
+    #[test]
+    fn defaults_are_those_of_detection_and_recognition() {
+        let config = Config::new(&Configuration::default()).unwrap();
+        // One rule may be spelt in several ways.
+        let built_in = detection::RawConfig {
+            rule: config.detection.get().rule.clone(),
+            ..detection::RawConfig::default()
+        };
+        assert_eq!(
+            Ok(config.detection.clone()),
+            detection::Config::new(built_in)
+        );
+        assert_eq!(config.detection.rule(), detection::Config::default().rule());
+        let probability = pipeline::Config::KNOWN_PROBABILITY_MIN;
+        let unknown_rule = UnknownRule::LessProbableThan(probability);
+        assert_eq!(config.pipeline.unknown_rule(), unknown_rule);
+    }
+
+    #[test]
+    fn workers_are_as_many_as_a_subscriber_may_hold_frames_for() {
+        // One frame for each worker, one for the loop, and one to come.
+        let most = CameraCloud::LIMITS.borrowed - 2;
+        assert_eq!(
+            with(&format!("workers = {most}")).unwrap().workers.get(),
+            most
+        );
+        assert!(with(&format!("workers = {}", most + 1)).is_err());
     }
 
     #[test]
     fn depth_noise_is_a_law_by_name() {
-        let of = |name: &str| {
-            detection(&RawConfig {
-                depth_noise: name.to_owned(),
-                ..RawConfig::default()
-            })
-        };
-        assert_eq!(of("stereo").unwrap().get().depth_noise, DepthNoise::STEREO);
-        let WrongKey(key, rule) = of("kinect").unwrap_err();
-        assert_eq!(key, "depth_noise");
-        assert!(rule.contains("kinect-v1, stereo, time-of-flight"), "{rule}");
+        for (name, law) in DepthNoise::NAMES.map(|name| (name, DepthNoise::named(name))) {
+            let config = with(&format!("depth_noise = {name:?}")).unwrap();
+            assert_eq!(Some(config.detection.get().depth_noise), law);
+        }
+        let sentence = with("depth_noise = \"kinect\"").unwrap_err();
+        assert!(sentence.contains("depth_noise"), "{sentence}");
+        assert!(
+            sentence.contains("kinect-v1, stereo, time-of-flight"),
+            "{sentence}"
+        );
     }
 
     #[test]
     fn invalid_restart_limits_are_named() {
-        let raw = |max, window| RawConfig {
-            actor_restarts_max: max,
-            actor_restart_window_s: window,
-            ..RawConfig::default()
-        };
-        assert_eq!(restarts_max(&raw(0, 60.0)), Ok(0));
-        assert!(restarts_max(&raw(10_001, 60.0)).is_err());
         assert_eq!(
-            restart_window(&raw(5, 1.5)),
-            Ok(Duration::from_millis(1500))
+            with("actor_restarts_max = 0").unwrap().actor_restarts_max,
+            0
         );
-        for wrong in [f64::NAN, 0.0, -1.0, f64::INFINITY] {
-            let rule = restart_window(&raw(5, wrong)).unwrap_err();
-            assert!(rule.contains("between 1 and 86400"), "{rule}");
+        assert!(with("actor_restarts_max = 10001").is_err());
+        let window = with("actor_restart_window_s = 1.5")
+            .unwrap()
+            .actor_restart_window;
+        assert_eq!(window, Duration::from_millis(1500));
+        for wrong in ["nan", "0.0", "-1.0", "inf"] {
+            let sentence = with(&format!("actor_restart_window_s = {wrong}")).unwrap_err();
+            assert!(sentence.contains("between 1 and 86400"), "{sentence}");
         }
     }
 
@@ -300,10 +243,6 @@ mod tests {
     fn candidate_rule_is_read_from_the_file() {
         let config = with_rule("table and not image_border").unwrap();
         assert_eq!(config.rule().to_string(), "C_table ∧ ¬C_image_border");
-        assert_eq!(
-            detection(&RawConfig::default()),
-            Ok(detection::Config::default())
-        );
     }
 
     #[test]
@@ -313,8 +252,8 @@ mod tests {
             ("", "empty"),
             (&["table"; 20].join(" and "), "shorter"),
         ] {
-            let WrongKey(key, sentence) = with_rule(rule).unwrap_err();
-            assert_eq!(key, "candidate_rule");
+            let sentence = with_rule(rule).unwrap_err();
+            assert!(sentence.contains("candidate_rule"), "{sentence}");
             assert!(sentence.contains(word), "{sentence}");
         }
     }

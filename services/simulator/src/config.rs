@@ -2,12 +2,10 @@
 
 use crate::arguments::SimulatorArguments;
 use serde::Deserialize;
-use service::{Configuration, Failure};
-use simulated_world::{ArmMount, MAX_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
+use service::{Configuration, Failure, KeyReference};
+use simulated_world::{ArmMount, ModelLibrary, ModelSource, Scene, SceneKind};
 use std::path::{Path, PathBuf};
 
-/// Valid frame rates, hertz.
-const RATES_HZ: std::ops::RangeInclusive<f64> = 0.1..=120.0;
 /// Default number of objects of the everyday scene.
 const EVERYDAY_OBJECTS: usize = 5;
 
@@ -79,11 +77,14 @@ impl Config {
             lockstep: given.lockstep || raw.lockstep,
         };
         config
-            .check_rate()
-            .map_err(|sentence| refused("rate_hz", given.rate.is_some(), sentence))?;
-        config
             .check_objects()
             .map_err(|sentence| refused("objects", given.objects.is_some(), sentence))?;
+        if let Some(rate) = given.rate {
+            KeyReference::check_option(SECTION, "rate_hz", "--rate", rate)?;
+        }
+        if let Some(n) = given.objects {
+            KeyReference::check_option(SECTION, "objects", "--objects", n as f64)?;
+        }
         if arguments.process.check_config {
             config
                 .scene()
@@ -92,25 +93,12 @@ impl Config {
         Ok(config)
     }
 
-    fn check_rate(&self) -> Result<(), String> {
-        let rate_hz = self.rate_hz;
-        if RATES_HZ.contains(&rate_hz) {
-            return Ok(());
-        }
-        Err(format!(
-            "--rate must lie between 0.1 and 120 frames per second, not {rate_hz}"
-        ))
-    }
-
     fn check_objects(&self) -> Result<(), String> {
         match (self.n_objects, &self.plan) {
             (Some(_), SceneChoice::File(path)) => Err(format!(
                 "--objects cannot be used with a scene file; write the number into {}",
                 path.display()
             )),
-            (Some(n), _) if n > MAX_OBJECTS => {
-                Err(format!("--objects must be at most {MAX_OBJECTS}, not {n}"))
-            }
             _ => Ok(()),
         }
     }
@@ -180,6 +168,7 @@ fn plan(scene: Option<&str>) -> Result<SceneChoice, String> {
 mod tests {
     use super::*;
     use clap::Parser;
+    use simulated_world::MAX_OBJECTS;
 
     fn config(words: &str) -> Result<Config, String> {
         let words = std::iter::once("tabula-simulator").chain(words.split_ascii_whitespace());
@@ -199,6 +188,9 @@ mod tests {
             })
         };
         service::check_section_reference(SECTION, read).unwrap();
+        let objects = KeyReference::get().key(SECTION, "objects").unwrap();
+        let most = objects.range.as_ref().unwrap().most;
+        assert_eq!(most, Some(MAX_OBJECTS as f64));
     }
 
     #[test]

@@ -142,21 +142,40 @@ impl Configuration {
         }
     }
 
-    /// Parses the section of one process; the default when it is missing.
+    /// Parses the keys of a section that files set, checked with the key reference.
     ///
     /// # Errors
-    /// When a key is unknown to the process or has a value of another type.
-    pub fn section<T: DeserializeOwned + Default>(&self, name: &str) -> Result<T, ConfigError> {
-        let Some(settings) = self.settings.get(name) else {
-            return Ok(T::default());
+    /// When a key is unknown to the process, or its value has another type or is out of range.
+    pub fn section<T: DeserializeOwned>(&self, name: &str) -> Result<T, ConfigError> {
+        self.parse_section(name, &Table::new())
+    }
+
+    /// Parses a section like [`section`](Self::section); keys that no file sets have their
+    /// defaults.
+    ///
+    /// # Errors
+    /// As for [`section`](Self::section).
+    pub fn section_with_defaults<T: DeserializeOwned>(&self, name: &str) -> Result<T, ConfigError> {
+        let keys = KeyReference::get().section(name);
+        let defaults = keys.filter_map(|one| Some((one.key.to_owned(), one.default.clone()?)));
+        self.parse_section(name, &defaults.collect())
+    }
+
+    fn parse_section<T: DeserializeOwned>(
+        &self,
+        name: &str,
+        defaults: &Table,
+    ) -> Result<T, ConfigError> {
+        self.check_section(name)?;
+        let parse = |settings: &mut dyn Iterator<Item = (&String, &Setting)>| {
+            let mut table = defaults.clone();
+            table.extend(settings.map(|(key, setting)| (key.clone(), setting.value.clone())));
+            table.try_into::<T>()
         };
-        table_of(settings.iter()).try_into().map_err(|error| {
+        let settings = || self.settings.get(name).into_iter().flatten();
+        parse(&mut settings()).map_err(|error| {
             // Keys do not depend on each other here, so the wrong one is wrong alone, too.
-            let is_wrong = |one: &(&String, &Setting)| {
-                let alone = table_of(std::iter::once(*one));
-                alone.try_into::<T>().is_err()
-            };
-            let wrong = settings.iter().find(is_wrong);
+            let wrong = settings().find(|one| parse(&mut std::iter::once(*one)).is_err());
             let keys: Vec<&str> = wrong.iter().map(|(key, _)| key.as_str()).collect();
             let name_of_key = keys.first().copied().unwrap_or_default();
             let cause = format!("[{name}] {name_of_key}: {}", error.message());
@@ -186,25 +205,30 @@ impl Configuration {
 
     /// Checks the settings of all sections against the key reference.
     fn check(&self) -> Result<(), ConfigError> {
-        for (section, settings) in &self.settings {
-            for (key, setting) in settings {
-                self.check_setting(section, key, &setting.value)?;
-            }
+        self.settings
+            .keys()
+            .try_for_each(|name| self.check_section(name))
+    }
+
+    /// Checks the settings of a section against the key reference.
+    fn check_section(&self, section: &str) -> Result<(), ConfigError> {
+        for (key, setting) in self.settings.get(section).into_iter().flatten() {
+            self.check_setting(section, key, &setting.value)?;
         }
-        self.check_dependent_defaults()
+        self.check_dependent_defaults(section)
     }
 
     /// Checks the defaults whose range depends on another key, which a file may have set.
-    fn check_dependent_defaults(&self) -> Result<(), ConfigError> {
-        for one in KeyReference::get().keys() {
+    fn check_dependent_defaults(&self, section: &str) -> Result<(), ConfigError> {
+        for one in KeyReference::get().section(section) {
             let bound = one.range.as_ref().map(|range| &range.least);
             let (Some(KeyBound::Key(other)), Some(default)) = (bound, &one.default) else {
                 continue;
             };
-            if self.setting(one.section, one.key).is_none() {
-                let number_of = |key: &str| as_number(self.effective(one.section, key)?);
+            if self.setting(section, one.key).is_none() {
+                let number_of = |key: &str| as_number(self.effective(section, key)?);
                 one.check(default, number_of).map_err(|rule| {
-                    self.wrong(one.section, &[*other], format!("{} {rule}", one.key))
+                    self.wrong(section, &[*other], format!("{} {rule}", one.key))
                 })?;
             }
         }
@@ -227,13 +251,6 @@ impl Configuration {
             .check(value, number_of)
             .map_err(|rule| self.wrong(section, &[key], format!("{key} {rule}")))
     }
-}
-
-/// Table of settings without their places.
-fn table_of<'a>(settings: impl Iterator<Item = (&'a String, &'a Setting)>) -> Table {
-    settings
-        .map(|(key, setting)| (key.clone(), setting.value.clone()))
-        .collect()
 }
 
 /// Number of an integer or a float.

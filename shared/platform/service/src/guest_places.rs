@@ -1,22 +1,13 @@
 //! Configuration section `[shared_memory]`: places for readers of clouds beside the daemon.
 
-use crate::{BrokenRule, ConfigError, Configuration, check_rules};
-use channel::{GUEST_PLACES, MAX_GUEST_PLACES};
+use crate::{ConfigError, Configuration};
 use serde::Deserialize;
 
 /// Section `[shared_memory]` as written in TOML.
 #[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 struct RawConfig {
     guest_places: u32,
-}
-
-impl Default for RawConfig {
-    fn default() -> Self {
-        Self {
-            guest_places: GUEST_PLACES,
-        }
-    }
 }
 
 /// Number of guest places of the domain, by the configuration.
@@ -24,12 +15,29 @@ impl Default for RawConfig {
 /// # Errors
 /// When the key is out of range.
 pub fn guest_places(found: &Configuration) -> Result<u32, ConfigError> {
-    let raw: RawConfig = found.section("shared_memory")?;
-    let rules: Result<(), BrokenRule> = check_rules([(
-        raw.guest_places <= MAX_GUEST_PLACES,
-        "guest_places",
-        "must lie between 0 and 32",
-    )]);
-    rules.map_err(|broken| found.wrong("shared_memory", &[broken.key], broken))?;
+    let raw: RawConfig = found.section_with_defaults("shared_memory")?;
     Ok(raw.guest_places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{KeyReference, check_section_reference};
+    use channel::{GUEST_PLACES, MAX_GUEST_PLACES};
+
+    #[test]
+    fn guest_places_agree_with_the_key_reference_and_the_channels() {
+        check_section_reference("shared_memory", guest_places).unwrap();
+        assert_eq!(
+            guest_places(&Configuration::default()).unwrap(),
+            GUEST_PLACES
+        );
+        let key = KeyReference::get()
+            .key("shared_memory", "guest_places")
+            .unwrap();
+        assert_eq!(
+            key.range.as_ref().unwrap().most,
+            Some(f64::from(MAX_GUEST_PLACES))
+        );
+    }
 }

@@ -11,6 +11,7 @@
 //! ```
 
 use super::key_value_check::{KeyRange, ValueKind, check};
+use crate::Failure;
 use std::sync::LazyLock;
 use toml::{Table, Value};
 
@@ -92,6 +93,19 @@ impl KeyReference {
     /// Description of a key; `None` for an unknown one.
     pub fn key(&self, section: &str, key: &str) -> Option<&KeyDescription> {
         self.section(section).find(|one| one.key == key)
+    }
+
+    /// Checks the number of an option that overrides a key against the range of the key.
+    ///
+    /// # Errors
+    /// A usage failure that names the option, the range and the number.
+    pub fn check_option(section: &str, key: &str, option: &str, value: f64) -> Result<(), Failure> {
+        let range = Self::get()
+            .key(section, key)
+            .and_then(|one| one.range.as_ref());
+        range
+            .map_or(Ok(()), |range| range.check(value, &value, |_| None))
+            .map_err(|rule| Failure::usage(format!("{option} {rule}")))
     }
 
     /// Reads the descriptions; also returns the lines that cannot be read, which tests refuse.

@@ -92,7 +92,7 @@ impl KeyRange {
     pub(super) fn check(
         &self,
         value: f64,
-        written: &Value,
+        written: &dyn fmt::Display,
         number_of: impl Fn(&str) -> Option<f64>,
     ) -> Result<(), String> {
         let (least, most) = self.bounds(number_of);
