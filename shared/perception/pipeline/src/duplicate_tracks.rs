@@ -30,13 +30,12 @@ const SIMILAR_VOLUME_RATIO_MIN: f64 = 0.5;
 /// Number of frames as a duplicate after which a track ends. Chosen.
 const N_FRAMES_DUPLICATE_MAX: u32 = 3;
 
-/// Ends the tracks that were repeatedly found to be duplicates of others. `occlusions` holds
-/// the occlusion state of each track without a candidate, `None` for those with one.
-pub(crate) fn end_duplicates(tracks: &mut [Track], occlusions: &mut [Option<OcclusionState>]) {
+/// Ends the tracks that were repeatedly found to be duplicates of others.
+pub(crate) fn end_duplicates(tracks: &mut [Track]) {
     for i in 0..tracks.len() {
         let evidence = (0..tracks.len())
             .filter(|other| *other != i)
-            .filter_map(|other| duplicate_evidence(tracks, occlusions, [i, other]))
+            .filter_map(|other| duplicate_evidence(&tracks[i], &tracks[other]))
             .max();
         let track = &mut tracks[i];
         track.n_frames_duplicate = match evidence {
@@ -45,19 +44,15 @@ pub(crate) fn end_duplicates(tracks: &mut [Track], occlusions: &mut [Option<Occl
         };
         if track.n_frames_duplicate >= N_FRAMES_DUPLICATE_MAX {
             track.lifecycle = track.lifecycle.terminated();
-            occlusions[i] = None;
+            track.unmatched = None;
         }
     }
 }
 
 /// Evidence of a frame that the first track is a duplicate of the second: 1 or 0 while their
 /// boxes overlap, `None` when they have parted.
-fn duplicate_evidence(
-    tracks: &[Track],
-    occlusions: &[Option<OcclusionState>],
-    [i, other]: [usize; 2],
-) -> Option<u32> {
-    let [own, its] = [i, other].map(|track| tracks[track].box_in_world());
+fn duplicate_evidence(track: &Track, other: &Track) -> Option<u32> {
+    let [own, its] = [track, other].map(Track::box_in_world);
     let (small, large) = if own.volume_m3() < its.volume_m3() {
         (&own, &its)
     } else {
@@ -68,14 +63,14 @@ fn duplicate_evidence(
     {
         return None;
     }
-    let seen = tracks[other].measured.measurement.box_in_world();
-    let is_hidden_in = occlusions[i] == Some(OcclusionState::Unknown)
-        && occlusions[other].is_none()
+    let seen = other.measured.measurement.box_in_world();
+    let is_hidden_in = track.unmatched == Some(OcclusionState::Unknown)
+        && other.unmatched.is_none()
         && seen.volume_m3() >= own.volume_m3() * CONTAINER_VOLUME_RATIO_MIN
         && fraction_inside(&own, seen) >= CONTAINED_FRACTION_MIN;
-    let are_fragments = is_lesser(&tracks[i], &tracks[other])
-        && (occlusions[i].is_none() || occlusions[other].is_none())
-        && (is_fragment(&tracks[i]) || is_fragment(&tracks[other]));
+    let are_fragments = is_lesser(track, other)
+        && (track.unmatched.is_none() || other.unmatched.is_none())
+        && (is_fragment(track) || is_fragment(other));
     Some(u32::from(is_hidden_in || are_fragments))
 }
 

@@ -5,7 +5,9 @@ use crate::table_height::TableHeight;
 use geometry::OrientedBox;
 use learning::{Recognition, TrackEvidence};
 use nalgebra::{Matrix3, Vector3};
-use tracking::{CoarseAppearance, MotionFilter, TrackLifecycle, TrackPhase, Visibility};
+use tracking::{
+    CoarseAppearance, MotionFilter, OcclusionState, TrackLifecycle, TrackPhase, Visibility,
+};
 
 /// Track of one object: motion, appearance and recognition result.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +41,8 @@ pub struct Track {
     pub(crate) table: Option<TableHeight>,
     /// Number of frames as a duplicate of another track since their boxes overlap.
     pub(crate) n_frames_duplicate: u32,
+    /// Occlusion state in the last frame, of a track without a candidate; `None` with one.
+    pub(crate) unmatched: Option<OcclusionState>,
 }
 
 impl Track {

@@ -59,73 +59,57 @@ pub(crate) fn occlusion_of_unmatched(
 /// Matcher of tracks in free space with candidates elsewhere.
 #[derive(Debug, Default)]
 pub(crate) struct TrackRecovery {
-    tracks: Vec<usize>,
-    candidates: Vec<usize>,
     costs: Vec<f64>,
     assignment: AssignmentBuffers,
-    pairs: Vec<(usize, usize)>,
 }
 
 impl TrackRecovery {
     /// Assigns unmatched confirmed tracks to unmatched candidates within the search
-    /// radius and of similar appearance, at minimum cost.
+    /// radius and of similar appearance, at minimum cost: the candidate of each track; none at
+    /// all without tracks to recover.
     pub(crate) fn match_candidates(
         &mut self,
         tracks: &[Track],
-        occlusions: &[Option<OcclusionState>],
         measured: &[Option<CandidateMeasurement>],
         now_ns: u64,
         config: &AssociationConfig,
-    ) {
-        self.pairs.clear();
-        self.tracks.clear();
-        self.candidates.clear();
-        let is_recoverable = |i: &usize| {
-            let may_have_gone = match occlusions[*i] {
-                Some(OcclusionState::Empty) => true,
-                Some(OcclusionState::Unknown) => tracks[*i].was_handled(now_ns, HANDLED_NS),
-                _ => false,
-            };
-            may_have_gone && tracks[*i].phase() == TrackPhase::Confirmed
-        };
-        self.tracks.extend((0..tracks.len()).filter(is_recoverable));
-        self.candidates
-            .extend((0..measured.len()).filter(|i| is_eligible(measured[*i].as_ref())));
-        if self.tracks.is_empty() || self.candidates.is_empty() {
-            return;
+    ) -> &[Option<usize>] {
+        if !tracks.iter().any(|track| is_recoverable(track, now_ns)) {
+            return &[];
         }
         self.costs.clear();
-        for &track in &self.tracks {
-            for &candidate in &self.candidates {
-                let cost = measured[candidate]
+        for track in tracks {
+            let is_recoverable = is_recoverable(track, now_ns);
+            let cost = |measured: &Option<CandidateMeasurement>| {
+                let measured = measured
                     .as_ref()
-                    .and_then(|measured| pair_cost(&tracks[track], measured, now_ns, config));
-                self.costs.push(cost.unwrap_or(f64::INFINITY));
-            }
+                    .filter(|one| !one.overlaps_body && is_recoverable);
+                pair_cost(track, measured?, now_ns, config)
+            };
+            let costs = measured.iter().map(cost);
+            self.costs
+                .extend(costs.map(|cost| cost.unwrap_or(f64::INFINITY)));
         }
         let unassigned_cost =
             2.0 + config.volume_weight * config.volume_ratio_max.ln() + config.color_weight;
-        let assigned = assign(
+        let n_columns = measured.len();
+        assign(
             &self.costs,
-            self.candidates.len(),
+            n_columns,
             unassigned_cost,
             &mut self.assignment,
-        );
-        let pairs = self.tracks.iter().zip(assigned);
-        self.pairs.extend(
-            pairs.filter_map(|(track, column)| Some((*track, self.candidates[(*column)?]))),
-        );
-    }
-
-    /// Index pairs (track, candidate) of the last call of `match_candidates`.
-    pub(crate) fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        self.pairs.clone().into_iter()
+        )
     }
 }
 
-/// True if a candidate may be a moved object, not a hand.
-fn is_eligible(measured: Option<&CandidateMeasurement>) -> bool {
-    measured.is_some_and(|measured| !measured.overlaps_body)
+/// True if the object of an unmatched confirmed track may have gone elsewhere.
+fn is_recoverable(track: &Track, now_ns: u64) -> bool {
+    let may_have_gone = match track.unmatched {
+        Some(OcclusionState::Empty) => true,
+        Some(OcclusionState::Unknown) => track.was_handled(now_ns, HANDLED_NS),
+        _ => false,
+    };
+    may_have_gone && track.phase() == TrackPhase::Confirmed
 }
 
 /// Cost of a recovered pair: distance relative to the search radius plus appearance

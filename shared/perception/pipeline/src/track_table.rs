@@ -19,8 +19,8 @@ use learning::{CategoryIndex, TrackEvidence};
 use nalgebra::Vector3;
 use point_cloud::Point;
 use tracking::{
-    AssociationBuffers, DepthView, MotionFilter, ObservedCandidate, OcclusionState, PredictedTrack,
-    TrackLifecycle, TrackPhase, Visibility, appearance_cost, associate, fraction_inside,
+    AssociationBuffers, DepthView, MotionFilter, OcclusionState, PredictedTrack, TrackLifecycle,
+    TrackPhase, Visibility, appearance_cost, associate, fraction_inside,
 };
 
 /// Distance between the spheres around two objects within which a hand that moves one may move
@@ -98,15 +98,9 @@ pub struct TrackTable {
     config: Config,
     tracks: Vec<Track>,
     lost_tracks: LostTrackGallery,
+    /// Measurements of the candidates of the frame that no track has yet.
     measured: Vec<Option<CandidateMeasurement>>,
-    candidate_of_column: Vec<usize>,
-    predicted: Vec<PredictedTrack>,
-    observed: Vec<ObservedCandidate>,
     association: AssociationBuffers,
-    track_of_row: Vec<usize>,
-    /// Tracks with their candidates.
-    assigned: Vec<(usize, usize)>,
-    occlusions: Vec<Option<OcclusionState>>,
     recovery: TrackRecovery,
     shared_shift: SharedShift,
     depth_noise: DepthNoiseEstimate,
@@ -122,13 +116,7 @@ impl TrackTable {
             tracks: Vec::new(),
             lost_tracks: LostTrackGallery::default(),
             measured: Vec::new(),
-            candidate_of_column: Vec::new(),
-            predicted: Vec::new(),
-            observed: Vec::new(),
             association: AssociationBuffers::default(),
-            track_of_row: Vec::new(),
-            assigned: Vec::new(),
-            occlusions: Vec::new(),
             recovery: TrackRecovery::default(),
             shared_shift: SharedShift::default(),
             depth_noise: DepthNoiseEstimate::default(),
@@ -187,8 +175,8 @@ impl TrackTable {
         }
     }
 
-    /// Updates all tracks with a detection: prediction, association, recovery,
-    /// termination of lost tracks and start of new ones.
+    /// Updates all tracks with a detection: association, recovery, termination of lost tracks
+    /// and start of new ones. [`predict`](Self::predict) has predicted them to the frame.
     ///
     /// An existing track accepts its candidate regardless of the constraint rule, for
     /// instance at the table's rim or in the air. In the space of a person or the robot
@@ -207,6 +195,8 @@ impl TrackTable {
         update.sightings.clear();
         update.ended_tracks.clear();
         update.rejected_candidates.clear();
+        let is_predicted = |track: &Track| track.filter.stamp_ns() == frame.capture_ns;
+        debug_assert!(self.tracks.iter().all(is_predicted), "predict comes first");
         let surface = detection.table.as_ref();
         let surface = surface.map(|table| TableHeight::of(table, frame));
         let is_elsewhere = surface.is_some_and(|surface| {
@@ -221,7 +211,6 @@ impl TrackTable {
             self.depth_noise.add(detection);
             self.measure(detection, cloud, frame);
         }
-        self.predict_tracks(frame);
         let shift_m = self.associate(frame, update);
         for sighting in &mut update.sightings {
             let measurement = &mut sighting.measured.measurement;
@@ -235,7 +224,7 @@ impl TrackTable {
         if is_elsewhere {
             self.disregard_free_space();
         }
-        end_duplicates(&mut self.tracks, &mut self.occlusions);
+        end_duplicates(&mut self.tracks);
         self.recover_tracks(frame, update);
         self.mark_missed(frame);
         self.remove_lost_tracks(frame, update);
@@ -270,13 +259,8 @@ impl TrackTable {
 
     /// Evidence of a track, for the observation of its next view; empty when it has ended.
     pub fn evidence(&self, track_id: u64) -> TrackEvidence {
-        let track = self
-            .tracks
-            .binary_search_by_key(&track_id, |track| track.id);
-        track.map_or_else(
-            |_| TrackEvidence::default(),
-            |i| self.tracks[i].evidence.clone(),
-        )
+        let track = place_of(&self.tracks, track_id).map(|i| &self.tracks[i]);
+        track.map_or_else(TrackEvidence::default, |track| track.evidence.clone())
     }
 
     /// Evidence of the tracks whose labels were read from another state of the taught views, or by
@@ -300,10 +284,7 @@ impl TrackTable {
     }
 
     fn track_mut(&mut self, track_id: u64) -> Option<&mut Track> {
-        let place = self
-            .tracks
-            .binary_search_by_key(&track_id, |track| track.id);
-        place.ok().map(|i| &mut self.tracks[i])
+        place_of(&self.tracks, track_id).map(|i| &mut self.tracks[i])
     }
 
     /// True if something near a box is handled, or was within the last second: a hand moves an
@@ -421,68 +402,45 @@ impl TrackTable {
     /// candidates. A shift that the assigned ones share is an error of the camera pose: the
     /// others are expected there and assigned again. Returns the shared shift, metres.
     fn associate(&mut self, frame: &FramePose, update: &mut TrackUpdate) -> Vector3<f64> {
-        self.occlusions.clear();
-        self.occlusions
-            .resize(self.tracks.len(), Some(OcclusionState::Unknown));
-        self.associate_all(&Vector3::zeros(), frame, update);
+        for track in &mut self.tracks {
+            track.unmatched = Some(OcclusionState::Unknown);
+        }
+        self.associate_at(&Vector3::zeros(), frame, update);
         let shift_m = self.shared_shift_m(update);
         if shift_m != Vector3::zeros() {
-            self.associate_all(&shift_m, frame, update);
+            self.associate_at(&shift_m, frame, update);
         }
         shift_m
     }
 
-    fn associate_all(
+    /// Assigns candidates to the unmatched tracks at their shifted places: to those that were
+    /// seen in the previous frame, then to the others.
+    fn associate_at(
         &mut self,
         shift_m: &Vector3<f64>,
         frame: &FramePose,
         update: &mut TrackUpdate,
     ) {
         for is_recent in [true, false] {
-            self.expect_subset(is_recent, shift_m);
-            self.associate_expected(frame, update);
-        }
-    }
-
-    /// Collects the unassigned tracks that were seen in the previous frame, or the others, at
-    /// their shifted places.
-    fn expect_subset(&mut self, is_recent: bool, shift_m: &Vector3<f64>) {
-        self.predicted.clear();
-        self.track_of_row.clear();
-        for (i, track) in self.tracks.iter().enumerate() {
-            let was_recent = track.is_confirmed_and_visible();
-            if self.occlusions[i].is_some() && was_recent == is_recent {
-                self.track_of_row.push(i);
-                self.predicted.push(predicted(track, shift_m));
+            let is_expected = |track: &Track| {
+                track.unmatched.is_some() && track.is_confirmed_and_visible() == is_recent
+            };
+            if !self.tracks.iter().any(is_expected) {
+                continue;
             }
-        }
-    }
-
-    fn associate_expected(&mut self, frame: &FramePose, update: &mut TrackUpdate) {
-        self.observed.clear();
-        self.candidate_of_column.clear();
-        for (i, measured) in self.measured.iter().enumerate() {
-            if let Some(measured) = measured {
-                self.candidate_of_column.push(i);
-                self.observed
-                    .push(measured.observed_candidate(&self.config));
-            }
-        }
-        let config = self.config.association();
-        let pairs = associate(
-            &self.predicted,
-            &self.observed,
-            config,
-            &mut self.association,
-        );
-        self.assigned.clear();
-        let assigned = self.track_of_row.iter().zip(pairs);
-        self.assigned.extend(assigned.filter_map(|(&track, pair)| {
-            pair.map(|column| (track, self.candidate_of_column[column]))
-        }));
-        for i in 0..self.assigned.len() {
-            let (track, candidate) = self.assigned[i];
-            self.continue_track(track, candidate, frame, update);
+            let expected = |track| is_expected(track).then(|| predicted(track, shift_m));
+            let observed = |measured: &Option<CandidateMeasurement>| {
+                Some(measured.as_ref()?.observed_candidate(&self.config))
+            };
+            let mut buffers = std::mem::take(&mut self.association);
+            let candidates = associate(
+                self.tracks.iter().map(expected),
+                self.measured.iter().map(observed),
+                self.config.association(),
+                &mut buffers,
+            );
+            self.continue_tracks(candidates, frame, update);
+            self.association = buffers;
         }
     }
 
@@ -490,19 +448,18 @@ impl TrackTable {
     fn shared_shift_m(&mut self, update: &TrackUpdate) -> Vector3<f64> {
         self.shared_shift.clear();
         for sighting in &update.sightings {
-            let tracks = &self.tracks;
-            let found = tracks.binary_search_by_key(&sighting.track_id, |track| track.id);
-            let Ok(track) = found.map(|i| &tracks[i]) else {
+            let Some(i) = place_of(&self.tracks, sighting.track_id) else {
                 continue;
             };
+            let track = &self.tracks[i];
             if track.phase() == TrackPhase::Confirmed && !sighting.measured.is_truncated {
                 let measured = sighting.measured.measurement.box_in_world().centre();
                 self.shared_shift
                     .add(&(measured - track.box_in_world().centre()));
             }
         }
-        for (track, occlusion) in self.tracks.iter().zip(&self.occlusions) {
-            if occlusion.is_some()
+        for track in &self.tracks {
+            if track.unmatched.is_some()
                 && track.phase() == TrackPhase::Confirmed
                 && let Some(shift_m) = shift_to_alike(track, &self.measured, &self.config)
             {
@@ -515,18 +472,20 @@ impl TrackTable {
     /// Occlusion test of the tracks without a candidate.
     fn classify_unmatched(&mut self, capture_ns: u64, view: Option<&DepthView<'_>>) {
         let Some(view) = view else { return };
-        for (track, occlusion) in self.tracks.iter().zip(&mut self.occlusions) {
-            if let Some(occlusion) = occlusion {
-                *occlusion = occlusion_of_unmatched(track, capture_ns, view);
-            }
+        for track in self
+            .tracks
+            .iter_mut()
+            .filter(|track| track.unmatched.is_some())
+        {
+            track.unmatched = Some(occlusion_of_unmatched(track, capture_ns, view));
         }
     }
 
     /// Takes free space as unknown, in a frame in which the table was not found.
     fn disregard_free_space(&mut self) {
-        for occlusion in self.occlusions.iter_mut().flatten() {
-            if *occlusion == OcclusionState::Empty {
-                *occlusion = OcclusionState::Unknown;
+        for track in &mut self.tracks {
+            if track.unmatched == Some(OcclusionState::Empty) {
+                track.unmatched = Some(OcclusionState::Unknown);
             }
         }
     }
@@ -534,16 +493,25 @@ impl TrackTable {
     /// Recovers tracks in free space by matching them with unassigned candidates: a hand
     /// moves objects out of any gate.
     fn recover_tracks(&mut self, frame: &FramePose, update: &mut TrackUpdate) {
+        let mut recovery = std::mem::take(&mut self.recovery);
         let config = self.config.association();
-        self.recovery.match_candidates(
-            &self.tracks,
-            &self.occlusions,
-            &self.measured,
-            frame.capture_ns,
-            config,
-        );
-        for (track, candidate) in self.recovery.pairs() {
-            self.continue_track(track, candidate, frame, update);
+        let candidates =
+            recovery.match_candidates(&self.tracks, &self.measured, frame.capture_ns, config);
+        self.continue_tracks(candidates, frame, update);
+        self.recovery = recovery;
+    }
+
+    /// Continues each track that has a candidate with it.
+    fn continue_tracks(
+        &mut self,
+        candidates: &[Option<usize>],
+        frame: &FramePose,
+        update: &mut TrackUpdate,
+    ) {
+        for (track, candidate) in candidates.iter().enumerate() {
+            if let Some(candidate) = *candidate {
+                self.continue_track(track, candidate, frame, update);
+            }
         }
     }
 
@@ -563,7 +531,6 @@ impl TrackTable {
         }
         self.measured[candidate] = None;
         update_track(&mut self.tracks[track], candidate, &measured, frame, update);
-        self.occlusions[track] = None;
     }
 
     /// Remembers the table of the tracks that were seen to stand on it.
@@ -572,17 +539,16 @@ impl TrackTable {
         let standing =
             standing.filter(|seen| seen.measured.measurement.conditions().stands_on_table);
         for sighting in standing {
-            let tracks = &mut self.tracks;
-            if let Ok(i) = tracks.binary_search_by_key(&sighting.track_id, |track| track.id) {
-                tracks[i].table = surface;
+            if let Some(track) = self.track_mut(sighting.track_id) {
+                track.table = surface;
             }
         }
     }
 
     fn mark_missed(&mut self, frame: &FramePose) {
-        for (track, occlusion) in self.tracks.iter_mut().zip(&self.occlusions) {
-            if let Some(occlusion) = occlusion {
-                track.lifecycle = track.lifecycle.missed(frame.capture_ns, *occlusion);
+        for track in &mut self.tracks {
+            if let Some(occlusion) = track.unmatched {
+                track.lifecycle = track.lifecycle.missed(frame.capture_ns, occlusion);
             }
         }
     }
@@ -650,9 +616,17 @@ impl TrackTable {
                 last_handled_ns: 0,
                 table: None,
                 n_frames_duplicate: 0,
+                unmatched: None,
             });
         }
     }
+}
+
+/// Place of a live track; `None` when it has ended.
+fn place_of(tracks: &[Track], track_id: u64) -> Option<usize> {
+    tracks
+        .binary_search_by_key(&track_id, |track| track.id)
+        .ok()
 }
 
 /// Shift of a track to the nearest candidate seen whole that looks like it, metres; `None`
@@ -772,6 +746,7 @@ fn update_track(
         .lifecycle
         .observed(frame.capture_ns, measured.evidence);
     track.last_seen_ns = frame.capture_ns;
+    track.unmatched = None;
     if measured.measurement.conditions().is_handled() {
         track.last_handled_ns = frame.capture_ns;
     }

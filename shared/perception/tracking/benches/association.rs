@@ -42,7 +42,9 @@ fn associate_all(bencher: Bencher<'_, '_>, n: usize) {
         .collect();
     let (config, mut buffers) = (AssociationConfig::default(), AssociationBuffers::default());
     bencher.bench_local(|| {
-        associate(black_box(&tracks), &candidates, &config, &mut buffers)
+        let tracks = black_box(&tracks).iter().copied().map(Some);
+        let candidates = candidates.iter().copied().map(Some);
+        associate(tracks, candidates, &config, &mut buffers)
             .iter()
             .flatten()
             .count()

@@ -131,39 +131,44 @@ impl AssociationConfig {
 /// Scratch buffers of [`associate`], reused from frame to frame.
 #[derive(Debug, Default)]
 pub struct AssociationBuffers {
+    candidates: Vec<Option<ObservedCandidate>>,
     costs: Vec<f64>,
     assignment: AssignmentBuffers,
 }
 
 /// Candidate index of each track, `None` for an unobserved track. A candidate assigned
-/// to no track belongs to a new object.
+/// to no track belongs to a new object. Tracks and candidates that are `None` are assigned to
+/// nothing.
 ///
 /// A pair is allowed within the Mahalanobis gate if size and colour agree, or if the
 /// candidate may be the visible part of the object and the colours agree. Among the allowed pairs the
 /// assignment with the fewest unassigned tracks and the least cost is chosen. Position
 /// alone is not sufficient: a scene may be exchanged in front of a running camera.
 pub fn associate<'a>(
-    tracks: &[PredictedTrack],
-    candidates: &[ObservedCandidate],
+    tracks: impl Iterator<Item = Option<PredictedTrack>>,
+    candidates: impl Iterator<Item = Option<ObservedCandidate>>,
     config: &AssociationConfig,
     buffers: &'a mut AssociationBuffers,
 ) -> &'a [Option<usize>] {
-    buffers.costs.clear();
-    for track in tracks {
-        let pair = |candidate| pair_cost(track, candidate, config).unwrap_or(f64::INFINITY);
-        buffers.costs.extend(candidates.iter().map(pair));
-        if candidates.is_empty() {
-            // A column that cannot be assigned keeps one row for each track.
-            buffers.costs.push(f64::INFINITY);
-        }
+    let AssociationBuffers {
+        candidates: columns,
+        costs,
+        assignment,
+    } = buffers;
+    columns.clear();
+    columns.extend(candidates);
+    if columns.is_empty() {
+        // A column that cannot be assigned keeps one row for each track.
+        columns.push(None);
     }
-    let unassigned = config.unassigned_cost();
-    assign(
-        &buffers.costs,
-        candidates.len().max(1),
-        unassigned,
-        &mut buffers.assignment,
-    )
+    costs.clear();
+    for track in tracks {
+        let cost = |candidate: &Option<ObservedCandidate>| {
+            pair_cost(track.as_ref()?, candidate.as_ref()?, config)
+        };
+        costs.extend(columns.iter().map(|one| cost(one).unwrap_or(f64::INFINITY)));
+    }
+    assign(costs, columns.len(), config.unassigned_cost(), assignment)
 }
 
 /// Cost of a track-candidate pair; `None` outside the gates.
@@ -320,10 +325,12 @@ mod tests {
     ) {
         let mut buffers = AssociationBuffers::default();
         let config = AssociationConfig::default().validated().unwrap();
-        assert_eq!(
-            associate(tracks, candidates, &config, &mut buffers),
-            expected
+        let (some_tracks, some_candidates) = (
+            tracks.iter().copied().map(Some),
+            candidates.iter().copied().map(Some),
         );
+        let found = associate(some_tracks, some_candidates, &config, &mut buffers);
+        assert_eq!(found, expected);
     }
 
     #[test]
@@ -460,6 +467,35 @@ mod tests {
 
     proptest! {
         #[test]
+        fn association_ignores_tracks_and_candidates_that_are_none(
+            (tracks, candidates) in scene(), gaps in prop::array::uniform12(prop::bool::ANY),
+        ) {
+            let mug = appearance(1e-3, RED);
+            let config = AssociationConfig::default();
+            let with_gaps = |n: usize, gaps: &[bool]| {
+                let slots = (0..n).zip(gaps).flat_map(|(i, is_gap)| {
+                    is_gap.then_some(None).into_iter().chain([Some(i)])
+                });
+                slots.collect::<Vec<Option<usize>>>()
+            };
+            let rows = with_gaps(tracks.len(), &gaps[..6]);
+            let columns = with_gaps(candidates.len(), &gaps[6..]);
+            let track = |i: usize| track(tracks[i], mug);
+            let candidate = |i: usize| candidate(candidates[i], mug);
+            let mut buffers = AssociationBuffers::default();
+            let all = (0..tracks.len()).map(|i| Some(track(i)));
+            let dense = (0..candidates.len()).map(|i| Some(candidate(i)));
+            let expected = associate(all, dense, &config, &mut buffers).to_vec();
+            let some_tracks = rows.iter().map(|one| one.map(track));
+            let some_candidates = columns.iter().map(|one| one.map(candidate));
+            let found = associate(some_tracks, some_candidates, &config, &mut buffers);
+            for (row, column) in rows.iter().zip(found) {
+                let column = column.map(|column| columns[column].unwrap());
+                prop_assert_eq!(column, row.and_then(|row| expected[row]));
+            }
+        }
+
+        #[test]
         fn the_order_of_tracks_and_candidates_does_not_matter(
             (tracks, candidates) in scene(), turn_tracks in 0..6_usize, turn_candidates in 0..6_usize,
         ) {
@@ -469,7 +505,12 @@ mod tests {
             let mut candidates: Vec<_> = candidates.into_iter().map(|x| candidate(x, mug)).collect();
             let pairs = |tracks: &[PredictedTrack], candidates: &[ObservedCandidate]| {
                 let mut buffers = AssociationBuffers::default();
-                let found = associate(tracks, candidates, &config, &mut buffers);
+                let found = associate(
+                    tracks.iter().copied().map(Some),
+                    candidates.iter().copied().map(Some),
+                    &config,
+                    &mut buffers,
+                );
                 let x = |shape: &OrientedBox| shape.centre().x.to_bits();
                 let place = |i: usize, column: &Option<usize>| {
                     (x(&tracks[i].box_in_world), column.map(|c| x(&candidates[c].box_in_world)))

@@ -130,6 +130,7 @@ impl TableFixture {
             *last_id += 1;
             Some(*last_id)
         };
+        self.table.predict(&frame, &mut Vec::new());
         self.table
             .update(detection, cloud, &frame, next_id, &mut self.update);
     }
