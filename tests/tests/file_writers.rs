@@ -25,7 +25,7 @@ const CALLS: [&str; 14] = [
 /// Sources that may use these calls, each with its reason.
 const OWNERS: [(&str, &str); 14] = [
     (
-        "shared/core/dataset/src/output_file.rs",
+        "shared/core/file-access/src/output_file.rs",
         "the one writer of the files that users name",
     ),
     (
@@ -127,7 +127,7 @@ fn writers_of_files_are_the_named_owners() {
     }
     assert!(
         strangers.is_empty(),
-        "files that users name are written by dataset::write_atomic or dataset::OutputFile, which \
+        "files that users name are written by file_access::write_atomic or file_access::OutputFile, which \
          replace only regular files:\n{}",
         strangers.join("\n")
     );

@@ -9,7 +9,7 @@ use crate::time::utc;
 use command_line::{Output, format_table};
 use control_client::{MemoryClient, StoredDocument};
 use control_protocol::{DocumentKind, DocumentName, DocumentReport};
-use dataset::{OutputFile, check_output};
+use file_access::{OutputFile, check_output};
 use object_model::ObjectModel;
 use serde::Serialize;
 use service::Failure;

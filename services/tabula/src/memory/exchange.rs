@@ -7,7 +7,7 @@ use control_client::{
     ImportError, ImportRequest, MemoryClient, author_or_user, import as import_file,
 };
 use control_protocol::{AheadDecision, ExportReport, ImportReport, JobOutcome, request};
-use dataset::{OutputFile, check_output};
+use file_access::{OutputFile, check_output};
 use rustix::fs::OFlags;
 use serde::Serialize;
 use service::{CommonArguments, Failure, exit_code};

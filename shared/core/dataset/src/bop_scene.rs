@@ -12,12 +12,12 @@ pub use annotation::{BopImage, BopObject};
 pub use error::Error;
 pub use writer::{BopPixels, BopSceneWriter, write_model};
 
-use crate::bounded_file::read_file;
 use crate::image_error::ImageError;
 use crate::mesh::Mesh;
 use crate::ply;
 use crate::png_image::{PixelKind, PngImage};
 use annotation::{CameraEntry, ObjectEntry, VisibilityEntry};
+use file_access::read_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

@@ -18,11 +18,11 @@ mod scene;
 
 pub use error::Error;
 
-use crate::bounded_file::read_file;
 use crate::textured_mesh::TexturedMesh;
 use crate::{FileModel, UpAxis, texture_folder};
 use appearance::Appearances;
 use document::{Document, child};
+use file_access::read_file;
 use std::path::Path;
 
 /// Maximum size of a DAE file, bytes.

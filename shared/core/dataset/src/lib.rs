@@ -7,9 +7,6 @@
 //! the bytes present before any memory is reserved, so that a hostile file
 //! costs no more than an error message.
 //!
-//! Files are written atomically ([`OutputFile`], [`write_atomic`]), and replace only
-//! regular files: the writer of all files that a user names, for every program.
-//!
 //! This crate never panics on any input, never reserves memory that the input
 //! does not account for, never writes to a file outside the folder or path it
 //! was given, and knows nothing about channels, sensors or services.
@@ -34,15 +31,11 @@
 //! # Ok::<(), pcd::Error>(())
 //! ```
 
-mod bounded_file;
 mod folder_path;
 mod image_error;
 mod jpeg_image;
 mod lzf;
 mod model;
-mod natural_order;
-mod number_type;
-mod output_file;
 mod png_image;
 mod texture;
 mod texture_folder;
@@ -51,12 +44,10 @@ mod textured_mesh;
 pub mod bop_scene;
 pub mod dae;
 pub mod fakenect_folder;
-pub mod mesh;
 pub mod model_folder;
 pub mod obj;
 pub mod object_views;
 pub mod pcd;
-pub mod ply;
 pub mod recording_kind;
 pub mod registered_images;
 pub mod rgbd_sequence;
@@ -64,12 +55,10 @@ pub mod scene_folder;
 pub mod stl;
 pub mod washington;
 
-pub use bounded_file::FileError;
+pub use file_access::{
+    FileError, OutputFile, check_output, create_folder, natural_order, write_atomic,
+};
 pub use image_error::ImageError;
 pub use model::{FileModel, UpAxis};
-pub use natural_order::natural_order;
-pub use output_file::{OutputFile, check_output, create_folder, write_atomic};
+pub use ply::{self, NEUTRAL_GREY, mesh};
 pub use recording_kind::{RecordingKind, detect_recording_kind};
-
-/// Colour of points from files without colours.
-pub const NEUTRAL_GREY: point_cloud::Rgba = point_cloud::Rgba::opaque(128, 128, 128);

@@ -1,7 +1,7 @@
 //! Folders of models in several formats, such as a set of scanned objects.
 
-use crate::bounded_file::{FileError, file_names};
 use crate::{FileModel, dae, obj, ply, stl};
+use file_access::{FileError, file_names};
 use std::path::{Path, PathBuf};
 
 /// Model file found in a folder.

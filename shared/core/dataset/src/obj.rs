@@ -30,10 +30,10 @@ pub use error::Error;
 pub use materials::{Materials, material_libraries};
 pub use reader::read;
 
-use crate::bounded_file::read_file;
 use crate::folder_path::{parent, path_below};
-use crate::number_type::excerpt;
 use crate::{FileModel, texture_folder};
+use file_access::excerpt;
+use file_access::read_file;
 use std::path::Path;
 
 /// Maximum size of a material library, bytes.

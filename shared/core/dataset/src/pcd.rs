@@ -26,7 +26,7 @@ pub use error::Error;
 pub use header::Header;
 pub use writer::{PcdView, write};
 
-use crate::bounded_file::read_file;
+use file_access::read_file;
 use geometry::RigidTransform;
 use point_cloud::Point;
 use std::path::Path;

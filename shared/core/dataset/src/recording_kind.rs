@@ -1,7 +1,7 @@
 //! Detection of the kind of a recording by its file names.
 
-use crate::bounded_file::{FileError, file_names};
 use crate::{fakenect_folder, registered_images, rgbd_sequence, scene_folder};
+use file_access::{FileError, file_names};
 use std::fmt;
 use std::path::{Path, PathBuf};
 

@@ -27,11 +27,11 @@ mod timestamp;
 pub use error::Error;
 pub use intrinsics_json::{DepthCamera, IntrinsicsError, parse_intrinsics_json};
 
-use crate::bounded_file::read_file;
 use crate::rgbd_sequence::{
     BackProjection, INTRINSICS_NAME as MATRIX_NAME, MAX_IMAGE_BYTES, MAX_TEXT_BYTES, decode_color,
     decode_depth, depth_image_size, is_pose_name, parse_intrinsics,
 };
+use file_access::read_file;
 use geometry::PinholeCamera;
 use image_pair::{COLOR_FOLDERS, DEPTH_FOLDER, ImagePair, PairList, image_role, list_pairs};
 use point_cloud::Point;

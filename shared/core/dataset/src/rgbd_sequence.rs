@@ -31,7 +31,7 @@ pub use image::{decode_color, decode_depth, decode_mask, depth_image_size};
 pub use matrix_text::{parse_gravity, parse_intrinsics, parse_pose};
 pub use writer::{FrameView, SequenceWriter};
 
-use crate::bounded_file::read_file;
+use file_access::read_file;
 use frame_files::{DEPTH_SUFFIX, FrameFiles, MASK_SUFFIX, POSE_SUFFIX, TRUTH_SUFFIX, list_frames};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{UnitVector3, Vector3};

@@ -1,7 +1,7 @@
 //! Folder of PCD scenes.
 
-use crate::bounded_file::{FileError, file_names, read_file};
 use crate::pcd;
+use file_access::{FileError, file_names, read_file};
 use std::path::{Path, PathBuf};
 
 /// Scenes of a folder, in natural order of their names.

@@ -14,7 +14,7 @@ pub use crate::mesh::{MAX_BYTES, MAX_TRIANGLES, MAX_VERTICES, Mesh};
 pub use error::Error;
 pub use reader::read;
 
-use crate::bounded_file::read_file;
+use file_access::read_file;
 use std::path::Path;
 
 /// Reads an STL file.

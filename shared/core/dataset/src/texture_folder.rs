@@ -1,9 +1,9 @@
 //! Textures of a model: images in the folder of its file.
 
-use crate::bounded_file::read_file;
 use crate::folder_path::path_below;
-use crate::number_type::excerpt;
 use crate::texture::Texture;
+use file_access::excerpt;
+use file_access::read_file;
 use std::path::Path;
 
 /// Maximum number of textures of one model.

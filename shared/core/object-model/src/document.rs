@@ -16,8 +16,8 @@ use crate::error::Error;
 use crate::model::{ModelMesh, ModelView, ObjectModel, RefusedView};
 use crate::unseen_directions::UnseenDirections;
 use geometry::RigidTransform;
-use mesh::Vertex;
 use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use point_cloud::Vertex;
 use serde::{Deserialize, Serialize};
 use serde_bytes::ByteBuf;
 

@@ -29,5 +29,5 @@ pub enum Error {
     Invalid(String),
     /// Mesh that cannot be written as PLY.
     #[error(transparent)]
-    Ply(#[from] dataset::ply::Error),
+    Ply(#[from] ply::Error),
 }

@@ -11,7 +11,7 @@
 //! # Example
 //!
 //! ```
-//! use mesh::Vertex;
+//! use point_cloud::Vertex;
 //! use nalgebra::{Point3, Vector3};
 //! use object_model::{DirectionSphere, ModelMesh, ObjectModel, UnseenDirections};
 //!

@@ -2,7 +2,7 @@
 
 use crate::unseen_directions::UnseenDirections;
 use geometry::RigidTransform;
-use mesh::Vertex;
+use point_cloud::Vertex;
 
 /// Full model of an object, fused from views of it.
 #[derive(Debug, Clone, PartialEq)]

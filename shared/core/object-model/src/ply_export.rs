@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::model::ObjectModel;
-use dataset::ply::{Encoding, MeshView};
-use point_cloud::{Point, Rgba};
+use ply::{Encoding, MeshView};
+use point_cloud::{Point, Rgba, Vertex};
 
 impl ObjectModel {
     /// Surface as a binary little-endian PLY file with vertex colours, metres, in the frame of the
@@ -12,7 +12,7 @@ impl ObjectModel {
     /// # Errors
     /// When the model has more vertices or triangles than a PLY file may have, or is invalid.
     pub fn to_ply(&self) -> Result<Vec<u8>, Error> {
-        let point = |vertex: &mesh::Vertex| {
+        let point = |vertex: &Vertex| {
             let [red, green, blue] = vertex.color;
             Point {
                 x: vertex.position.x,
@@ -26,6 +26,6 @@ impl ObjectModel {
             vertices: &vertices,
             triangles: &self.mesh.triangles,
         };
-        Ok(dataset::ply::write(mesh, Encoding::BinaryLittleEndian)?)
+        Ok(ply::write(mesh, Encoding::BinaryLittleEndian)?)
     }
 }

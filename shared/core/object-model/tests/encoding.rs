@@ -3,12 +3,12 @@
 
 use allocation_counter::CountingAllocator;
 use geometry::RigidTransform;
-use mesh::Vertex;
 use mutation_fuzzing::{assert_sentence, fuzz, truncations};
 use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use object_model::{
     DirectionSphere, Error, ModelMesh, ModelView, ObjectModel, RefusedView, UnseenDirections,
 };
+use point_cloud::Vertex;
 use random::Random;
 
 #[global_allocator]
@@ -91,7 +91,7 @@ fn summary_counts_and_measures() {
 #[test]
 fn ply_holds_the_coloured_surface() {
     let model = model(50, 3);
-    let mesh = dataset::ply::read(&model.to_ply().unwrap()).unwrap();
+    let mesh = ply::read(&model.to_ply().unwrap()).unwrap();
     assert_eq!(mesh.triangles, model.mesh.triangles);
     for (point, vertex) in mesh.vertices.iter().zip(&model.mesh.vertices) {
         assert_eq!(
@@ -263,7 +263,7 @@ fn fuzz_object_models() {
                         .all(|extent| extent.is_finite())
                 );
                 assert!(model.unseen.in_words().len() <= 6);
-                dataset::ply::read(&model.to_ply().unwrap()).unwrap();
+                ply::read(&model.to_ply().unwrap()).unwrap();
                 let again = ObjectModel::from_bytes(&model.to_bytes().unwrap()).unwrap();
                 assert_eq!(again, model);
             }

@@ -30,6 +30,7 @@ mod least_eigenvector;
 mod organized_cloud;
 mod point;
 mod principal_axes;
+mod vertex;
 
 pub use color_histogram::ColorHistogram;
 pub use color_term::{ColorShares, ColorTerm};
@@ -37,3 +38,4 @@ pub use least_eigenvector::least_eigenvector;
 pub use organized_cloud::{OrganizedCloud, SizeMismatch};
 pub use point::{Point, Rgba};
 pub use principal_axes::{Moments, PrincipalAxes};
+pub use vertex::Vertex;

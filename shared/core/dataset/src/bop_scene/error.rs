@@ -1,8 +1,8 @@
 //! Error of reading or writing a BOP scene.
 
-use crate::bounded_file::FileError;
 use crate::image_error::ImageError;
 use crate::ply;
+use file_access::FileError;
 use std::path::PathBuf;
 
 /// Error of reading or writing a BOP scene.

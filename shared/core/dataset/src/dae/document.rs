@@ -1,7 +1,7 @@
 //! Elements of a COLLADA document by name and by identifier.
 
 use super::Error;
-use crate::number_type::excerpt;
+use file_access::excerpt;
 use roxmltree::Node;
 use std::collections::HashMap;
 use std::str::FromStr;

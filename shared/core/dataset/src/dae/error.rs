@@ -1,7 +1,7 @@
 //! Errors of reading DAE files.
 
 use super::MAX_TRIANGLES;
-use crate::FileError;
+use file_access::FileError;
 
 /// Error of reading a DAE file.
 #[derive(Debug, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! Errors of reading and writing fakenect recordings.
 
-use crate::FileError;
+use file_access::FileError;
 use std::path::PathBuf;
 
 /// Error of reading or writing a fakenect recording.

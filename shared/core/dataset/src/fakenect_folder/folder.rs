@@ -3,7 +3,7 @@
 use super::INDEX_NAME;
 use super::error::Error;
 use super::index::{FrameKind, IndexEntry, parse_index};
-use crate::bounded_file::{FileError, open_file, read_file};
+use file_access::{FileError, open_file, read_file};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

@@ -1,7 +1,7 @@
 //! Index of a fakenect recording.
 
 use super::error::Error;
-use crate::number_type::excerpt;
+use file_access::excerpt;
 use std::time::Duration;
 
 /// Maximum pause between two frames, for which the player sleeps.

@@ -3,8 +3,8 @@
 use super::error::Error;
 use super::index::{FrameKind, MAX_PAUSE, file_name};
 use super::{INDEX_NAME, NO_DEPTH, TILT_BYTES};
-use crate::FileError;
-use crate::output_file::{create_folder, write_atomic};
+use file_access::FileError;
+use file_access::{create_folder, write_atomic};
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

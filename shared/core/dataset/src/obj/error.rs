@@ -1,7 +1,7 @@
 //! Errors of reading OBJ files.
 
 use super::{MAX_TRIANGLES, MAX_VERTICES};
-use crate::FileError;
+use file_access::FileError;
 use std::path::PathBuf;
 
 /// Error of reading an OBJ file or its material libraries.

@@ -1,7 +1,7 @@
 //! Tokeniser of OBJ files and material libraries.
 
 use super::Error;
-use crate::number_type::excerpt;
+use file_access::excerpt;
 
 /// Line that is neither blank nor a comment, joined with its continuation lines.
 #[derive(Debug, Clone, Copy)]

@@ -5,8 +5,8 @@ use super::materials::{Materials, byte};
 use super::vertex_colors::{MaterialRun, assign_vertex_colors};
 use super::{Error, MAX_TRIANGLES, MAX_VERTICES, Mesh};
 use crate::NEUTRAL_GREY;
-use crate::number_type::excerpt;
 use crate::textured_mesh::{FaceTexture, TexturedMesh};
+use file_access::excerpt;
 use point_cloud::{Point, Rgba};
 
 /// Number of the texture coordinates of a corner that has none.

@@ -2,9 +2,9 @@
 
 use super::error::Error;
 use super::object_view::ObjectView;
-use crate::bounded_file::{file_names, folder_names};
 use crate::pcd;
 use crate::scene_folder::is_scene_name;
+use file_access::{file_names, folder_names};
 use std::path::{Path, PathBuf};
 
 /// Maximum number of views of a dataset.

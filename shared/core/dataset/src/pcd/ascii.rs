@@ -4,7 +4,7 @@ use super::error::Error;
 use super::layout::{ColorField, Field, Layout};
 use super::point_value::{finite_or_nan, unpack_color};
 use crate::NEUTRAL_GREY;
-use crate::number_type::{NumberType, as_u32, excerpt};
+use file_access::{NumberType, as_u32, excerpt};
 use point_cloud::{Point, Rgba};
 
 /// Decodes one line of text for each point into the slices; blank lines are skipped.

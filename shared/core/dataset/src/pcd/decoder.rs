@@ -8,7 +8,7 @@ use super::layout::{Field, Layout};
 use super::point_value::{OPAQUE, finite_or_nan, unpack_color};
 use crate::NEUTRAL_GREY;
 use crate::lzf;
-use crate::number_type::{ByteOrder, NumberType, as_u32, read_bits};
+use file_access::{ByteOrder, NumberType, as_u32, read_bits};
 use point_cloud::{Point, Rgba};
 
 /// Decoder of PCD files that reuses its memory from file to file.

@@ -2,7 +2,7 @@
 
 use super::encoding::Encoding;
 use super::error::Error;
-use crate::number_type::excerpt;
+use file_access::excerpt;
 
 /// Limit of the search for the end of the header, bytes.
 const MAX_HEADER_BYTES: usize = 1 << 16;

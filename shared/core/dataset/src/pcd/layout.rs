@@ -3,7 +3,7 @@
 use super::MAX_BYTES;
 use super::error::Error;
 use super::header_lines::{Line, Lines};
-use crate::number_type::NumberType;
+use file_access::NumberType;
 
 /// Positions of the known fields within a point.
 #[derive(Debug, Clone, PartialEq)]

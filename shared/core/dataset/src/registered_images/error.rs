@@ -1,8 +1,8 @@
 //! Errors of reading registered images.
 
 use super::IntrinsicsError;
-use crate::FileError;
 use crate::rgbd_sequence::ContentError;
+use file_access::FileError;
 use std::path::{Path, PathBuf};
 
 /// Error of reading a folder of registered images.

@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::timestamp::{associate, parse_timestamp};
-use crate::bounded_file::{file_names, folder_names};
+use file_access::{file_names, folder_names};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -180,7 +180,7 @@ impl Images {
         if let Some((name, path)) = self.color.pop_first() {
             return Err(unpaired(ImageRole::Color, &name, path));
         }
-        pairs.sort_unstable_by(|left, right| crate::natural_order(&left.name, &right.name));
+        pairs.sort_unstable_by(|left, right| file_access::natural_order(&left.name, &right.name));
         let n_unpaired = 0;
         Ok(PairList { pairs, n_unpaired })
     }

@@ -1,7 +1,7 @@
 //! Frames of a sequence folder, by file names.
 
 use super::Error;
-use crate::bounded_file::file_names;
+use file_access::file_names;
 use std::path::Path;
 
 pub(super) const DEPTH_SUFFIX: &str = ".depth.png";
@@ -87,7 +87,7 @@ impl FileNames {
     fn has(&self, stem: &str, suffix: &str) -> bool {
         let wanted = format!("{stem}{suffix}");
         self.0
-            .binary_search_by(|name| crate::natural_order(name, &wanted))
+            .binary_search_by(|name| file_access::natural_order(name, &wanted))
             .is_ok()
     }
 
@@ -103,7 +103,7 @@ impl FileNames {
     fn check_colors(&self, folder: &Path, frames: &[FrameFiles]) -> Result<(), Error> {
         let is_behind = |stem: &str| {
             let last = frames.last().map_or("", |frame| &frame.stem);
-            crate::natural_order(stem, last).is_gt()
+            file_access::natural_order(stem, last).is_gt()
         };
         for name in &self.0 {
             let png = stem(name, COLOR_PNG_SUFFIX).filter(|stem| !is_behind(stem));

@@ -8,9 +8,9 @@ use super::{
     GRAVITY_NAME, INTRINSICS_NAME, MAX_IMAGE_BYTES, MAX_TRUTH_BYTES, parse_gravity,
     parse_intrinsics, parse_pose,
 };
-use crate::bounded_file::{FileError, file_names};
-use crate::output_file::{create_folder, write_atomic};
 use crate::png_image::{PixelKind, encode, to_big_endian_samples};
+use file_access::{FileError, file_names};
+use file_access::{create_folder, write_atomic};
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::UnitVector3;
 use std::path::{Path, PathBuf};

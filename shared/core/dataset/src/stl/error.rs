@@ -1,7 +1,7 @@
 //! Errors of reading STL files.
 
 use super::{MAX_TRIANGLES, MAX_VERTICES};
-use crate::FileError;
+use file_access::FileError;
 
 /// Error of reading an STL file.
 #[derive(Debug, thiserror::Error)]

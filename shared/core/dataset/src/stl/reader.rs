@@ -2,7 +2,7 @@
 
 use super::{Error, MAX_TRIANGLES, MAX_VERTICES, Mesh};
 use crate::NEUTRAL_GREY;
-use crate::number_type::excerpt;
+use file_access::excerpt;
 use point_cloud::Point;
 use std::collections::HashMap;
 

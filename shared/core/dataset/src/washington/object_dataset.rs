@@ -7,8 +7,8 @@ use super::location::parse_location;
 use super::view::CroppedView;
 use super::view_name::ViewName;
 use super::{CAMERA, CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
-use crate::bounded_file::{file_names, folder_names, read_file};
 use crate::pcd;
+use file_access::{file_names, folder_names, read_file};
 use point_cloud::Point;
 use std::path::{Path, PathBuf};
 

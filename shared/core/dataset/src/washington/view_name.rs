@@ -85,7 +85,7 @@ impl fmt::Display for ViewName {
 impl Ord for ViewName {
     fn cmp(&self, other: &Self) -> Ordering {
         let numbers = |name: &Self| (name.instance, name.sequence, name.frame);
-        crate::natural_order(&self.category, &other.category)
+        file_access::natural_order(&self.category, &other.category)
             .then_with(|| numbers(self).cmp(&numbers(other)))
     }
 }

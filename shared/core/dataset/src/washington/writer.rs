@@ -6,8 +6,8 @@ use super::location::format_location;
 use super::view::CroppedView;
 use super::view_name::ViewName;
 use super::{CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
-use crate::output_file::{create_folder, write_atomic};
 use crate::png_image::{PixelKind, encode, to_big_endian_samples};
+use file_access::{create_folder, write_atomic};
 use geometry::PinholeCamera;
 use std::path::Path;
 

@@ -1,30 +1,42 @@
-//! Number types of PCD and PLY files, in binary and in text.
+//! Number types of point cloud and mesh files, in binary and in text.
 
 /// Storage type of a number in a binary file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum NumberType {
+pub enum NumberType {
+    /// Signed integer of 8 bits.
     I8,
+    /// Signed integer of 16 bits.
     I16,
+    /// Signed integer of 32 bits.
     I32,
+    /// Signed integer of 64 bits.
     I64,
+    /// Unsigned integer of 8 bits.
     U8,
+    /// Unsigned integer of 16 bits.
     U16,
+    /// Unsigned integer of 32 bits.
     U32,
+    /// Unsigned integer of 64 bits.
     U64,
+    /// Floating-point number of 32 bits.
     F32,
+    /// Floating-point number of 64 bits.
     F64,
 }
 
 /// Byte order (endianness) of a binary number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ByteOrder {
+pub enum ByteOrder {
+    /// Least significant byte first.
     Little,
+    /// Most significant byte first.
     Big,
 }
 
 impl NumberType {
     /// Size of the number in a binary file, bytes.
-    pub(crate) const fn size(self) -> usize {
+    pub const fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -34,14 +46,14 @@ impl NumberType {
     }
 
     /// True for integer number types.
-    pub(crate) const fn is_integer(self) -> bool {
+    pub const fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 
     /// Reads a binary number at the start of `bytes`; 64-bit integers beyond 2^53 are rounded.
     /// `None` when there are too few bytes.
     #[inline]
-    pub(crate) fn read(self, bytes: &[u8], order: ByteOrder) -> Option<f64> {
+    pub fn read(self, bytes: &[u8], order: ByteOrder) -> Option<f64> {
         let bits = read_bits(bytes, self.size(), order)?;
         Some(match self {
             Self::I8 => f64::from(bits as i8),
@@ -56,7 +68,7 @@ impl NumberType {
 
     /// Parses a number; `None` when the text is not a number of this type or is out of range. NaN
     /// and infinity are accepted.
-    pub(crate) fn parse(self, text: &str) -> Option<f64> {
+    pub fn parse(self, text: &str) -> Option<f64> {
         match self {
             Self::F32 => text.parse::<f32>().ok().map(f64::from),
             Self::F64 => text.parse::<f64>().ok(),
@@ -74,7 +86,7 @@ impl NumberType {
 
 /// Bits of a number of `size` <= 8 bytes.
 #[inline]
-pub(crate) fn read_bits(bytes: &[u8], size: usize, order: ByteOrder) -> Option<u64> {
+pub fn read_bits(bytes: &[u8], size: usize, order: ByteOrder) -> Option<u64> {
     let mut raw = [0; 8];
     let number = raw.get_mut(..size)?;
     number.copy_from_slice(bytes.get(..size)?);
@@ -86,13 +98,13 @@ pub(crate) fn read_bits(bytes: &[u8], size: usize, order: ByteOrder) -> Option<u
 
 /// Exact conversion to an index or count; `None` when the value is not a `u32`.
 #[inline]
-pub(crate) fn as_u32(value: f64) -> Option<u32> {
+pub fn as_u32(value: f64) -> Option<u32> {
     let whole = value as u32;
     (f64::from(whole) == value).then_some(whole)
 }
 
 /// Excerpt of a file's text, shortened and escaped for printing.
-pub(crate) fn excerpt(text: &str) -> String {
+pub fn excerpt(text: &str) -> String {
     const MAX_CHARACTERS: usize = 40;
     let mut shown: String = text
         .chars()

@@ -81,7 +81,7 @@ pub enum FileError {
 
 impl FileError {
     /// Wraps an I/O error with its path and action.
-    pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
+    pub fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::Io {
             path: path.to_owned(),
             action,
@@ -91,7 +91,10 @@ impl FileError {
 }
 
 /// Reads a regular file of at most `limit` bytes into a buffer, whose memory is reused.
-pub(crate) fn read_file(path: &Path, limit: u64, buffer: &mut Vec<u8>) -> Result<(), FileError> {
+///
+/// # Errors
+/// When the file cannot be read, is larger than the limit, or is no regular file.
+pub fn read_file(path: &Path, limit: u64, buffer: &mut Vec<u8>) -> Result<(), FileError> {
     let (file, size) = open_file(path)?;
     if size > limit {
         return Err(FileError::TooLarge {
@@ -116,7 +119,10 @@ pub(crate) fn read_file(path: &Path, limit: u64, buffer: &mut Vec<u8>) -> Result
 
 /// Opens a regular file and returns its size. A pipe would block forever, so the file type is
 /// checked first.
-pub(crate) fn open_file(path: &Path) -> Result<(File, u64), FileError> {
+///
+/// # Errors
+/// When the file cannot be opened, or is no regular file.
+pub fn open_file(path: &Path) -> Result<(File, u64), FileError> {
     let metadata = path.metadata().map_err(FileError::io(path, "read"))?;
     if !metadata.is_file() {
         return Err(FileError::NotAFile {
@@ -128,15 +134,18 @@ pub(crate) fn open_file(path: &Path) -> Result<(File, u64), FileError> {
 }
 
 /// Names of the files of a folder that `wanted` accepts, in natural order.
-pub(crate) fn file_names(
-    folder: &Path,
-    wanted: impl Fn(&str) -> bool,
-) -> Result<Vec<String>, FileError> {
+///
+/// # Errors
+/// When the folder cannot be read, has too many entries, or has a name that is no text.
+pub fn file_names(folder: &Path, wanted: impl Fn(&str) -> bool) -> Result<Vec<String>, FileError> {
     entry_names(folder, |name, _| wanted(name))
 }
 
 /// Names of the subfolders of a folder, in natural order.
-pub(crate) fn folder_names(folder: &Path) -> Result<Vec<String>, FileError> {
+///
+/// # Errors
+/// As [`file_names`].
+pub fn folder_names(folder: &Path) -> Result<Vec<String>, FileError> {
     entry_names(folder, |_, entry| match entry.file_type() {
         Ok(kind) if kind.is_symlink() => entry.path().is_dir(),
         Ok(kind) => kind.is_dir(),

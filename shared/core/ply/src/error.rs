@@ -1,7 +1,7 @@
 //! Errors of reading and writing PLY files.
 
-use super::{MAX_TRIANGLES, MAX_VERTICES};
-use crate::FileError;
+use crate::{MAX_TRIANGLES, MAX_VERTICES};
+use file_access::FileError;
 
 /// Error of reading or writing a PLY file.
 #[derive(Debug, thiserror::Error)]

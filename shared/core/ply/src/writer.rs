@@ -1,7 +1,7 @@
 //! Encoder (writer) of PLY files.
 
-use super::error::Error;
-use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES, MeshView};
+use crate::error::Error;
+use crate::{Encoding, MAX_TRIANGLES, MAX_VERTICES, MeshView};
 use point_cloud::Point;
 
 /// Encodes a PLY file of version 1.0 with the vertex properties `x y z red green blue` and,

@@ -1,11 +1,11 @@
 //! Decoder of PLY files.
 
-use super::error::Error;
-use super::header::{Element, Header, PropertyKind};
-use super::value_reader::{BinaryValueReader, TextValueReader, ValueError, ValueReader};
-use super::{Encoding, MAX_TRIANGLES, MAX_VERTICES, Mesh};
 use crate::NEUTRAL_GREY;
-use crate::number_type::{ByteOrder, NumberType, as_u32, excerpt};
+use crate::error::Error;
+use crate::header::{Element, Header, PropertyKind};
+use crate::value_reader::{BinaryValueReader, TextValueReader, ValueError, ValueReader};
+use crate::{Encoding, MAX_TRIANGLES, MAX_VERTICES, Mesh};
+use file_access::{ByteOrder, NumberType, as_u32, excerpt};
 use point_cloud::{Point, Rgba};
 
 /// Decodes a PLY file from its bytes.

@@ -1,7 +1,7 @@
 //! Sequential reader of the numbers after the header of a PLY file.
 
-use super::header::{Element, PropertyKind};
-use crate::number_type::{ByteOrder, NumberType, excerpt};
+use crate::header::{Element, PropertyKind};
+use file_access::{ByteOrder, NumberType, excerpt};
 
 /// Error of reading the next number of a PLY file.
 #[derive(Debug)]

@@ -9,20 +9,27 @@
 //! and nothing may follow the last element.
 //!
 //! Written: `x y z red green blue` and, if there are triangles, faces.
+//!
+//! This crate never panics on any input, and never reserves memory that the input does not
+//! account for.
 
 mod error;
 mod header;
+pub mod mesh;
 mod reader;
 mod value_reader;
 mod writer;
 
-pub use crate::mesh::{MAX_BYTES, MAX_TRIANGLES, MAX_VERTICES, Mesh, MeshView};
 pub use error::Error;
+pub use mesh::{MAX_BYTES, MAX_TRIANGLES, MAX_VERTICES, Mesh, MeshView};
 pub use reader::read;
 pub use writer::write;
 
-use crate::bounded_file::read_file;
+use file_access::read_file;
 use std::path::Path;
+
+/// Colour of points from files without colours.
+pub const NEUTRAL_GREY: point_cloud::Rgba = point_cloud::Rgba::opaque(128, 128, 128);
 
 /// Encoding of the data after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! Header of a PLY file.
 
-use super::Encoding;
-use super::error::Error;
-use crate::number_type::{NumberType, excerpt};
+use crate::Encoding;
+use crate::error::Error;
+use file_access::{NumberType, excerpt};
 
 /// Limit of the search for the end of the header, bytes.
 const MAX_HEADER_BYTES: usize = 1 << 16;
