@@ -93,6 +93,17 @@ impl PinholeCamera {
         })
     }
 
+    /// Column and row of the pixel that shows a point; `None` at or behind the camera and outside
+    /// of the image.
+    #[inline]
+    pub fn pixel_of(&self, point_in_camera: &Point3<f64>) -> Option<[usize; 2]> {
+        let place = self.project(point_in_camera)?;
+        let (column, row) = (place.x.round(), place.y.round());
+        let is_inside = (0.0..f64::from(self.width)).contains(&column)
+            && (0.0..f64::from(self.height)).contains(&row);
+        is_inside.then_some([column as usize, row as usize])
+    }
+
     /// Number of pixels of the image.
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize
@@ -121,6 +132,19 @@ mod tests {
             None
         );
         assert_eq!(PinholeCamera::KINECT_V1.project(&Point3::origin()), None);
+    }
+
+    #[test]
+    fn pixel_is_the_nearest_one_inside_the_image() {
+        let camera = PinholeCamera::KINECT_V1;
+        let pixel_at = |column, row| camera.pixel_of(&camera.back_project(column, row, 0.8));
+        assert_eq!(pixel_at(-0.4, 479.4), Some([0, 479]));
+        assert_eq!(pixel_at(12.6, 7.3), Some([13, 7]));
+        for (column, row) in [(-0.6, 9.0), (639.6, 9.0), (9.0, -0.6), (9.0, 479.6)] {
+            assert_eq!(pixel_at(column, row), None);
+        }
+        assert_eq!(camera.pixel_of(&Point3::new(f64::NAN, 0.0, 1.0)), None);
+        assert_eq!(camera.pixel_of(&Point3::new(0.0, 0.0, -1.0)), None);
     }
 
     #[test]

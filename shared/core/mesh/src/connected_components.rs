@@ -1,20 +1,20 @@
 //! Connected components of a mesh.
 
-use crate::union_find::UnionFind;
 use crate::welding::{weld_vertices, welded_corners};
 use crate::{Triangle, TriangleMesh};
 use std::collections::HashMap;
+use union_find::{find_root, union};
 
 impl TriangleMesh {
     /// Splits the mesh into its connected components by shared vertex positions, in the order of
     /// their first triangles. Invalid triangles are dropped.
     pub fn connected_components(&self) -> Vec<Self> {
         let (welded_index, n_welded) = weld_vertices(self);
-        let mut parts = UnionFind::new(n_welded);
+        let mut parents: Vec<u32> = (0..n_welded as u32).collect();
         let corners = |triangle: &Triangle| welded_corners(&welded_index, triangle.vertices);
         for [a, b, c] in self.triangles.iter().filter_map(corners) {
-            parts.union(a, b);
-            parts.union(b, c);
+            union(&mut parents, a, b);
+            union(&mut parents, b, c);
         }
         let mut known = HashMap::new();
         let mut meshes: Vec<Self> = Vec::new();
@@ -23,7 +23,9 @@ impl TriangleMesh {
             let Some([place, ..]) = corners(triangle) else {
                 continue;
             };
-            let idx = *known.entry(parts.find(place)).or_insert(meshes.len());
+            let idx = *known
+                .entry(find_root(&mut parents, place))
+                .or_insert(meshes.len());
             if idx == meshes.len() {
                 meshes.push(Self {
                     surfaces: self.surfaces.clone(),

@@ -1,9 +1,9 @@
 //! Mesh validation: boundary, non-manifold and degenerate elements.
 
-use crate::union_find::UnionFind;
 use crate::welding::{is_degenerate, weld_vertices, welded_corners};
 use crate::{Bounds, TriangleMesh};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use union_find::{find_root, union};
 
 /// Area below which a triangle counts as degenerate, square metres. Chosen.
 const AREA_MIN_M2: f32 = 1e-12;
@@ -57,7 +57,7 @@ impl TriangleMesh {
     pub fn diagnostics(&self) -> MeshDiagnostics {
         let (welded_index, n_welded) = weld_vertices(self);
         let mut edges: HashMap<(u32, u32), EdgeUse> = HashMap::new();
-        let mut parts = UnionFind::new(n_welded);
+        let mut parents: Vec<u32> = (0..n_welded as u32).collect();
         let (mut n_degenerate, mut n_invalid) = (0, 0);
         for (i, triangle) in self.triangles.iter().enumerate() {
             let corners = welded_corners(&welded_index, triangle.vertices);
@@ -76,9 +76,13 @@ impl TriangleMesh {
                 } else {
                     &mut edge.n_backward
                 }) += 1;
-                parts.union(a, b);
+                union(&mut parents, a, b);
             }
         }
+        let roots: HashSet<u32> = edges
+            .keys()
+            .map(|&(corner, _)| find_root(&mut parents, corner))
+            .collect();
         let count = |is: fn(&EdgeUse) -> bool| edges.values().filter(|edge| is(edge)).count();
         MeshDiagnostics {
             n_boundary_edges: count(|edge| edge.n_forward + edge.n_backward == 1),
@@ -87,7 +91,7 @@ impl TriangleMesh {
             n_degenerate_triangles: n_degenerate,
             n_invalid_triangles: n_invalid,
             n_non_finite_vertices: self.n_non_finite_vertices(),
-            n_components: parts.n_components(),
+            n_components: roots.len(),
             extent: self.bounds(),
         }
     }

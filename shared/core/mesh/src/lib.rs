@@ -34,7 +34,6 @@ mod surface_builder;
 mod triangle_mesh;
 mod triangulation;
 mod tube;
-mod union_find;
 mod vertex_normals;
 mod welding;
 

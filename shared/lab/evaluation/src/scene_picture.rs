@@ -199,14 +199,8 @@ impl PixelGrid {
         let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
         let mut nearest: Vec<Option<usize>> = vec![None; width * height];
         for (point_idx, point) in scene.points.iter().enumerate() {
-            let Some(pixel) = CAMERA.project(&point.position()) else {
-                continue;
-            };
-            let (column, row) = (pixel.x.round(), pixel.y.round());
-            let is_inside =
-                (0.0..width as f64).contains(&column) && (0.0..height as f64).contains(&row);
-            if is_inside {
-                let seen = &mut nearest[row as usize * width + column as usize];
+            if let Some([column, row]) = CAMERA.pixel_of(&point.position()) {
+                let seen = &mut nearest[row * width + column];
                 if seen.is_none_or(|other| point.z < scene.points[other].z) {
                     *seen = Some(point_idx);
                 }

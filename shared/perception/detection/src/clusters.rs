@@ -189,24 +189,5 @@ fn squared_distance(a: &Point, b: &Point) -> f32 {
     dx * dx + dy * dy + dz * dz
 }
 
-/// Union of two clusters under the lower label; returns the root.
-#[inline]
-pub(crate) fn union(parents: &mut [u32], a: u32, b: u32) -> u32 {
-    let (a, b) = (find_root(parents, a), find_root(parents, b));
-    let (first, second) = (a.min(b), a.max(b));
-    parents[second as usize] = first;
-    first
-}
-
-/// Root of a label in the union-find forest, with path halving.
-#[inline]
-pub(crate) fn find_root(parents: &mut [u32], mut cluster: u32) -> u32 {
-    while parents[cluster as usize] != cluster {
-        parents[cluster as usize] = parents[parents[cluster as usize] as usize];
-        cluster = parents[cluster as usize];
-    }
-    cluster
-}
-
 #[cfg(test)]
 mod tests;

@@ -21,7 +21,7 @@ mod training;
 mod undivided_clusters;
 mod watershed;
 
-use crate::clusters::{Clusters, NO_CLUSTER, find_root, union};
+use crate::clusters::{Clusters, NO_CLUSTER};
 use crate::input::ExpectedTrack;
 use crate::parallelism::Parallelism;
 use crate::region_merging::RegionAdjacency;
@@ -32,6 +32,7 @@ use pixel_labels::CellLabels;
 use point_cloud::OrganizedCloud;
 use region_claims::RegionClaims;
 use undivided_clusters::UndividedClusters;
+use union_find::{find_root, union};
 use watershed::{CELLS_MIN, Watershed};
 
 pub(crate) use bends::Bends;

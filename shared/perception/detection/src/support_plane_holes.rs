@@ -2,8 +2,8 @@
 //! floor of a pot or the middle of a plate.
 
 use crate::affine_form::AffineForm;
-use crate::clusters::union;
 use crate::samples::Samples;
+use union_find::union;
 
 /// Label of samples that are not level with the table.
 const NO_REGION: u32 = 0;

@@ -1,7 +1,7 @@
 //! Depth image of one object: the segmented points of a view, in the pixels of its camera.
 
 use crate::Error;
-use crate::depth_window::{BORDER_DISTANCE_MAX_PX, DepthWindow, PlacedPoint, pixel_of};
+use crate::depth_window::{BORDER_DISTANCE_MAX_PX, DepthWindow, PlacedPoint};
 use geometry::PinholeCamera;
 use nalgebra::{Point3, Vector3};
 use point_cloud::Point;
@@ -52,9 +52,11 @@ impl DepthView {
         camera: PinholeCamera,
         depth_noise: DepthNoise,
     ) -> Result<Self, Error> {
+        let pixel = |point: &Point| camera.pixel_of(&point.position());
         let placed: Vec<PlacedPoint<'_>> = points
             .iter()
-            .filter_map(|point| Some((pixel_of(point, &camera)?, point)))
+            .filter(|point| point.is_finite())
+            .filter_map(|point| Some((pixel(point)?.map(|place| place as i32), point)))
             .collect();
         let window = DepthWindow::new(&placed).ok_or(Error::NoPoints {
             n_points: points.len(),

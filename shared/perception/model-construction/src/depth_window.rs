@@ -1,6 +1,5 @@
 //! Window of a depth image: the pixels of one object, and their distances from its borders.
 
-use geometry::PinholeCamera;
 use point_cloud::Point;
 
 /// Depth step between neighbouring pixels, as a share of the depth, from which both are a border.
@@ -96,18 +95,6 @@ impl DepthWindow {
         }
         distances
     }
-}
-
-/// Column and row of a point; `None` outside of the image.
-pub(crate) fn pixel_of(point: &Point, camera: &PinholeCamera) -> Option<[i32; 2]> {
-    if !point.is_finite() {
-        return None;
-    }
-    let place = camera.project(&point.position())?;
-    let (column, row) = (place.x.round(), place.y.round());
-    let is_inside = (0.0..f64::from(camera.width)).contains(&column)
-        && (0.0..f64::from(camera.height)).contains(&row);
-    is_inside.then_some([column as i32, row as i32])
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use pathfinding::kuhn_munkres::kuhn_munkres_min;
 use pathfinding::matrix::Matrix;
+use union_find::{find_root, union};
 
 /// Fixed-point scale of costs; the solver requires integers.
 const COST_SCALE: f64 = 1e6;
@@ -50,7 +51,7 @@ pub fn assign<'a>(
     buffers.groups.refill(&pairs, n_rows);
     buffers.assign_cheapest(&pairs);
     for root in 0..n_rows {
-        if buffers.groups.root(root) == root && buffers.has_conflict(root) {
+        if buffers.groups.has_conflict[root] {
             buffers.solve_group(root, &pairs);
         }
     }
@@ -99,10 +100,6 @@ impl AssignmentBuffers {
         }
     }
 
-    fn has_conflict(&self, root: usize) -> bool {
-        self.groups.has_conflict[root]
-    }
-
     /// Solves one conflicting component by the Hungarian method.
     fn solve_group(&mut self, root: usize, pairs: &AllowedPairs<'_>) {
         let Self {
@@ -137,38 +134,31 @@ impl AssignmentBuffers {
 /// Union-find over rows that share an allowed column.
 #[derive(Debug, Default)]
 struct ConflictGroups {
-    parent: Vec<usize>,
+    parents: Vec<u32>,
+    /// Per row: `true` for the root of a group with a conflict.
     has_conflict: Vec<bool>,
 }
 
 impl ConflictGroups {
     fn refill(&mut self, pairs: &AllowedPairs<'_>, n_rows: usize) {
-        self.parent.clear();
-        self.parent.extend(0..n_rows);
+        self.parents.clear();
+        self.parents.extend(0..n_rows as u32);
         self.has_conflict.clear();
         self.has_conflict.resize(n_rows, false);
         for column in 0..pairs.n_columns {
             let mut first = None;
             for row in (0..n_rows).filter(|row| pairs.cost(*row, column).is_some()) {
-                match first {
-                    None => first = Some(row),
-                    Some(first) => self.join(first, row),
-                }
+                union(
+                    &mut self.parents,
+                    *first.get_or_insert(row as u32),
+                    row as u32,
+                );
             }
         }
     }
 
-    fn root(&self, mut row: usize) -> usize {
-        while self.parent[row] != row {
-            row = self.parent[row];
-        }
-        row
-    }
-
-    /// Union by smallest index, so that components do not depend on order.
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
+    fn root(&mut self, row: usize) -> usize {
+        find_root(&mut self.parents, row as u32) as usize
     }
 }
 

@@ -201,19 +201,12 @@ impl<'a> DepthView<'a> {
 
     /// Measured depth in the direction of a point and the ray of its pixel.
     fn depth_at(&self, place_in_camera: &Point3<f64>) -> Result<(f64, Vector3<f64>), RayResult> {
-        let Some(pixel) = self.camera.project(place_in_camera) else {
-            return Err(RayResult::Outside);
-        };
-        let (column, row) = (pixel.x.round(), pixel.y.round());
-        let is_inside = (0.0..f64::from(self.camera.width)).contains(&column)
-            && (0.0..f64::from(self.camera.height)).contains(&row);
-        if !is_inside {
-            return Err(RayResult::Outside);
-        }
-        let index = row as usize * self.camera.width as usize + column as usize;
+        let pixel = self.camera.pixel_of(place_in_camera);
+        let [column, row] = pixel.ok_or(RayResult::Outside)?;
+        let index = row * self.camera.width as usize + column;
         let depth_m = f64::from(self.cloud[index].z);
         if depth_m.is_finite() && depth_m > 0.0 {
-            Ok((depth_m, self.camera.ray(column, row)))
+            Ok((depth_m, self.camera.ray(column as f64, row as f64)))
         } else {
             Err(RayResult::NoDepth)
         }

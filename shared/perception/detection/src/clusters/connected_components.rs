@@ -4,9 +4,10 @@
 //! parallel, and merged along their seams. The components do not depend on the order in
 //! which links are followed.
 
-use super::{Clusters, LINKS, NO_CLUSTER, squared_distance, union};
+use super::{Clusters, LINKS, NO_CLUSTER, squared_distance};
 use crate::parallelism::{Parallelism, for_each};
 use point_cloud::{OrganizedCloud, Point};
+use union_find::union;
 
 /// Number of bands, unless the image has fewer rows.
 const N_BANDS: usize = 8;

@@ -2,7 +2,8 @@
 //! for a region of their own.
 
 use super::watershed::WatershedRegion;
-use crate::clusters::{NO_CLUSTER, find_root, union};
+use crate::clusters::NO_CLUSTER;
+use union_find::{find_root, union};
 
 /// Object of each cluster that is not divided. Reused from frame to frame.
 #[derive(Debug, Default)]

@@ -2,7 +2,7 @@
 
 use super::cell_image::{Cell, CellImage};
 use super::edge_image::{EdgeImage, NO_EDGE};
-use crate::clusters::{find_root, union};
+use union_find::{find_root, union};
 
 /// Strength up to which an edge is inside of an object: a probability of 0.7 %. Chosen.
 const INSIDE_MAX: u8 = 22;

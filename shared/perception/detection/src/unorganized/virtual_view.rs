@@ -287,8 +287,5 @@ fn look_at(
 #[inline]
 fn project(point: &Point, camera_from_cloud: &RigidTransform) -> Option<([usize; 2], f32)> {
     let seen = camera_from_cloud * point.position();
-    let at = CAMERA.project(&seen)?;
-    let (column, row) = (at.x.round(), at.y.round());
-    let inside = (0.0..SIZE[0] as f64).contains(&column) && (0.0..SIZE[1] as f64).contains(&row);
-    inside.then_some(([column as usize, row as usize], seen.z as f32))
+    Some((CAMERA.pixel_of(&seen)?, seen.z as f32))
 }

@@ -3,8 +3,8 @@
 use super::label_groups::{LabelGroups, UNLABELLED};
 use super::voxel_grid::VoxelGrid;
 use crate::affine_form::AffineForm;
-use crate::clusters::find_root;
 use point_cloud::Point;
+use union_find::{find_root, union};
 
 /// Horizontal cells grown per vertical cell, so that stacked parts are separated at a
 /// level. Chosen.
@@ -46,11 +46,7 @@ impl VoxelClusters {
         self.parents.extend(0..voxels.len() as u32);
         for cell in 0..voxels.len() {
             for near in voxels.later_neighbours(cell) {
-                let (a, b) = (
-                    find_root(&mut self.parents, cell as u32),
-                    find_root(&mut self.parents, near as u32),
-                );
-                self.parents[a.max(b) as usize] = a.min(b);
+                union(&mut self.parents, cell as u32, near as u32);
             }
         }
         let n_clusters = self.number_large(n_min);

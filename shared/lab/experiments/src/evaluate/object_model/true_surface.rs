@@ -135,16 +135,11 @@ impl TrueSurface {
         let place = camera_from_object * Point3::from(self.places[index]).cast::<f64>();
         let normal = camera_from_object * self.normals[index];
         let cosine = -normal.dot(&place.coords) / place.coords.norm();
-        let Some(pixel) = camera.project(&place) else {
+        let pixel = camera.pixel_of(&place);
+        let Some([column, row]) = pixel.filter(|_| cosine >= INCIDENCE_COSINE_MIN) else {
             return false;
         };
-        let (column, row) = (pixel.x.round(), pixel.y.round());
-        let is_inside = (0.0..f64::from(camera.width)).contains(&column)
-            && (0.0..f64::from(camera.height)).contains(&row);
-        if cosine < INCIDENCE_COSINE_MIN || !is_inside {
-            return false;
-        }
-        let depth_m = depths_m[row as usize * camera.width as usize + column as usize];
+        let depth_m = depths_m[row * camera.width as usize + column];
         // The depth changes within a pixel on a slanted surface.
         let slant_m = place.z / camera.fx_px / cosine;
         place.z < f64::from(depth_m) + VISIBLE_M + slant_m
