@@ -1,7 +1,7 @@
 //! Life-cycle events of the object actors.
 
 use crate::{SCHEMA_VERSION, Text};
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
 coded_enum::coded_enum! {
@@ -63,19 +63,7 @@ impl Default for ActorEvent {
     fn default() -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
-            kind: 0,
-            track_id: 0,
-            frame: 0,
-            has_frame: 0,
-            pid: 0,
-            stamp_ns: 0,
-            restart_after_ns: 0,
-            n_actors: 0,
-            n_restarts: 0,
-            n_abandoned: 0,
-            n_lost: 0,
-            cause: Text::default(),
-            reserved: 0,
+            ..Self::zeroed()
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::pose::WirePose;
 use crate::{SCHEMA_VERSION, Text};
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Maximum number of objects in a simulated scene.
@@ -96,11 +96,7 @@ impl Default for TruthHeader {
     fn default() -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
-            reserved: 0,
-            session: 0,
-            sequence: 0,
-            capture_ns: 0,
-            sent: 0,
+            ..Self::zeroed()
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Health reports of the processes.
 
 use crate::{SCHEMA_VERSION, Text};
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
 coded_enum::coded_enum! {
@@ -74,24 +74,8 @@ impl Default for Health {
     fn default() -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
-            process: 0,
-            pid: 0,
             state: ProcessState::Starting.code(),
-            started_ns: 0,
-            stamp_ns: 0,
-            frames: 0,
-            frames_dropped: 0,
-            frames_late: 0,
-            allocated_bytes: 0,
-            allocations: 0,
-            resident_bytes: 0,
-            shared_memory_bytes: 0,
-            restarts: 0,
-            actors: 0,
-            abandoned: 0,
-            progress: 0,
-            note: Text::default(),
-            reserved: 0,
+            ..Self::zeroed()
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 use crate::pose::WirePose;
 use crate::{ActorStamps, SegmentLocation};
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Header of one described view of an object. The payload is the descriptor, `f32` values.
@@ -63,28 +63,11 @@ const _: () = assert!(size_of::<ObjectViewHeader>() == 840);
 impl Default for ObjectViewHeader {
     fn default() -> Self {
         Self {
-            track_id: 0,
-            view_id: 0,
-            is_key_view: 0,
-            sent: 0,
-            session: 0,
-            sequence: 0,
-            capture_ns: 0,
-            stamps: ActorStamps::default(),
-            pose: WirePose::default(),
-            size_m: [0.0; 3],
-            n_points: 0,
-            frame_location: SegmentLocation::default(),
-            first_point_index: 0,
             distance: f32::NAN,
-            detection_location: SegmentLocation::default(),
             position_covariance_m2: [f32::NAN; 6],
             rotation_covariance_rad2: [f32::NAN; 6],
-            velocity_m_s: [0.0; 3],
-            angular_velocity_rad_s: [0.0; 3],
-            n_key_views: 0,
-            n_categories: 0,
             categories: [NearCategory::default(); MAX_NEAR_CATEGORIES],
+            ..Self::zeroed()
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::pose::WirePose;
 use crate::{SCHEMA_VERSION, Text};
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Zeroable};
 use geometry::Capsule;
 use iceoryx2::prelude::ZeroCopySend;
 use nalgebra::Point3;
@@ -104,15 +104,7 @@ impl Default for ArmState {
         Self {
             schema_version: SCHEMA_VERSION,
             activity: ArmActivity::Idle.code(),
-            sent: 0,
-            stamp_ns: 0,
-            joint_angles_rad: [0.0; ARM_JOINTS],
-            joint_velocities_rad_s: [0.0; ARM_JOINTS],
-            opening_m: 0.0,
-            world_from_gripper: WirePose::default(),
-            command_id: 0,
-            is_holding: 0,
-            note: Text::default(),
+            ..Self::zeroed()
         }
     }
 }
@@ -140,9 +132,7 @@ impl Default for PersonBody {
     fn default() -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
-            reserved: 0,
-            stamp_ns: 0,
-            sent: 0,
+            ..Self::zeroed()
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 use crate::pose::WirePose;
 use crate::scene_time::SceneTime;
 use crate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, SCHEMA_VERSION, Text, frame_flag};
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
 
 /// Maximum number of objects in one scene summary.
@@ -173,34 +173,12 @@ const _: () = assert!(size_of::<SceneSummary>() == 344 + 136 + MAX_REJECTED_CAND
 impl Default for SceneObject {
     fn default() -> Self {
         Self {
-            track_id: 0,
-            state: 0,
-            cut_by_image: 0,
-            first_seen_ns: 0,
-            last_seen_ns: 0,
-            pose: WirePose::default(),
-            size_m: [0.0; 3],
-            n_points: 0,
-            n_views: 0,
-            mean_argb: 0,
-            color_percents: [0; 16],
             distance: f32::NAN,
-            is_labelled: 0,
-            label: Text::default(),
-            n_categories: 0,
-            memory_sequence: 0,
-            linked_to: 0,
-            view_id: 0,
-            is_key_view: 0,
-            n_key_views: 0,
-            n_sides: 0,
             probability: f32::NAN,
             position_covariance_m2: [f32::NAN; 6],
             rotation_covariance_rad2: [f32::NAN; 6],
-            velocity_m_s: [0.0; 3],
-            angular_velocity_rad_s: [0.0; 3],
             categories: [NearCategory::default(); MAX_NEAR_CATEGORIES],
-            stamps: ActorStamps::default(),
+            ..Self::zeroed()
         }
     }
 }
@@ -209,24 +187,7 @@ impl Default for SceneSummary {
     fn default() -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
-            frame_flags: 0,
-            sent: 0,
-            session: 0,
-            sequence: 0,
-            frames_dropped: 0,
-            stamps: StageStamps::default(),
-            stale_after_ns: 0,
-            has_table: 0,
-            n_objects_total: 0,
-            n_late: 0,
-            n_rejected: 0,
-            table_plane: [0.0; 4],
-            world_from_camera: WirePose::default(),
-            source_name: Text::default(),
-            assumptions: 0,
-            rule: Text::default(),
-            n_ignored: 0,
-            ignored: [RejectedCandidate::default(); MAX_REJECTED_CANDIDATES],
+            ..Self::zeroed()
         }
     }
 }

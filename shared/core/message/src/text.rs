@@ -16,10 +16,7 @@ const _: () = assert!(size_of::<Text>() == 132);
 
 impl Default for Text {
     fn default() -> Self {
-        Self {
-            bytes: [0; Self::CAPACITY],
-            len: 0,
-        }
+        Self::zeroed()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::SCHEMA_VERSION;
 use crate::pose::WirePose;
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Zeroable};
 use geometry::RigidTransform;
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -85,15 +85,7 @@ impl Default for ViewPlanHeader {
     fn default() -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
-            has_world_pose: 0,
-            sent: 0,
-            session: 0,
-            sequence: 0,
-            capture_ns: 0,
-            world_from_camera: WirePose::default(),
-            entropy: 0.0,
-            n_candidates: 0,
-            n_objects: 0,
+            ..Self::zeroed()
         }
     }
 }
