@@ -63,17 +63,8 @@ pub(crate) fn fit(points: &[Point], width: usize, height: usize) -> Option<Pinho
     if rms_x.max(rms_y) > MAX_RMS_PX {
         return None;
     }
-    let (width, height) = (width as u32, height as u32);
-    PinholeCamera {
-        fx_px,
-        fy_px,
-        cx_px,
-        cy_px,
-        width,
-        height,
-    }
-    .validated()
-    .ok()
+    let size = [width as u32, height as u32];
+    PinholeCamera::with_intrinsics([fx_px, fy_px, cx_px, cy_px], size).ok()
 }
 
 #[cfg(test)]

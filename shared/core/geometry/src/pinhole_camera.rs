@@ -65,6 +65,26 @@ impl PinholeCamera {
         Ok(self)
     }
 
+    /// Camera with the focal lengths and principal point fx, fy, cx, cy, and the width and height
+    /// of its images, pixels.
+    ///
+    /// # Errors
+    /// As [`validated`](Self::validated).
+    pub fn with_intrinsics(
+        [fx_px, fy_px, cx_px, cy_px]: [f64; 4],
+        [width, height]: [u32; 2],
+    ) -> Result<Self, InvalidIntrinsics> {
+        Self {
+            fx_px,
+            fy_px,
+            cx_px,
+            cy_px,
+            width,
+            height,
+        }
+        .validated()
+    }
+
     /// Back-projects a pixel at depth `z_m` to a point, camera frame, metres.
     #[inline]
     pub fn back_project(&self, column: f64, row: f64, z_m: f64) -> Point3<f64> {

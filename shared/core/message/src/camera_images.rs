@@ -1,9 +1,9 @@
 //! Raw images of a camera frame: header and pixels.
 
-use crate::frame::{checked_camera, intrinsics_of};
+use crate::frame::intrinsics_of;
 use crate::pose::WireTransform;
 use crate::{FrameHeader, SCHEMA_VERSION, frame_flag};
-use bytemuck::AnyBitPattern;
+use bytemuck::{AnyBitPattern, Zeroable};
 use geometry::{InvalidIntrinsics, PinholeCamera, RigidTransform};
 use iceoryx2::prelude::ZeroCopySend;
 
@@ -81,19 +81,11 @@ impl Default for ImageHeader {
     fn default() -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
-            flags: 0,
-            sent: 0,
-            session: 0,
-            sequence: 0,
-            capture_stamp_ns: 0,
-            color_intrinsics_px: [0.0; 4],
-            depth_intrinsics_px: [0.0; 4],
-            color_size_px: [0; 2],
-            depth_size_px: [0; 2],
             color_encoding: color_encoding::RGB_8,
             depth_encoding: depth_encoding::MILLIMETRES_16,
             color_from_depth: WireTransform::IDENTITY,
             world_from_camera: WireTransform::IDENTITY,
+            ..Self::zeroed()
         }
     }
 }
@@ -194,7 +186,8 @@ impl ImageHeader {
             }
         }
         let camera = |intrinsics_px, size_px| {
-            checked_camera(intrinsics_px, size_px).map_err(InvalidImages::Intrinsics)
+            PinholeCamera::with_intrinsics(intrinsics_px, size_px)
+                .map_err(InvalidImages::Intrinsics)
         };
         let depth_camera = camera(self.depth_intrinsics_px, self.depth_size_px)?;
         let color_camera = camera(self.color_intrinsics_px, self.color_size_px)?;

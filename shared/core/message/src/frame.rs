@@ -180,22 +180,8 @@ impl Default for FrameHeader {
     fn default() -> Self {
         Self {
             schema_version: SCHEMA_VERSION,
-            flags: 0,
-            sent: 0,
-            session: 0,
-            sequence: 0,
-            source_frame: 0,
-            capture_stamp_ns: 0,
-            scheduled_stamp_ns: 0,
-            published_stamp_ns: 0,
-            wall_clock_offset_ns: 0,
-            intrinsics_px: [0.0; 4],
-            size_px: [0; 2],
             world_from_camera: WireTransform::IDENTITY,
-            up_in_camera: [0.0; 3],
-            location: SegmentLocation::default(),
-            source_name: Text::default(),
-            reserved: 0,
+            ..Self::zeroed()
         }
     }
 }
@@ -221,8 +207,8 @@ impl FrameHeader {
             return Err(InvalidFrame::SchemaVersion(self.schema_version));
         }
         self.check_capture_stamp(received_ns)?;
-        let camera =
-            checked_camera(self.intrinsics_px, self.size_px).map_err(InvalidFrame::Intrinsics)?;
+        let camera = PinholeCamera::with_intrinsics(self.intrinsics_px, self.size_px)
+            .map_err(InvalidFrame::Intrinsics)?;
         if camera.n_pixels() != n_points {
             return Err(InvalidFrame::Size {
                 n_points,
@@ -278,22 +264,6 @@ pub(crate) fn intrinsics_of(camera: &PinholeCamera) -> ([f64; 4], [u32; 2]) {
         [camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px],
         [camera.width, camera.height],
     )
-}
-
-/// Validated camera of the intrinsics and the size in a header.
-pub(crate) fn checked_camera(
-    [fx_px, fy_px, cx_px, cy_px]: [f64; 4],
-    [width, height]: [u32; 2],
-) -> Result<PinholeCamera, InvalidIntrinsics> {
-    PinholeCamera {
-        fx_px,
-        fy_px,
-        cx_px,
-        cy_px,
-        width,
-        height,
-    }
-    .validated()
 }
 
 fn checked_direction(direction: [f64; 3]) -> Option<Unit<Vector3<f64>>> {

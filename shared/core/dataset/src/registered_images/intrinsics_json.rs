@@ -117,17 +117,8 @@ pub fn parse_intrinsics_json(
     if !DEPTH_UNITS_MM.contains(&depth_unit_mm) {
         return Err(IntrinsicsError::DepthUnit(depth_unit_mm));
     }
-    let [fx_px, fy_px, cx_px, cy_px] = raw.numbers()?;
-    let camera = PinholeCamera {
-        fx_px,
-        fy_px,
-        cx_px,
-        cy_px,
-        width: size.0,
-        height: size.1,
-    };
     Ok(DepthCamera {
-        camera: camera.validated()?,
+        camera: PinholeCamera::with_intrinsics(raw.numbers()?, size.into())?,
         depth_unit_mm,
     })
 }

@@ -21,16 +21,8 @@ pub fn parse_intrinsics(bytes: &[u8], size: (u32, u32)) -> Result<PinholeCamera,
             "the matrix must have the form fx 0 cx 0 fy cy 0 0 1",
         ));
     }
-    PinholeCamera {
-        fx_px,
-        fy_px,
-        cx_px,
-        cy_px,
-        width: size.0,
-        height: size.1,
-    }
-    .validated()
-    .map_err(ContentError::Intrinsics)
+    PinholeCamera::with_intrinsics([fx_px, fy_px, cx_px, cy_px], size.into())
+        .map_err(ContentError::Intrinsics)
 }
 
 /// Parses a gravity direction; returns it with unit length.

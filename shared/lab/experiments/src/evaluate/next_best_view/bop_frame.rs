@@ -34,16 +34,9 @@ impl BopFrame {
         let (width, height) = bop
             .read_depth(index, &mut depth_m)
             .map_err(Failure::usage)?;
-        let ([fx_px, fy_px], [cx_px, cy_px]) = (image.focal_px, image.principal_px);
-        let camera = PinholeCamera {
-            fx_px,
-            fy_px,
-            cx_px,
-            cy_px,
-            width,
-            height,
-        };
-        let camera = camera.validated().map_err(Failure::usage)?;
+        let ([fx, fy], [cx, cy]) = (image.focal_px, image.principal_px);
+        let camera = PinholeCamera::with_intrinsics([fx, fy, cx, cy], [width, height]);
+        let camera = camera.map_err(Failure::usage)?;
         let color_size = bop.read_color(index, &mut colors).map_err(Failure::usage)?;
         check_size(bop, index, color_size.unwrap_or((width, height)), &camera)?;
         Ok(Self {
