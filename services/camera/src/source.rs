@@ -1,11 +1,10 @@
 //! Frame sources behind one trait, and their playback.
 
+mod image_folder;
 mod kinect;
 mod playback_clock;
 mod recorded_bodies;
 mod recording;
-mod registered;
-mod rgbd;
 mod scenes;
 mod spec;
 mod synthetic_table;
@@ -15,6 +14,7 @@ pub(crate) use capture::{FrameInfo, FrameSize, Source, SourceError};
 pub(crate) use spec::SourceSpec;
 
 use channel::Domain;
+use image_folder::ImageFolderSource;
 use std::path::{Path, PathBuf};
 
 /// Playback options of a source.
@@ -64,11 +64,11 @@ pub(crate) fn open(
                 Ok(Box::new(scenes::SceneFolderSource::open(folder, playback)?))
             }
             Ok(dataset::RecordingKind::RgbdSequence) => {
-                Ok(Box::new(rgbd::RgbdSource::open(folder, playback)?))
+                Ok(Box::new(ImageFolderSource::sequence(folder, playback)?))
             }
-            Ok(dataset::RecordingKind::RegisteredImages) => Ok(Box::new(
-                registered::RegisteredImagesSource::open(folder, playback)?,
-            )),
+            Ok(dataset::RecordingKind::RegisteredImages) => {
+                Ok(Box::new(ImageFolderSource::registered(folder, playback)?))
+            }
             Ok(dataset::RecordingKind::Fakenect) => Err(SourceError::Unusable(format!(
                 "{0} is a recording of libfreenect; play it with --source fakenect:{0}",
                 folder.display()

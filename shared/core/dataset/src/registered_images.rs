@@ -24,6 +24,7 @@ mod image_pair;
 mod intrinsics_json;
 mod timestamp;
 
+pub use crate::rgbd_sequence::Scratch;
 pub use error::Error;
 pub use intrinsics_json::{DepthCamera, IntrinsicsError, parse_intrinsics_json};
 
@@ -55,27 +56,6 @@ pub struct RegisteredImages {
     camera: PinholeCamera,
     depth_unit_mm: f64,
     projection: BackProjection,
-}
-
-/// Image buffers reused from frame to frame. They hold the images of the frame filled last.
-#[derive(Debug, Default)]
-pub struct Scratch {
-    file: Vec<u8>,
-    depth: Vec<u16>,
-    color_rgb: Vec<u8>,
-}
-
-impl Scratch {
-    /// Depth image of the frame filled last, row by row, in units of
-    /// [`depth_unit_mm`](RegisteredImages::depth_unit_mm); 0 and 65535 without depth.
-    pub fn depth(&self) -> &[u16] {
-        &self.depth
-    }
-
-    /// Colour image of the frame filled last, row by row: red, green and blue of each pixel.
-    pub fn color_rgb(&self) -> &[u8] {
-        &self.color_rgb
-    }
 }
 
 impl RegisteredImages {

@@ -63,15 +63,16 @@ pub struct RgbdSequence {
 /// Image buffers reused from frame to frame. They hold the images of the frame filled last.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    file: Vec<u8>,
-    depth_mm: Vec<u16>,
-    color_rgb: Vec<u8>,
+    pub(crate) file: Vec<u8>,
+    pub(crate) depth: Vec<u16>,
+    pub(crate) color_rgb: Vec<u8>,
 }
 
 impl Scratch {
-    /// Depth image of the frame filled last, row by row, millimetres; 0 and 65535 without depth.
-    pub fn depth_mm(&self) -> &[u16] {
-        &self.depth_mm
+    /// Depth image of the frame filled last, row by row, in the unit of its folder, for a sequence
+    /// millimetres; 0 and 65535 without depth.
+    pub fn depth(&self) -> &[u16] {
+        &self.depth
     }
 
     /// Colour image of the frame filled last, row by row: red, green and blue of each pixel.
@@ -164,16 +165,16 @@ impl RgbdSequence {
         let path = |suffix| self.path(frame, suffix);
         let Scratch {
             file,
-            depth_mm,
+            depth,
             color_rgb,
         } = scratch;
         read_with(&path(DEPTH_SUFFIX), MAX_IMAGE_BYTES, file, |bytes| {
-            decode_depth(bytes, size, depth_mm)
+            decode_depth(bytes, size, depth)
         })?;
         let color_path = path(frame.color_suffix);
         read_with(&color_path, MAX_IMAGE_BYTES, file, |bytes| {
             *color_rgb = decode_color(bytes, size)?;
-            self.projection.fill(depth_mm, color_rgb, out)
+            self.projection.fill(depth, color_rgb, out)
         })?;
         if !frame.has_pose {
             return Ok(None);

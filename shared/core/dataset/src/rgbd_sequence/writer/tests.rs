@@ -78,7 +78,7 @@ fn check_frame(sequence: &RgbdSequence, index: usize, written: &FrameContent) {
     let (mut scratch, mut instances, mut truth) = (Scratch::default(), vec![1], vec![1]);
     let mut points = vec![Point::default(); N_PIXELS];
     let pose = sequence.fill(index, &mut scratch, &mut points).unwrap();
-    assert_eq!(scratch.depth_mm, written.depth_mm);
+    assert_eq!(scratch.depth, written.depth_mm);
     for (point, rgb) in points.iter().zip(written.color.as_chunks().0) {
         assert_eq!(point.color.rgb(), *rgb);
     }
