@@ -15,6 +15,16 @@ pub(crate) struct Envelope<A: Actor> {
     pub(crate) reply: Option<oneshot::Sender<A::Reply>>,
 }
 
+impl<A: Actor> Envelope<A> {
+    fn new(tag: u64, message: A::Message, reply: Option<oneshot::Sender<A::Reply>>) -> Self {
+        Self {
+            message,
+            tag,
+            reply,
+        }
+    }
+}
+
 /// Handle for sending to one actor through all its restarts; cheap to clone.
 ///
 /// Each message carries a tag, for instance the frame's sequence number, by which
@@ -48,11 +58,7 @@ impl<A: Actor, P: Immediate> Address<A, P> {
     /// [`SendError`] when the mailbox refuses or the actor has stopped.
     pub fn tell(&self, tag: u64, message: A::Message) -> Result<(), SendError<A::Message>> {
         self.0
-            .send(Envelope {
-                message,
-                tag,
-                reply: None,
-            })
+            .send(Envelope::new(tag, message, None))
             .map_err(returned)
     }
 
@@ -67,11 +73,7 @@ impl<A: Actor, P: Immediate> Address<A, P> {
     ) -> Result<PendingReply<A::Reply>, SendError<A::Message>> {
         let (reply, answer) = reply_channel();
         self.0
-            .send(Envelope {
-                message,
-                tag,
-                reply: Some(reply),
-            })
+            .send(Envelope::new(tag, message, Some(reply)))
             .map_err(returned)?;
         Ok(answer)
     }
@@ -84,11 +86,7 @@ impl<A: Actor> Address<A, Backpressure> {
     /// [`SendError::Closed`] when the actor has stopped.
     pub async fn tell(&self, tag: u64, message: A::Message) -> Result<(), SendError<A::Message>> {
         self.0
-            .send(Envelope {
-                message,
-                tag,
-                reply: None,
-            })
+            .send(Envelope::new(tag, message, None))
             .await
             .map_err(returned)
     }
@@ -105,11 +103,7 @@ impl<A: Actor> Address<A, Backpressure> {
     ) -> Result<PendingReply<A::Reply>, SendError<A::Message>> {
         let (reply, answer) = reply_channel();
         self.0
-            .send(Envelope {
-                message,
-                tag,
-                reply: Some(reply),
-            })
+            .send(Envelope::new(tag, message, Some(reply)))
             .await
             .map_err(returned)?;
         Ok(answer)
