@@ -8,7 +8,8 @@ pub use next_best_view::NextBestViewArguments;
 pub use object_model::ModelArguments;
 pub use recognition::{
     AblationArguments, AblationVariant, CrossValidationArguments, DescriptionArguments,
-    DescriptorVariant, FoldProtocol, LearnArguments, OpenEndedArguments, UpAxis, ViewProtocol,
+    DescriptorVariant, FoldProtocol, LearnArguments, LessonArguments, OpenEndedArguments, UpAxis,
+    ViewProtocol,
 };
 
 use clap::{Args, Subcommand, ValueEnum};

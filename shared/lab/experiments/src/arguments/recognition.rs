@@ -104,20 +104,15 @@ pub struct LearnArguments {
     pub(crate) author: Option<String>,
 }
 
-/// Arguments of `evaluate open-ended`.
+/// Options of open-ended learning.
 #[derive(Debug, Args)]
-pub struct OpenEndedArguments {
+pub struct LessonArguments {
     /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
     /// each category
     pub(crate) dataset: PathBuf,
-    #[command(flatten)]
-    pub(crate) description: DescriptionArguments,
     /// Folder for the figures and the page
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Number of runs with different seeds
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
-    pub(crate) runs: u64,
     /// Seed of the first run; the next run has the next seed
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
@@ -128,6 +123,18 @@ pub struct OpenEndedArguments {
     /// half of the categories have two objects that are known]
     #[arg(long, value_name = "NAME", value_enum)]
     pub(crate) protocol: Option<ViewProtocol>,
+}
+
+/// Arguments of `evaluate open-ended`.
+#[derive(Debug, Args)]
+pub struct OpenEndedArguments {
+    #[command(flatten)]
+    pub(crate) lessons: LessonArguments,
+    #[command(flatten)]
+    pub(crate) description: DescriptionArguments,
+    /// Number of runs with different seeds
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=10_000))]
+    pub(crate) runs: u64,
     /// Share of the questions that show a category which was not taught yet, 0 to 0.9
     #[arg(long, value_name = "P", default_value_t = 0.0)]
     pub(crate) open_set_share: f64,
@@ -168,28 +175,14 @@ coded_enum::coded_enum! {
 /// Arguments of `evaluate ablation`.
 #[derive(Debug, Args)]
 pub struct AblationArguments {
-    /// Folder of views in the layout of the Washington dataset, or with a folder of PCD files for
-    /// each category
-    pub(crate) dataset: PathBuf,
+    #[command(flatten)]
+    pub(crate) lessons: LessonArguments,
     /// Variants [default: all]; `ours` is always among them
     #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
     pub(crate) variants: Vec<AblationVariant>,
-    /// Folder for the figures and the page
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: PathBuf,
     /// Number of runs of each variant
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(2..=10_000))]
     pub(crate) runs: u64,
-    /// Seed of the first run; the next run has the next seed
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(crate) seed: u64,
-    /// Accuracy at which a category is learned
-    #[arg(long, value_name = "A", default_value_t = 0.67)]
-    pub(crate) tau: f64,
-    /// Split of the views into training and test views [default: instance-disjoint where at least
-    /// half of the categories have two objects that are known]
-    #[arg(long, value_name = "NAME", value_enum)]
-    pub(crate) protocol: Option<ViewProtocol>,
     /// Number of bins of GOOD along each side
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = bins)]
     pub(crate) bins: usize,

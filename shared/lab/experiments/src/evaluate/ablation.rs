@@ -35,15 +35,15 @@ pub(super) fn run(arguments: &AblationArguments, output: &Output) -> Result<Exit
         .iter()
         .map(|&variant| RecognitionMethod::of_ablation(variant, arguments.bins))
         .collect();
-    let catalogue = ViewSelection::open(&arguments.dataset, arguments.views_max)?;
+    let catalogue = ViewSelection::open(&arguments.lessons.dataset, arguments.views_max)?;
     let (mut views, descriptions) = catalogue.describe_by(&methods, output)?;
     let protocol = Protocol {
-        tau: arguments.tau,
-        split: lesson_split(arguments.protocol, &views.labels),
+        tau: arguments.lessons.tau,
+        split: lesson_split(arguments.lessons.protocol, &views.labels),
         ..Protocol::default()
     };
     record_exclusions(&protocol, &mut views)?;
-    create_folder(&arguments.out)?;
+    create_folder(&arguments.lessons.out)?;
     let factories = methods.iter().zip(descriptions);
     let factories = factories.map(|(method, of_views)| method.recogniser_factory(&views, of_views));
     let factories: Vec<Box<dyn RecogniserFactory>> = factories.collect::<Result<_, _>>()?;
@@ -83,7 +83,7 @@ fn play_all(
         || (),
         |(), job| {
             let mut recogniser = factories[job / n_runs].recogniser();
-            let seed = arguments.seed.wrapping_add((job % n_runs) as u64);
+            let seed = arguments.lessons.seed.wrapping_add((job % n_runs) as u64);
             let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
             run.map(|run| run.metrics()).map_err(Failure::general)
         },
@@ -106,9 +106,9 @@ fn write_all(
         "Mean GCA of each variant with its 95 % interval",
         "global classification accuracy",
     );
-    let figure = forest_figure(&arguments.out, "gca.svg", words, &rows)?;
+    let figure = forest_figure(&arguments.lessons.out, "gca.svg", words, &rows)?;
     let page = report_page::page(&document, figure);
-    page.write(&arguments.out, "ablation.json", &document)?;
+    page.write(&arguments.lessons.out, "ablation.json", &document)?;
     output.answer(&document, || page.text());
     Ok(())
 }

@@ -33,10 +33,10 @@ struct TimedRun {
 /// Runs the protocol for all seeds; writes figures, log, page and JSON report.
 pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<ExitCode, Failure> {
     let (mut views, factory) =
-        read_and_describe(&arguments.dataset, &arguments.description, output)?;
+        read_and_describe(&arguments.lessons.dataset, &arguments.description, output)?;
     let protocol = protocol(arguments, &views);
     record_exclusions(&protocol, &mut views)?;
-    create_folder(&arguments.out.join(PICTURES))?;
+    create_folder(&arguments.lessons.out.join(PICTURES))?;
     let played = play_all(arguments, &protocol, &views, factory.as_ref(), output)?;
     let n_questions: usize = played.iter().map(|played| played.run.questions.len()).sum();
     let sum_ms: f64 = played.iter().map(|played| played.play_ms).sum();
@@ -48,16 +48,16 @@ pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<Exi
     }
     let document = OpenEndedReport::of(arguments, &protocol, &views, &runs, ask_ms);
     let page = report_page::page(&document);
-    page.write(&arguments.out, "open-ended.json", &document)?;
+    page.write(&arguments.lessons.out, "open-ended.json", &document)?;
     output.answer(&document, || page.text());
     Ok(ExitCode::SUCCESS)
 }
 
 fn protocol(arguments: &OpenEndedArguments, views: &ViewTable) -> Protocol {
     Protocol {
-        tau: arguments.tau,
+        tau: arguments.lessons.tau,
         open_set_share: arguments.open_set_share,
-        split: lesson_split(arguments.protocol, &views.labels),
+        split: lesson_split(arguments.lessons.protocol, &views.labels),
         ..Protocol::default()
     }
 }
@@ -130,7 +130,7 @@ fn play_all(
         || (),
         |(), index| {
             let begin = Instant::now();
-            let seed = arguments.seed.wrapping_add(index as u64);
+            let seed = arguments.lessons.seed.wrapping_add(index as u64);
             let mut recogniser = factory.recogniser();
             let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
             let play_ms = begin.elapsed().as_secs_f64() * 1e3;
@@ -150,10 +150,16 @@ fn draw(
     runs: &[OpenEndedRun],
 ) -> Result<(), Failure> {
     let overview = overview_svg(runs).map_err(Failure::general)?;
-    write(&arguments.out.join("overview.svg"), overview.as_bytes())?;
+    write(
+        &arguments.lessons.out.join("overview.svg"),
+        overview.as_bytes(),
+    )?;
     for run in runs {
         let svg = run_svg(run, &views.categories, protocol.tau).map_err(Failure::general)?;
-        write(&arguments.out.join(picture(run.seed)), svg.as_bytes())?;
+        write(
+            &arguments.lessons.out.join(picture(run.seed)),
+            svg.as_bytes(),
+        )?;
     }
     Ok(())
 }

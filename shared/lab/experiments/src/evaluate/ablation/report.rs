@@ -71,23 +71,23 @@ impl AblationReport {
     ) -> Self {
         let reference = played.iter().find(|played| played.variant == REFERENCE);
         let reference = reference.map_or(&[][..], |played| &played.runs);
-        let figures = |played| VariantFigures::of(played, reference, arguments.seed);
+        let figures = |played| VariantFigures::of(played, reference, arguments.lessons.seed);
         Self {
-            header: ReportHeader::new(arguments.dataset.display().to_string(), views),
+            header: ReportHeader::new(arguments.lessons.dataset.display().to_string(), views),
             variants: played.iter().map(figures).collect(),
             settings: Settings {
                 reference: REFERENCE.word(),
                 protocol: split_name(protocol.split),
                 tau: protocol.tau,
                 n_runs: arguments.runs,
-                seed: arguments.seed,
+                seed: arguments.lessons.seed,
                 bins: arguments.bins,
                 views_max: arguments.views_max,
                 confidence: 0.95,
                 n_resamples: N_RESAMPLES,
             },
             omissions: views.into(),
-            files: ReportFiles::in_folder(&arguments.out, "ablation.json"),
+            files: ReportFiles::in_folder(&arguments.lessons.out, "ablation.json"),
         }
     }
 }

@@ -1,23 +1,25 @@
 use super::super::open_ended::tests::write_bars;
 use super::*;
-use crate::arguments::ViewProtocol;
+use crate::arguments::{LessonArguments, ViewProtocol};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
 fn arguments(dataset: &Path, out: &Path) -> AblationArguments {
     AblationArguments {
-        dataset: dataset.to_owned(),
+        lessons: LessonArguments {
+            dataset: dataset.to_owned(),
+            out: out.to_owned(),
+            seed: 3,
+            tau: 0.67,
+            protocol: Some(ViewProtocol::View),
+        },
         variants: vec![
             AblationVariant::OursPrincipal,
             AblationVariant::Published,
             AblationVariant::OursNoSize,
         ],
-        out: out.to_owned(),
         runs: 4,
-        seed: 3,
-        tau: 0.67,
-        protocol: Some(ViewProtocol::View),
         bins: 15,
         views_max: None,
     }
@@ -34,7 +36,7 @@ fn ablation_compares_variants_on_the_same_seeds() {
     write_bars(&data, 6, 40);
     let arguments = arguments(&data, &folder.path().join("out"));
     run(&arguments, &Output::new(true)).unwrap();
-    let document = document(&arguments.out);
+    let document = document(&arguments.lessons.out);
     let variants = document["variants"].as_array().unwrap();
     let names: Vec<&str> = variants
         .iter()
@@ -63,7 +65,7 @@ fn ablation_compares_variants_on_the_same_seeds() {
     assert_eq!(variants[1]["gca_difference"], Value::Null);
     // These files have no upward direction, so ignoring it changes nothing.
     close(figure(&variants[3], "gca_difference"), 0.0);
-    let svg = fs::read_to_string(arguments.out.join("gca.svg")).unwrap();
+    let svg = fs::read_to_string(arguments.lessons.out.join("gca.svg")).unwrap();
     assert!(names.iter().all(|name| svg.contains(name)), "{svg}");
 }
 
@@ -74,7 +76,7 @@ fn ablation_is_reproducible() {
     write_bars(&data, 4, 30);
     let arguments = arguments(&data, &folder.path().join("out"));
     run(&arguments, &Output::new(true)).unwrap();
-    let first = document(&arguments.out);
+    let first = document(&arguments.lessons.out);
     run(&arguments, &Output::new(true)).unwrap();
-    assert_eq!(first, document(&arguments.out));
+    assert_eq!(first, document(&arguments.lessons.out));
 }

@@ -86,7 +86,7 @@ impl OpenEndedReport {
         let metrics: Vec<Metrics> = runs.iter().map(OpenEndedRun::metrics).collect();
         let summary = MetricsSummary::of(&metrics);
         Self {
-            header: ReportHeader::new(arguments.dataset.display().to_string(), views),
+            header: ReportHeader::new(arguments.lessons.dataset.display().to_string(), views),
             runs: runs.iter().map(RunFigures::of).collect(),
             mean: Figures::of(&summary, |spread| Some(spread.mean)),
             std: Figures::of(&summary, |spread| spread.std),
@@ -97,7 +97,7 @@ impl OpenEndedReport {
                 describe_ms: views.describe_ms,
                 ask_ms,
             },
-            files: ReportFiles::in_folder(&arguments.out, "open-ended.json"),
+            files: ReportFiles::in_folder(&arguments.lessons.out, "open-ended.json"),
         }
     }
 }
@@ -152,7 +152,7 @@ impl Settings {
             stall_limit: protocol.stall_limit,
             open_set_share: protocol.open_set_share,
             n_runs: arguments.runs,
-            seed: arguments.seed,
+            seed: arguments.lessons.seed,
         }
     }
 }

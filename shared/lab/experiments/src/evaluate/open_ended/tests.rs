@@ -1,5 +1,5 @@
 use super::*;
-use crate::arguments::{DescriptionArguments, DescriptorVariant};
+use crate::arguments::{DescriptionArguments, DescriptorVariant, LessonArguments};
 use dataset::pcd::{self, Encoding, PcdView};
 use geometry::RigidTransform;
 use point_cloud::Point;
@@ -22,13 +22,15 @@ pub(crate) fn description() -> DescriptionArguments {
 
 fn arguments(dataset: &Path, out: &Path) -> OpenEndedArguments {
     OpenEndedArguments {
-        dataset: dataset.to_owned(),
+        lessons: LessonArguments {
+            dataset: dataset.to_owned(),
+            out: out.to_owned(),
+            seed: 5,
+            tau: 0.67,
+            protocol: Some(ViewProtocol::View),
+        },
         description: description(),
-        out: out.to_owned(),
         runs: 3,
-        seed: 5,
-        tau: 0.67,
-        protocol: Some(ViewProtocol::View),
         open_set_share: 0.0,
         log: Some(out.join("log.csv")),
     }
@@ -142,13 +144,13 @@ fn question_log_reproduces_the_metrics_and_runs_are_reproducible() {
     }
     assert_eq!(json(&outs[0]), json(&outs[1]));
     // A run of several is the same when it is played alone.
-    let alone = OpenEndedArguments {
-        runs: 1,
-        seed: 6,
-        ..arguments(&data, &folder.path().join("alone"))
-    };
+    let mut alone = arguments(&data, &folder.path().join("alone"));
+    (alone.runs, alone.lessons.seed) = (1, 6);
     run(&alone, &Output::new(true)).unwrap();
-    assert_eq!(json(&outs[0])["runs"][1], json(&alone.out)["runs"][0]);
+    assert_eq!(
+        json(&outs[0])["runs"][1],
+        json(&alone.lessons.out)["runs"][0]
+    );
     let page = fs::read_to_string(outs[0].join("index.html")).unwrap();
     assert!(page.contains("overview.svg") && page.contains("runs/seed-7.svg"));
 }
@@ -161,7 +163,7 @@ fn open_set_questions_have_their_own_metrics() {
     let mut open = arguments(&data, &folder.path().join("open"));
     open.open_set_share = 0.3;
     run(&open, &Output::new(true)).unwrap();
-    let score = json(&open.out)["open_set"].clone();
+    let score = json(&open.lessons.out)["open_set"].clone();
     assert!(score["n"].as_u64().unwrap() > 0);
     assert!((0.0..=1.0).contains(&score["auroc"].as_f64().unwrap()));
     // Without a threshold nothing is unknown.
@@ -189,7 +191,7 @@ fn unusable_views_are_omitted_with_reasons() {
     fs::copy(first.join("0.pcd"), data.join("few/0.pcd")).unwrap();
     let arguments = arguments(&data, &folder.path().join("out"));
     run(&arguments, &Output::new(true)).unwrap();
-    let document = json(&arguments.out);
+    let document = json(&arguments.lessons.out);
     assert_eq!(document["n_left_out"], 6, "{document}");
     let reasons = document["left_out"].to_string();
     for part in [
@@ -218,11 +220,11 @@ fn unusable_data_sets_are_refused_with_reasons() {
     check(&folder.path().join("missing"), |_| {}, "missing");
     let data = folder.path().join("data");
     write_bars(&data, 2, 10);
-    check(&data, |a| a.tau = 1.5, "1.5");
+    check(&data, |a| a.lessons.tau = 1.5, "1.5");
     check(&data, |a| a.open_set_share = 0.95, "0.95");
     check(
         &data,
-        |a| a.protocol = Some(ViewProtocol::InstanceDisjoint),
+        |a| a.lessons.protocol = Some(ViewProtocol::InstanceDisjoint),
         "0 of the categories",
     );
     let broken = folder.path().join("broken");
