@@ -3,6 +3,7 @@
 use constraint::{Expression, InvalidExpression};
 use sensor_noise::DepthNoise;
 use thiserror::Error;
+use value_range::{OutOfRange, check_ranges};
 
 /// Detection settings as written, not validated. The default fits a Kinect v1 that views a
 /// table from 0.5 to 1.5 m. The numeric defaults are chosen.
@@ -106,17 +107,8 @@ pub struct Config {
 #[non_exhaustive]
 pub enum InvalidConfig {
     /// Setting outside its valid range.
-    #[error("the detection setting {name} is {value} but must lie between {min} and {max}")]
-    OutOfRange {
-        /// Name of the detection setting.
-        name: &'static str,
-        /// Rejected value of the setting.
-        value: f64,
-        /// Least valid value of the setting.
-        min: f64,
-        /// Greatest valid value of the setting.
-        max: f64,
-    },
+    #[error("the detection setting {0}")]
+    OutOfRange(#[from] OutOfRange),
     /// Constraint rule that cannot be parsed.
     #[error("{0}")]
     Rule(#[source] InvalidExpression),
@@ -130,7 +122,7 @@ impl Config {
     /// Names the first setting outside its range; NaN is outside every range. Quotes a rule
     /// that cannot be parsed.
     pub fn new(raw: RawConfig) -> Result<Self, InvalidConfig> {
-        for (name, value, min, max) in [
+        check_ranges(&[
             ("range_min_m", raw.range_min_m, 0.1, 10.0),
             ("range_max_m", raw.range_max_m, raw.range_min_m, 10.0),
             ("plane_band_min_m", raw.plane_band_min_m, 0.001, 0.1),
@@ -165,16 +157,7 @@ impl Config {
             ("robot_margin_m", raw.robot_margin_m, 0.0, 0.5),
             ("rim_distance_m", raw.rim_distance_m, 0.0, 1.0),
             ("rim_share_max", raw.rim_share_max, 0.0, 1.0),
-        ] {
-            if !(min..=max).contains(&value) {
-                return Err(InvalidConfig::OutOfRange {
-                    name,
-                    value,
-                    min,
-                    max,
-                });
-            }
-        }
+        ])?;
         let rule = raw.rule.parse().map_err(InvalidConfig::Rule)?;
         Ok(Self { raw, rule })
     }

@@ -1,8 +1,9 @@
 //! Settings of view planning.
 
-use crate::error::{Error, check_setting};
+use crate::error::Error;
 use crate::view_entropy::TotalArea;
 use crate::virtual_view::RenderConfig;
+use value_range::check_range;
 
 /// Settings of view planning.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,9 +45,9 @@ impl Config {
     /// Checks the settings.
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.render.check()?;
-        check_setting("log_base", self.log_base, 1.1..=100.0)?;
-        check_setting("sigma_share", self.sigma_share, 0.01..=1000.0)?;
-        check_setting("visited_share", self.visited_share, 0.0..=1000.0)?;
-        check_setting("gain_weight", self.gain_weight, 0.0..=1000.0)
+        check_range("log_base", self.log_base, 1.1, 100.0)?;
+        check_range("sigma_share", self.sigma_share, 0.01, 1000.0)?;
+        check_range("visited_share", self.visited_share, 0.0, 1000.0)?;
+        Ok(check_range("gain_weight", self.gain_weight, 0.0, 1000.0)?)
     }
 }

@@ -1,21 +1,14 @@
 //! Errors of view planning.
 
+use value_range::OutOfRange;
+
 /// Error of describing a scene, rendering a view, or choosing one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Setting outside its valid range.
-    #[error("the setting {name} of view planning is {value} but must lie between {min} and {max}")]
-    Setting {
-        /// Name of the setting.
-        name: &'static str,
-        /// Rejected value.
-        value: f64,
-        /// Least valid value.
-        min: f64,
-        /// Greatest valid value.
-        max: f64,
-    },
+    #[error("the view planning setting {0}")]
+    Setting(#[from] OutOfRange),
     /// Intrinsics of the perspective projection.
     #[error("{0}")]
     Camera(#[from] geometry::InvalidIntrinsics),
@@ -79,26 +72,4 @@ pub enum Error {
         /// Number of blocked ones.
         n_blocked: usize,
     },
-}
-
-/// Checks a setting; NaN is outside every range.
-///
-/// # Errors
-/// [`Error::Setting`].
-pub(crate) fn check_setting(
-    name: &'static str,
-    value: f64,
-    range: std::ops::RangeInclusive<f64>,
-) -> Result<(), Error> {
-    let (min, max) = (*range.start(), *range.end());
-    if range.contains(&value) {
-        Ok(())
-    } else {
-        Err(Error::Setting {
-            name,
-            value,
-            min,
-            max,
-        })
-    }
 }

@@ -1,11 +1,12 @@
 //! Occupancy of space in voxels: free, occupied or unknown, from observed depth.
 
-use crate::error::{Error, check_setting};
+use crate::error::Error;
 use crate::planning_scene::is_pose_finite;
 use crate::ray_casting::{VoxelRay, traverse};
 use geometry::RigidTransform;
 use nalgebra::{Point3, Vector3};
 use point_cloud::Point;
+use value_range::check_range;
 
 /// Greatest number of voxels: 16 MB.
 const N_VOXELS_MAX: f64 = 16_777_216.0;
@@ -39,16 +40,16 @@ impl OccupancyGrid {
     /// # Errors
     /// A corner that is not finite or not beyond the other one, or more than 16 million voxels.
     pub fn new(least: Point3<f64>, greatest: Point3<f64>, voxel_m: f64) -> Result<Self, Error> {
-        check_setting("voxel_m", voxel_m, 0.001..=1.0)?;
+        check_range("voxel_m", voxel_m, 0.001, 1.0)?;
         let mut n_voxels = [0; 3];
         for axis in 0..3 {
             let side_m = greatest[axis] - least[axis];
-            check_setting("side of the occupancy grid", side_m, voxel_m..=1000.0)?;
-            check_setting("corner of the occupancy grid", least[axis], -1e4..=1e4)?;
+            check_range("side of the occupancy grid", side_m, voxel_m, 1000.0)?;
+            check_range("corner of the occupancy grid", least[axis], -1e4, 1e4)?;
             n_voxels[axis] = (side_m / voxel_m).ceil() as usize;
         }
         let n = n_voxels.iter().map(|&n| n as f64).product();
-        check_setting("number of voxels", n, 1.0..=N_VOXELS_MAX)?;
+        check_range("number of voxels", n, 1.0, N_VOXELS_MAX)?;
         let n = n as usize;
         Ok(Self {
             first_corner_in_world: least,

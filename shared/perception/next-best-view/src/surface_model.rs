@@ -1,14 +1,15 @@
 //! Surface model: evenly spread points on the surface of an object.
 
-use crate::error::{Error, check_setting};
+use crate::error::Error;
 use mesh::{TriangleMesh, Vertex};
 use nalgebra::Point3;
+use value_range::check_range;
 
 /// Greatest coordinate of a model, metres.
 const COORDINATE_MAX_M: f32 = 10.0;
 
 /// Spacings of a model, metres.
-const SPACING_M: std::ops::RangeInclusive<f64> = 0.0002..=0.5;
+const SPACING_M: [f64; 2] = [0.0002, 0.5];
 
 /// Subdivisions of one side of a triangle at most, 3 m at the default cells; a larger one is
 /// sampled more sparsely. Chosen: two million points.
@@ -29,7 +30,7 @@ impl SurfaceModel {
     /// No points, a coordinate that is not finite or beyond 10 m, or a spacing outside of 0.2 mm
     /// to 0.5 m.
     pub fn of_points(points: &[[f32; 3]], spacing_m: f64) -> Result<Self, Error> {
-        check_setting("spacing_m", spacing_m, SPACING_M)?;
+        check_range("spacing_m", spacing_m, SPACING_M[0], SPACING_M[1])?;
         if let Some(index) = points.iter().position(|point| !is_usable(point)) {
             return Err(Error::ModelPoint(index));
         }
@@ -48,7 +49,7 @@ impl SurfaceModel {
     /// # Errors
     /// As for [`of_points`](Self::of_points).
     pub fn of_mesh(mesh: &TriangleMesh, spacing_m: f64) -> Result<Self, Error> {
-        check_setting("spacing_m", spacing_m, SPACING_M)?;
+        check_range("spacing_m", spacing_m, SPACING_M[0], SPACING_M[1])?;
         let is_bad = |vertex: &Vertex| !is_usable(&vertex.position.into());
         if let Some(index) = mesh.vertices.iter().position(is_bad) {
             return Err(Error::ModelPoint(index));

@@ -1,8 +1,9 @@
 //! Choice of the next view by the scores of the candidates.
 
-use crate::error::{Error, check_setting};
+use crate::error::Error;
 use crate::view_planner::{CandidateState, ViewScore};
 use random::Random;
+use value_range::check_range;
 
 /// Rule of the choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +65,7 @@ pub fn choose_view(
             .filter(|(_, score)| score.utility > 0.0)
             .min_by(|a, b| a.1.utility.total_cmp(&b.1.utility)),
         ViewSelection::Sampled { beta } => {
-            check_setting("beta", beta, 0.0..=100.0)?;
+            check_range("beta", beta, 0.0, 100.0)?;
             sampled(scores, beta, random)
         }
     };

@@ -1,10 +1,11 @@
 //! Projection of a virtual view: orthographic, or that of a pinhole camera.
 
-use crate::error::{Error, check_setting};
+use crate::error::Error;
 use crate::planning_scene::PlanningScene;
 use crate::virtual_view::RenderConfig;
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::Vector3;
+use value_range::check_range;
 
 /// Greatest number of cells along a side of a view.
 pub(crate) const N_CELLS_MAX: usize = 2048;
@@ -37,7 +38,7 @@ impl ViewProjection {
     /// Checks the settings of the projection.
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self {
-            Self::Orthographic { cell_m } => check_setting("cell_m", *cell_m, 0.0005..=0.1),
+            Self::Orthographic { cell_m } => Ok(check_range("cell_m", *cell_m, 0.0005, 0.1)?),
             Self::Perspective(camera) => Ok(camera.validated().map(|_| ())?),
         }
     }

@@ -1,11 +1,12 @@
 //! Virtual view of a scene: label and depth of each cell, and the visible area of each object.
 
 use crate::depth_buffer::{DepthBuffer, EMPTY, PointSlices, label_of, steps_of};
-use crate::error::{Error, check_setting};
+use crate::error::Error;
 use crate::planning_scene::{PlanningScene, is_pose_finite};
 use crate::view_projection::{CellGrid, CellMapping, ViewProjection};
 use geometry::RigidTransform;
 use point_cloud::{Point, Rgba};
+use value_range::check_range;
 
 /// Colours of the objects in a virtual cloud; those of the background and of the objects by turns.
 const COLORS: [Rgba; 7] = [
@@ -48,9 +49,9 @@ impl RenderConfig {
     /// Checks the settings.
     pub(crate) fn check(&self) -> Result<(), Error> {
         self.projection.check()?;
-        check_setting("splat_radius", self.splat_radius as f64, 0.0..=8.0)?;
-        check_setting("tolerance_m", self.tolerance_m.into(), 0.0..=0.1)?;
-        check_setting("near_m", self.near_m.into(), 0.01..=1.0)
+        check_range("splat_radius", self.splat_radius as f64, 0.0, 8.0)?;
+        check_range("tolerance_m", self.tolerance_m.into(), 0.0, 0.1)?;
+        Ok(check_range("near_m", self.near_m.into(), 0.01, 1.0)?)
     }
 
     /// Width of the margin around the image that closing needs, cells.

@@ -3,10 +3,10 @@
 
 use crate::Error;
 use crate::assignment::{AssignmentBuffers, assign};
-use crate::error::check_settings;
 use geometry::OrientedBox;
 use nalgebra::{Matrix3, Point3};
 use point_cloud::ColorHistogram;
+use value_range::check_ranges;
 
 /// Tolerance of the containment test, metres. Chosen.
 const PART_MARGIN_M: f64 = 0.012;
@@ -109,7 +109,7 @@ impl AssociationConfig {
     /// # Errors
     /// Names the first setting outside its range.
     pub fn validated(self) -> Result<Self, Error> {
-        check_settings(&[
+        check_ranges(&[
             ("distance2_max", self.distance2_max, 1.0, 1000.0),
             ("volume_weight", self.volume_weight, 0.0, 100.0),
             ("color_weight", self.color_weight, 0.0, 100.0),

@@ -1,5 +1,7 @@
 //! Errors of the tracking crate.
 
+use value_range::OutOfRange;
+
 /// Error of a rejected measurement or setting.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -22,31 +24,6 @@ pub enum Error {
         state_stamp_ns: u64,
     },
     /// Tracking setting outside its valid range.
-    #[error("the tracking setting {name} is {value} but must lie between {min} and {max}")]
-    InvalidSetting {
-        /// Name of the tracking setting.
-        name: &'static str,
-        /// Rejected value of the setting.
-        value: f64,
-        /// Smallest valid value of the setting.
-        min: f64,
-        /// Largest valid value of the setting.
-        max: f64,
-    },
-}
-
-/// Checks settings, given as (name, value, minimum, maximum), against their ranges; NaN
-/// is always invalid.
-pub(crate) fn check_settings(settings: &[(&'static str, f64, f64, f64)]) -> Result<(), Error> {
-    for &(name, value, min, max) in settings {
-        if !(min..=max).contains(&value) {
-            return Err(Error::InvalidSetting {
-                name,
-                value,
-                min,
-                max,
-            });
-        }
-    }
-    Ok(())
+    #[error("the tracking setting {0}")]
+    InvalidSetting(#[from] OutOfRange),
 }

@@ -1,7 +1,7 @@
 //! Noise settings of the motion filter.
 
 use crate::Error;
-use crate::error::check_settings;
+use value_range::check_ranges;
 
 /// Process and measurement noise of the motion filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ impl MotionConfig {
     /// # Errors
     /// Names the first setting outside its range.
     pub fn validated(self) -> Result<Self, Error> {
-        check_settings(&[
+        check_ranges(&[
             (
                 "acceleration_sigma_m_s2",
                 self.acceleration_sigma_m_s2,

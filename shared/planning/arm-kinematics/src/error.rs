@@ -1,6 +1,7 @@
 //! Errors of kinematics, planning and commands.
 
 use std::fmt;
+use value_range::OutOfRange;
 
 /// Rejected pose, command or number. Lengths are in metres, angles in radians.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -15,17 +16,8 @@ pub enum Error {
         rule: &'static str,
     },
     /// Number outside its valid range.
-    #[error("{what} is {value} but must lie between {min} and {max}")]
-    OutOfRange {
-        /// Name of the quantity, with its unit.
-        what: &'static str,
-        /// Value outside its range.
-        value: f64,
-        /// Lower limit of the quantity.
-        min: f64,
-        /// Upper limit of the quantity.
-        max: f64,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// Joint angle outside the joint's limits.
     #[error(
         "joint {joint} cannot turn to {}; give it an angle between {} and {}",
@@ -107,19 +99,5 @@ struct Degrees(f64);
 impl fmt::Display for Degrees {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:.1}°", self.0.to_degrees())
-    }
-}
-
-/// Checks that a number lies within its range; NaN does not.
-pub(crate) fn check_range(what: &'static str, value: f64, min: f64, max: f64) -> Result<(), Error> {
-    if (min..=max).contains(&value) {
-        Ok(())
-    } else {
-        Err(Error::OutOfRange {
-            what,
-            value,
-            min,
-            max,
-        })
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
 use crate::Error;
-use crate::error::check_range;
+use value_range::check_range;
 
 /// Dimensions of the gripper, metres. Lengths are along z of the tool, widths along y,
 /// thicknesses along x.
@@ -95,12 +95,12 @@ impl GripperGeometry {
     ///
     /// [`Error::OutOfRange`].
     pub fn check_opening(&self, opening_m: f64) -> Result<(), Error> {
-        check_range(
+        Ok(check_range(
             "the opening of the hand in metres",
             opening_m,
             0.0,
             self.max_opening_m,
-        )
+        )?)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Errors of the renderer and the sensor model.
 
 use geometry::InvalidIntrinsics;
+use value_range::OutOfRange;
 
 /// Rejected input of the renderer or the sensor model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -30,15 +31,6 @@ pub enum Error {
     )]
     ForeignImage,
     /// Sensor model parameter outside of its range.
-    #[error("the sensor parameter {name} is {value} but must lie between {min} and {max}")]
-    SensorModel {
-        /// Name of the rendering parameter.
-        name: &'static str,
-        /// Rejected value of the parameter.
-        value: f32,
-        /// Lower limit of the parameter.
-        min: f32,
-        /// Upper limit of the parameter.
-        max: f32,
-    },
+    #[error("the sensor parameter {0}")]
+    SensorModel(#[from] OutOfRange<f32>),
 }

@@ -14,7 +14,6 @@ mod lateral_noise;
 mod matching_window;
 mod missing_depth;
 mod noise_tables;
-mod parameter_check;
 mod projector_shadow;
 mod sensor;
 mod sensor_model;

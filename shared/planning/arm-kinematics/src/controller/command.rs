@@ -2,9 +2,9 @@
 
 use geometry::RigidTransform;
 
-use crate::error::check_range;
 use crate::inverse_kinematics::check_pose;
 use crate::{Arm, Error, JointVector};
+use value_range::check_range;
 
 /// Lowest speed of a command, as a share of the maximum joint velocities. Chosen.
 const MIN_SPEED: f64 = 0.01;
@@ -73,12 +73,12 @@ impl Command {
 }
 
 fn check_speed(speed: f64) -> Result<(), Error> {
-    check_range(
+    Ok(check_range(
         "the speed as a share of the greatest",
         speed,
         MIN_SPEED,
         1.0,
-    )
+    )?)
 }
 
 /// State of an arm command.

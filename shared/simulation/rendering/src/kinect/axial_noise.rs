@@ -1,9 +1,8 @@
 //! Axial depth noise (Nguyen, Izadi and Lovell 2012).
 
 use super::DisparityQuantisation;
-use super::parameter_check::check;
-use crate::Error;
 use std::f32::consts::FRAC_PI_2;
+use value_range::{OutOfRange, check_range};
 
 /// Greatest angle of incidence for which the noise is computed, radians. The published law grows
 /// without limit towards a right angle.
@@ -31,9 +30,9 @@ impl AxialNoise {
         common_share: 0.4,
     };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check("axial_noise.strength", self.strength, 0.0, 10.0)?;
-        check("axial_noise.common_share", self.common_share, 0.0, 1.0)
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range("axial_noise.strength", self.strength, 0.0, 10.0)?;
+        check_range("axial_noise.common_share", self.common_share, 0.0, 1.0)
     }
 
     /// Published standard deviation, metres, times the strength.

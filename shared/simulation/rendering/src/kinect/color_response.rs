@@ -2,10 +2,9 @@
 //! encoding.
 
 use super::noise_tables::{NoiseKey, NoisePurpose, NoiseTables};
-use super::parameter_check::check;
-use crate::Error;
 use crate::illuminant::black_body_rgb;
 use crate::radiance::LINEAR_ONE;
+use value_range::{OutOfRange, check_range};
 
 /// Number of entries of the sRGB encoding table.
 const CODES: usize = 4096;
@@ -52,12 +51,12 @@ impl ColorResponse {
         is_blurred: false,
     };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check("color.exposure", self.exposure, 0.01, 100.0)?;
-        check("color.white_k", self.white_k, 1000.0, 15_000.0)?;
-        check("color.vignetting", self.vignetting, 0.0, 0.9)?;
-        check("color.shot_variance", self.shot_variance, 0.0, 0.1)?;
-        check("color.read_sigma", self.read_sigma, 0.0, 0.1)
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range("color.exposure", self.exposure, 0.01, 100.0)?;
+        check_range("color.white_k", self.white_k, 1000.0, 15_000.0)?;
+        check_range("color.vignetting", self.vignetting, 0.0, 0.9)?;
+        check_range("color.shot_variance", self.shot_variance, 0.0, 0.1)?;
+        check_range("color.read_sigma", self.read_sigma, 0.0, 0.1)
     }
 }
 

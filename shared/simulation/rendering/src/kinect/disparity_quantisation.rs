@@ -1,8 +1,7 @@
 //! Disparity quantisation, which makes depth discrete.
 
-use super::parameter_check::check;
-use crate::Error;
 use crate::rounding::round;
+use value_range::{OutOfRange, check_range};
 
 /// Quantisation step of the disparity.
 ///
@@ -19,8 +18,8 @@ impl DisparityQuantisation {
     /// Step of an eighth of a pixel (Khoshelham and Elberink 2012).
     pub const KINECT_V1: Self = Self { step_px: 0.125 };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check("quantisation.step_px", self.step_px, 1e-3, 4.0)
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range("quantisation.step_px", self.step_px, 1e-3, 4.0)
     }
 
     /// Depth quantisation step at depth `z_m`, metres. `focal_baseline` is the focal length in

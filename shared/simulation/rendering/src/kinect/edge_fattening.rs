@@ -2,10 +2,9 @@
 
 use super::depth_discontinuity::{for_each_pair, is_jump};
 use super::noise_tables::{NoiseKey, NoisePurpose, NoiseTables};
-use super::parameter_check::check;
 use super::{BorderSpeckle, LateralNoise};
-use crate::Error;
 use crate::reflection::Reflection;
+use value_range::{OutOfRange, check_range};
 
 /// Number of rows or columns along a border that are displaced together. Chosen.
 const COMMON_PX: usize = 4;
@@ -32,9 +31,9 @@ impl EdgeFattening {
         sigma_px: 0.6,
     };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check("edge_fattening.mean_px", self.mean_px, 0.0, 3.0)?;
-        check("edge_fattening.sigma_px", self.sigma_px, 0.0, 3.0)
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range("edge_fattening.mean_px", self.mean_px, 0.0, 3.0)?;
+        check_range("edge_fattening.sigma_px", self.sigma_px, 0.0, 3.0)
     }
 }
 

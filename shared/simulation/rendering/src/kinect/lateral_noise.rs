@@ -1,8 +1,7 @@
 //! Lateral noise of depth borders (Nguyen, Izadi and Lovell 2012).
 
-use super::parameter_check::check;
-use crate::Error;
 use std::f32::consts::FRAC_PI_2;
+use value_range::{OutOfRange, check_range};
 
 /// Lateral noise: standard deviation of the position of a depth border at the angle of incidence
 /// θ,
@@ -21,8 +20,8 @@ impl LateralNoise {
     /// Published lateral noise of the Kinect v1 (strength 1).
     pub const KINECT_V1: Self = Self { strength: 1.0 };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check("lateral_noise.strength", self.strength, 0.0, 4.0)
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range("lateral_noise.strength", self.strength, 0.0, 4.0)
     }
 
     /// Standard deviation of a border by the angle of incidence, radians, in pixels.

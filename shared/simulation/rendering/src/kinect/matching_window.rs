@@ -1,9 +1,8 @@
 //! Window matching of a stereo camera: disparity averaged over the window, with correlated noise.
 
 use super::noise_tables::{NoiseKey, NoisePurpose, NoiseTables};
-use super::parameter_check::check;
-use crate::Error;
 use std::ops::Range;
+use value_range::{OutOfRange, check_range};
 
 /// Greatest radius of the window, pixels.
 const RADIUS_MAX_PX: usize = 16;
@@ -37,16 +36,16 @@ impl MatchingWindow {
         noise_px: 0.06,
     };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
         let radius = self.radius_px as f32;
-        check(
+        check_range(
             "matching_window.radius_px",
             radius,
             1.0,
             RADIUS_MAX_PX as f32,
         )?;
-        check("matching_window.capture_px", self.capture_px, 0.0, 10.0)?;
-        check("matching_window.noise_px", self.noise_px, 0.0, 1.0)
+        check_range("matching_window.capture_px", self.capture_px, 0.0, 10.0)?;
+        check_range("matching_window.noise_px", self.noise_px, 0.0, 1.0)
     }
 
     /// Matches an image of disparities, `width` pixels per row; 0 stands for empty pixels, which

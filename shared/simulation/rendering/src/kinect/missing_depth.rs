@@ -1,7 +1,6 @@
 //! Missing depth: range limits, border speckle and weak infrared signal.
 
-use super::parameter_check::check;
-use crate::Error;
+use value_range::{OutOfRange, check_range};
 
 /// Depth range of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,9 +18,9 @@ impl DepthRange {
         max_m: 4.5,
     };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check("range.min_m", self.min_m, 0.0, 10.0)?;
-        check("range.max_m", self.max_m, self.min_m, 20.0)
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range("range.min_m", self.min_m, 0.0, 10.0)?;
+        check_range("range.max_m", self.max_m, self.min_m, 20.0)
     }
 }
 
@@ -38,8 +37,8 @@ impl BorderSpeckle {
         missing_share: 0.25,
     };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check("border_speckle.missing_share", self.missing_share, 0.0, 1.0)
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range("border_speckle.missing_share", self.missing_share, 0.0, 1.0)
     }
 }
 
@@ -74,27 +73,27 @@ impl WeakSignal {
         mirror: 1.0,
     };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check("weak_signal.none_below", self.none_below, 0.0, 1.0)?;
-        check(
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range("weak_signal.none_below", self.none_below, 0.0, 1.0)?;
+        check_range(
             "weak_signal.all_above",
             self.all_above,
             self.none_below,
             1.0,
         )?;
-        check(
+        check_range(
             "weak_signal.grazing_none_cos",
             self.grazing_none_cos,
             0.0,
             1.0,
         )?;
-        check(
+        check_range(
             "weak_signal.grazing_all_cos",
             self.grazing_all_cos,
             self.grazing_none_cos,
             1.0,
         )?;
-        check("weak_signal.mirror", self.mirror, 0.0, 4.0)
+        check_range("weak_signal.mirror", self.mirror, 0.0, 4.0)
     }
 
     /// Probability of a missing depth value, 0 to 1. The cosine, the infrared albedo and the

@@ -1,8 +1,7 @@
 //! Projector shadow: occlusion of the infrared projector.
 
 use super::depth_discontinuity::for_each_pair;
-use super::parameter_check::check;
-use crate::Error;
+use value_range::{OutOfRange, check_range};
 
 /// Search distance for an occluding surface, pixels. Chosen.
 const REACH_PX: usize = 256;
@@ -27,8 +26,8 @@ impl ProjectorShadow {
         least_difference_px: 1.0,
     };
 
-    pub(super) fn check(&self) -> Result<(), Error> {
-        check(
+    pub(super) fn check(&self) -> Result<(), OutOfRange<f32>> {
+        check_range(
             "projector_shadow.least_difference_px",
             self.least_difference_px,
             0.1,

@@ -1,11 +1,11 @@
 //! Error terms of the simulated structured-light or active stereo camera.
 
-use super::parameter_check::check;
 use super::{
     AxialNoise, BorderSpeckle, ColorResponse, DepthRange, DisparityQuantisation, EdgeFattening,
     LateralNoise, MatchingWindow, ProjectorShadow, WeakSignal,
 };
 use crate::Error;
+use value_range::check_range;
 
 /// Error model of a structured-light or active stereo depth camera; `None` switches a term off.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,7 +101,7 @@ impl SensorModel {
     /// [`Error::SensorModel`] for the first parameter out of its range; NaN is out of every
     /// range.
     pub fn validated(self) -> Result<Self, Error> {
-        check("baseline_m", self.baseline_m, 0.01, 1.0)?;
+        check_range("baseline_m", self.baseline_m, 0.01, 1.0)?;
         self.quantisation.map_or(Ok(()), |term| term.check())?;
         self.axial_noise.map_or(Ok(()), |term| term.check())?;
         self.lateral_noise.map_or(Ok(()), |term| term.check())?;
