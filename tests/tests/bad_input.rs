@@ -338,7 +338,7 @@ fn second_daemon_in_the_domain_is_refused_and_the_first_is_undisturbed() {
     }
     assert_eq!(daemon.pids(), before);
     let expected = daemon.ask(&["status"])["expected"].clone();
-    assert_eq!(expected.as_array().map(Vec::len), Some(3), "{expected}");
+    assert_eq!(expected.as_array().map(Vec::len), Some(4), "{expected}");
     let later = wait_for_all(&daemon, 0);
     assert_eq!(ids(&later), ids(&objects), "the tracks go on");
     assert_eq!(

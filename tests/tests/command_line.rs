@@ -415,6 +415,7 @@ fn failures_are_documents_with_their_exit_code() {
     }
     check(&["run", "--source", "/nowhere"], 2);
     let daemon = sandbox.start(&TABLE);
+    wait_for_all(&daemon, 0);
     check(&["ask", "999999"], 4);
     check(&["teach", "999999", "mug"], 4);
     check(&["forget", "unicorn"], 4);
@@ -663,7 +664,7 @@ fn doctor_lists_every_check_and_succeeds_without_failures() {
         let (verdict, socket) = of_check(&findings, "control socket");
         assert_eq!(verdict, "ok", "{socket}");
         assert_eq!(
-            socket.contains("3 of 3 processes report"),
+            socket.contains("4 of 4 processes report"),
             running,
             "{socket}"
         );

@@ -89,7 +89,8 @@ fn once_a_run(folder: &Path, name: &str, step: impl FnOnce()) {
 }
 
 /// Processes of a daemon with a camera, in the order of their start.
-pub(crate) const WITH_CAMERA: [ProcessKind; 3] = [
+pub(crate) const WITH_CAMERA: [ProcessKind; 4] = [
+    ProcessKind::GATEWAY,
     ProcessKind::MEMORY,
     ProcessKind::PERCEPTION,
     ProcessKind::CAMERA,

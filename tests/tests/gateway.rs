@@ -20,7 +20,7 @@ fn assert_others_answer(daemon: &Daemon<'_>) {
     let object = id(&objects[0]);
     for arguments in [
         &["ask", &object][..],
-        &["question"],
+        &["ask", "--teach-me"],
         &["arm", "state"],
         &["arm", "stop"],
     ] {
@@ -86,12 +86,8 @@ fn killed_gateway_is_replaced_and_nothing_else_ends() {
     let daemon = sandbox.start(&["--source", "synthetic:0", "--rate", "10"]);
     let objects = wait_for_all(&daemon, 0);
     daemon.ask(&["teach", &id(&objects[0]), "mug", "--author", "anna"]);
-    let others = [
-        ProcessKind::MEMORY,
-        ProcessKind::PERCEPTION,
-        ProcessKind::CAMERA,
-    ];
-    let pids = others.map(|process| daemon.pid(process));
+    // The first is the gateway.
+    let others = daemon.pids().split_off(1);
     for signal in [Signal::KILL, Signal::ABORT] {
         let before = daemon.pid(ProcessKind::GATEWAY);
         daemon.signal(ProcessKind::GATEWAY, signal);
@@ -103,6 +99,6 @@ fn killed_gateway_is_replaced_and_nothing_else_ends() {
         let label = &daemon.ask(&["ask", &id(&objects[0])])["label"];
         assert_eq!(label, "mug");
     }
-    assert_eq!(others.map(|process| daemon.pid(process)), pids);
+    assert_eq!(daemon.pids().split_off(1), others);
     daemon.stop();
 }

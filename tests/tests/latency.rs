@@ -189,7 +189,7 @@ fn latency_measurement_that_is_killed_leaves_no_daemon() {
         .spawn()
         .unwrap();
     let its_domain = format!("--domain=lat-{}", measuring.id());
-    eventually("the daemon runs", || processes_with(&its_domain).len() == 4);
+    eventually("the daemon runs", || processes_with(&its_domain).len() == 5);
     measuring.kill().unwrap();
     measuring.wait().unwrap();
     eventually("the daemon has ended", || {

@@ -6,19 +6,10 @@ use service::{Configuration, Failure};
 
 /// Section `[gateway]` as written in TOML.
 #[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields)]
 struct RawConfig {
     teacher_group: String,
     administrator_group: String,
-}
-
-impl Default for RawConfig {
-    fn default() -> Self {
-        Self {
-            teacher_group: "tabula".into(),
-            administrator_group: "tabula-admin".into(),
-        }
-    }
 }
 
 /// Validated configuration of the gateway.
@@ -31,7 +22,7 @@ pub(crate) struct Config {
 impl Config {
     /// Reads and validates the section of the configuration.
     pub(crate) fn new(found: &Configuration) -> Result<Self, Failure> {
-        let raw: RawConfig = found.section("gateway")?;
+        let raw: RawConfig = found.section_with_defaults("gateway")?;
         Ok(Self {
             groups: RoleGroups {
                 teachers: raw.teacher_group,

@@ -35,9 +35,15 @@ pub(crate) fn handler(
                 store_id: Some(store_id),
                 sequence,
             };
-            match labelled_after(&scene, position, barrier.wait(), CATCH_UP).await {
-                Ok(()) => answer(&scene, &health, &command),
-                Err(refusal) => Reply::Refused(refusal),
+            let labelled = labelled_after(&scene, position, barrier.wait(), CATCH_UP);
+            tokio::select! {
+                biased;
+                labelled = labelled => match labelled {
+                    Ok(()) => answer(&scene, &health, &command),
+                    Err(refusal) => Reply::Refused(refusal),
+                },
+                // The live scene is no business of the memory.
+                () = barrier.memory_lost() => with_old_labels(answer(&scene, &health, &command)),
             }
         })
     })
@@ -93,6 +99,16 @@ fn answer(scene: &LatestScene, health: &HealthCounters, command: &Command) -> Re
             format!("tabula-perception does not answer {other:?}"),
         )),
     }
+}
+
+/// Answer while the memory is away: its labels may lack the last changes, and it says so.
+fn with_old_labels(mut reply: Reply) -> Reply {
+    if let Reply::Objects(scene) = &mut reply
+        && scene.note.is_empty()
+    {
+        "the memory does not answer: names may lack its last changes".clone_into(&mut scene.note);
+    }
+    reply
 }
 
 /// Reason why there is no scene yet.

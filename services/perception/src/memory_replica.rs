@@ -21,6 +21,9 @@ use tokio::sync::{mpsc, oneshot, watch};
 const CALL_TIMEOUT: Duration = Duration::from_secs(5);
 /// Grace period: shorter failures are not logged.
 const LOG_DELAY: Duration = Duration::from_secs(2);
+/// Time without an answer after which the memory counts as lost. Chosen: above the poll period,
+/// and above the time in which a memory that has ended is replaced.
+const LOST_AFTER: Duration = Duration::from_millis(1500);
 /// Number of views whose clouds are asked for at once; the answer may hold fewer.
 const CLOUDS_PER_CALL: usize = 64;
 /// Polling period for changes, in case an announcement is lost.
@@ -90,11 +93,16 @@ pub(crate) struct MemoryReplica {
     kind_log: LogOnce,
     requests: mpsc::Receiver<oneshot::Sender<()>>,
     waiting: Vec<oneshot::Sender<()>>,
+    last_answer: Instant,
+    is_answering: watch::Sender<bool>,
 }
 
 /// Synchronisation barrier: waits until the replica has caught up.
 #[derive(Clone)]
-pub(crate) struct SyncBarrier(mpsc::Sender<oneshot::Sender<()>>);
+pub(crate) struct SyncBarrier {
+    requests: mpsc::Sender<oneshot::Sender<()>>,
+    is_answering: watch::Receiver<bool>,
+}
 
 impl SyncBarrier {
     /// Waits until the replica includes everything that the memory acknowledged before
@@ -102,8 +110,16 @@ impl SyncBarrier {
     pub(crate) async fn wait(&self) {
         let (sender, caught_up) = oneshot::channel();
         // The replica ends only with the process.
-        if self.0.send(sender).await.is_ok() {
+        if self.requests.send(sender).await.is_ok() {
             let _ = caught_up.await;
+        }
+    }
+
+    /// Waits until the memory has not answered for a while; at once while that lasts.
+    pub(crate) async fn memory_lost(&self) {
+        let mut is_answering = self.is_answering.clone();
+        if is_answering.wait_for(|answers| !answers).await.is_err() {
+            std::future::pending::<()>().await;
         }
     }
 }
@@ -126,6 +142,7 @@ impl MemoryReplica {
     ) -> Result<(Self, SyncBarrier), Error> {
         let announcements = Subscriber::waiting(domain)?;
         let (sender, requests) = mpsc::channel(1);
+        let (is_answering, answering) = watch::channel(true);
         let replica = Self {
             client,
             announcements,
@@ -133,8 +150,14 @@ impl MemoryReplica {
             kind_log: LogOnce::default(),
             requests,
             waiting: Vec::new(),
+            last_answer: Instant::now(),
+            is_answering,
         };
-        Ok((replica, SyncBarrier(sender)))
+        let barrier = SyncBarrier {
+            requests: sender,
+            is_answering: answering,
+        };
+        Ok((replica, barrier))
     }
 
     /// Keeps the replica up to date until the future is dropped.
@@ -323,11 +346,25 @@ impl MemoryReplica {
         }
     }
 
-    async fn ask<T>(&self, request: &TypedRequest<T>) -> Result<T, SyncError> {
-        self.client
-            .ask(request, CALL_TIMEOUT)
-            .await
-            .map_err(SyncError::Call)
+    /// Asks the memory, and notes whether it answers.
+    async fn ask<T>(&mut self, request: &TypedRequest<T>) -> Result<T, SyncError> {
+        let answer = self.client.ask(request, CALL_TIMEOUT);
+        tokio::pin!(answer);
+        let answered = tokio::select! {
+            biased;
+            answered = &mut answer => answered,
+            () = tokio::time::sleep(LOST_AFTER) => {
+                self.is_answering.send_replace(false);
+                answer.await
+            }
+        };
+        if matches!(answered, Ok(_) | Err(CallError::Refusal(_))) {
+            self.last_answer = Instant::now();
+            self.is_answering.send_replace(true);
+        } else if self.last_answer.elapsed() > LOST_AFTER {
+            self.is_answering.send_replace(false);
+        }
+        answered.map_err(SyncError::Call)
     }
 }
 

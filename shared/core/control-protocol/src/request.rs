@@ -53,7 +53,7 @@ impl<T> TypedRequest<T> {
 
 /// Access to a command: who answers it, and who may send it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Access {
+pub struct CommandAccess {
     /// Process that answers the command.
     pub owner: ProcessKind,
     /// Least role that may send the command.
@@ -77,19 +77,19 @@ macro_rules! requests {
         impl Command {
             /// Owner of the command, and the least role that may send it.
             #[allow(unused_variables, reason = "the rows name the fields of their commands")]
-            pub fn access(&self) -> Access {
+            pub fn access(&self) -> CommandAccess {
                 match self {
-                    $($($command)+ => Access { owner: ProcessKind::$owner, role: UserRole::$role },)+
+                    $($($command)+ => CommandAccess { owner: ProcessKind::$owner, role: UserRole::$role },)+
                     Command::ReadAfter { command, .. } => command.access(),
                 }
             }
         }
 
         /// All rows: the command as it is written here, its owner and its role.
-        pub const ROWS: &[(&str, Access)] = &[
+        pub const ROWS: &[(&str, CommandAccess)] = &[
             $((
                 stringify!($($command)+),
-                Access { owner: ProcessKind::$owner, role: UserRole::$role },
+                CommandAccess { owner: ProcessKind::$owner, role: UserRole::$role },
             )),+
         ];
     };

@@ -43,5 +43,8 @@ fn guide_has_the_table_of_owners_and_roles() {
         let (role, commands) = (role.name(), commands.join(", "));
         writeln!(table, "| {owner} | {role} | {commands} |").unwrap();
     }
-    assert!(guide.contains(&table), "the guide needs this table:\n{table}");
+    assert!(
+        guide.contains(&table),
+        "the guide needs this table:\n{table}"
+    );
 }

@@ -260,28 +260,5 @@ pub(crate) fn as_number(value: &Value) -> Option<f64> {
         .or_else(|| value.as_integer().map(|integer| integer as f64))
 }
 
-/// Rule of a section that is not kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("{key} {rule}")]
-pub struct BrokenRule {
-    /// Key whose value breaks the rule.
-    pub key: &'static str,
-    /// Rule, the end of a sentence that begins with the key.
-    pub rule: &'static str,
-}
-
-/// First rule of a section that is not kept, of triples of a condition, its key, and its rule.
-///
-/// # Errors
-/// That rule.
-pub fn check_rules<const N: usize>(
-    rules: [(bool, &'static str, &'static str); N],
-) -> Result<(), BrokenRule> {
-    match rules.into_iter().find(|(is_kept, ..)| !is_kept) {
-        Some((_, key, rule)) => Err(BrokenRule { key, rule }),
-        None => Ok(()),
-    }
-}
-
 #[cfg(test)]
 mod tests;

@@ -48,9 +48,8 @@ pub use allocation_counter::CountingAllocator;
 pub use arguments::{CommonArguments, ProcessArguments};
 pub use clock::{monotonic_ns, wall_clock_ns, wall_clock_offset_ns};
 pub use configuration::{
-    BrokenRule, ConfigError, Configuration, KeyBound, KeyDescription, KeyRange, KeyReference,
-    SECTIONS, Setting, ValueKind, check_rules, check_section_reference, nearest_names,
-    probable_name,
+    ConfigError, Configuration, KeyBound, KeyDescription, KeyRange, KeyReference, SECTIONS,
+    Setting, ValueKind, check_section_reference, nearest_names, probable_name,
 };
 pub use context::Context;
 pub use controlling_terminal::ControllingTerminal;
