@@ -7,7 +7,7 @@ use channel::Domain;
 use channel::control::Client;
 use control_protocol::{Command, Peer, Refusal, RefusalKind, Reply, UserRole, WorldCommand};
 use daemon_client::CallError;
-use message::ProcessKind;
+use message::{Duty, ProcessKind};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -29,7 +29,7 @@ impl RequestRouter {
         processes: Arc<ProcessTable>,
         position: HistoryPosition,
     ) -> Self {
-        let owners = ProcessKind::all().filter(|process| process.duties().is_owner);
+        let owners = ProcessKind::all().filter(|process| process.has(Duty::Owner));
         Self {
             domain: domain.clone(),
             owners: owners

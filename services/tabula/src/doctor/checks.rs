@@ -10,7 +10,7 @@ use channel::{
 use control_protocol::request;
 use daemon_client::{CallError, DaemonClient};
 use freenect::{Library, LibraryKind, Presence};
-use message::ProcessKind;
+use message::{Duty, ProcessKind};
 use rustix::process::{Resource, getrlimit};
 use scene_document::HealthDocument;
 use service::{CommonArguments, Configuration, guest_places};
@@ -203,7 +203,7 @@ fn noise(common: &CommonArguments, state: &DomainState) -> Finding {
 
 fn all_processes(name: &'static str, n_processes: usize) -> Finding {
     // Either the camera or the simulator runs.
-    let sensors = ProcessKind::all().filter(|process| process.duties().is_sensor);
+    let sensors = ProcessKind::all().filter(|process| process.has(Duty::Sensor));
     let n_expected = ProcessKind::all().count() - sensors.count() + 1;
     // One that was stopped a moment ago is still counted.
     let n_processes = n_processes.min(n_expected);

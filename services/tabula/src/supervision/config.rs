@@ -1,7 +1,7 @@
 //! Configuration section `[run]`: watchdog and restarts of the daemon's processes.
 
 use super::progress_watch::ProgressLimits;
-use message::ProcessKind;
+use message::{Duty, ProcessKind};
 use serde::Deserialize;
 use service::{Configuration, Failure};
 use std::time::Duration;
@@ -52,7 +52,7 @@ impl SupervisionConfig {
     pub(crate) fn progress_limits(&self, process: ProcessKind) -> ProgressLimits {
         ProgressLimits {
             starting: self.startup_watchdog,
-            ready: if process.duties().is_store {
+            ready: if process.has(Duty::Store) {
                 self.memory_watchdog
             } else {
                 self.watchdog

@@ -14,6 +14,7 @@ pub const DOCUMENT_PAGE_BYTES: usize = crate::MAX_MESSAGE_BYTES / 2;
 /// Kind of a document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum DocumentKind {
     /// Fused surface model of an object.
     ObjectModel,

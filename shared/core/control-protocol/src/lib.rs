@@ -43,8 +43,8 @@ pub use learning::{
     SnapshotPage, StoredView, ViewId,
 };
 pub use memory::{
-    AheadDecision, ExportReport, HistoryOperation, HistoryReport, ImportReport, JobCommand,
-    JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision,
+    AheadDecision, ExportReport, HistoryOperation, HistoryReport, ImportCompletion, ImportReport,
+    JobCommand, JobKind, JobOutcome, JobReport, MemoryAnswer, MemoryQuery, MemoryStats, Revision,
     RevisionChange, VerificationReport, ViewReport,
 };
 pub use packed_cloud::{InvalidCloud, MAX_CLOUD_POINTS, PackedCloud, pack_cloud};

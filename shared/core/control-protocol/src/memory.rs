@@ -364,27 +364,31 @@ pub enum JobCommand {
         bytes: Vec<u8>,
     },
     /// Complete an import whose bytes are all written.
-    Import {
-        /// Id of the import job.
-        job: u64,
-        /// Idempotency key of the mutation.
-        id: MutationId,
-        /// Author of the import.
-        author: String,
-        /// Source of the import, for the history.
-        source: String,
-        /// Categories to rename on import, as pairs: from, to.
-        renames: Vec<(String, String)>,
-        /// Prefix for all other category names, to keep equal names apart.
-        prefix: String,
-        /// True to make new categories, even beside ones whose names look alike.
-        #[serde(default)]
-        is_new: bool,
-        /// Decisions from too far ahead of this clock get the present time; false leaves them
-        /// out.
-        #[serde(default)]
-        restamp: bool,
-    },
+    Import(ImportCompletion),
+}
+
+/// Completion of an import: what to do with the uploaded file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImportCompletion {
+    /// Id of the import job.
+    pub job: u64,
+    /// Idempotency key of the mutation.
+    pub id: MutationId,
+    /// Author of the import.
+    pub author: String,
+    /// Source of the import, for the history.
+    pub source: String,
+    /// Categories to rename on import, as pairs: from, to.
+    pub renames: Vec<(String, String)>,
+    /// Prefix for all other category names, to keep equal names apart.
+    pub prefix: String,
+    /// True to make new categories, even beside ones whose names look alike.
+    #[serde(default)]
+    pub is_new: bool,
+    /// Decisions from too far ahead of this clock get the present time; false leaves them
+    /// out.
+    #[serde(default)]
+    pub restamp: bool,
 }
 
 /// Kind of a long-running job.

@@ -8,10 +8,10 @@
 use crate::{
     ArmCommand, ArmReport, ChangesPage, Command, DepthNoiseReport, DocumentName, DocumentPage,
     DocumentReport, DocumentVersionReport, FactFilter, FindQuery, FindReport, HistoryReport,
-    JobCommand, JobKind, JobReport, Labelling, LearningReport, MemoryAnswer, MemoryQuery,
-    MemoryStats, MutationId, PageRequest, QuestionsReport, Refusal, RefusalKind, ReloadReport,
-    Reply, Revision, SnapshotCursor, SnapshotPage, StoredView, TaskOutcome, UserRole, ViewId,
-    ViewReport, WorldCommand, WorldReply,
+    ImportCompletion, JobCommand, JobKind, JobReport, Labelling, LearningReport, MemoryAnswer,
+    MemoryQuery, MemoryStats, MutationId, PageRequest, QuestionsReport, Refusal, RefusalKind,
+    ReloadReport, Reply, Revision, SnapshotCursor, SnapshotPage, StoredView, TaskOutcome, UserRole,
+    ViewId, ViewReport, WorldCommand, WorldReply,
 };
 use process_registry::ProcessKind;
 use scene_document::{
@@ -244,13 +244,8 @@ requests! {
 
     MEMORY, Administrator:
     /// Completes an import whose bytes are all written.
-    complete_import(
-        job: u64, id: MutationId, author: String, source: String,
-        renames: Vec<(String, String)>, prefix: String, is_new: bool, restamp: bool
-    ) -> JobReport
-        = [Command::Job(JobCommand::Import {
-            job, id, author, source, renames, prefix, is_new, restamp
-        })]
+    complete_import(completion: ImportCompletion) -> JobReport
+        = [Command::Job(JobCommand::Import(completion))]
         => [Reply::Job(report) => report];
 
     SIMULATOR, Reader:

@@ -350,6 +350,18 @@ fn golden_reports_of_jobs_are_written_and_read() {
     check("reports-of-jobs", &examples);
 }
 
+fn now() -> WorldDocument {
+    WorldDocument {
+        now_ns: 1,
+        scene_age_s: Some(0.5),
+        capture_stamp_ns: None,
+        is_stale: false,
+        objects: Vec::new(),
+        robot: None,
+        newest_event: 7,
+    }
+}
+
 #[test]
 fn golden_replies_of_the_world_and_to_processes_are_written_and_read() {
     let learned = LearnedView {
@@ -372,18 +384,9 @@ fn golden_replies_of_the_world_and_to_processes_are_written_and_read() {
         ],
         more: false,
     };
-    let now = WorldDocument {
-        now_ns: 1,
-        scene_age_s: Some(0.5),
-        capture_stamp_ns: None,
-        is_stale: false,
-        objects: Vec::new(),
-        robot: None,
-        newest_event: 7,
-    };
     let world = |reply| Reply::World(reply);
     let examples = [
-        ("now", world(WorldReply::Now(Box::new(now)))),
+        ("now", world(WorldReply::Now(Box::new(now())))),
         (
             "facts",
             world(WorldReply::Facts(FactsDocument {

@@ -4,9 +4,9 @@
 
 use control_protocol::{
     ArmCommand, Command, ContentDigest, DescriptorBytes, DocumentKind, DocumentName, FactFilter,
-    FindQuery, JobCommand, JobKind, Labelling, MemoryQuery, MutationId, PageRequest, Peer, Request,
-    Revision, RevisionChange, SnapshotCursor, StoredView, TaskOutcome, UserRole, ViewId,
-    WorldCommand, WorldRegion,
+    FindQuery, ImportCompletion, JobCommand, JobKind, Labelling, MemoryQuery, MutationId,
+    PageRequest, Peer, Request, Revision, RevisionChange, SnapshotCursor, StoredView, TaskOutcome,
+    UserRole, ViewId, WorldCommand, WorldRegion,
 };
 
 use std::path::Path;
@@ -171,7 +171,7 @@ fn golden_queries_of_the_memory_are_written_and_read() {
 
 #[test]
 fn golden_requests_of_jobs_and_of_the_arm_are_written_and_read() {
-    let import = JobCommand::Import {
+    let import = JobCommand::Import(ImportCompletion {
         job: 1,
         id: ID,
         author: anna(),
@@ -180,7 +180,7 @@ fn golden_requests_of_jobs_and_of_the_arm_are_written_and_read() {
         prefix: "b-".to_owned(),
         is_new: true,
         restamp: true,
-    };
+    });
     let write = JobCommand::Write {
         job: 1,
         offset: 2,

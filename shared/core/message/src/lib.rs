@@ -56,7 +56,7 @@ pub use memory_change::MemoryChange;
 pub use near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 pub use object_view::{ObjectCloudHeader, ObjectViewHeader};
 pub use pose::{WirePose, WireTransform, upper_triangle};
-pub use process_registry::ProcessKind;
+pub use process_registry::{Duty, ProcessKind};
 pub use rejected_candidate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, WireFinding};
 pub use robot::{ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
 pub use scene::{ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps};

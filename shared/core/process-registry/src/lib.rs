@@ -22,57 +22,50 @@ struct ProcessEntry {
     code: u32,
     /// Name of the process for people and scripts, such as `camera`.
     word: &'static str,
-    duties: Duties,
+    duties: &'static [Duty],
 }
 
-/// Duties of a process, as far as others need to know them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Duties {
+/// Duty of a process, as far as others need to know it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Duty {
     /// Publishes frames. Exactly one such process runs in a daemon.
-    pub is_sensor: bool,
+    Sensor,
     /// Reports each frame that it has finished, for which a source in lockstep waits.
-    pub follows_frames: bool,
+    FollowsFrames,
     /// Writes a store, and has more time than others before it counts as hung.
-    pub is_store: bool,
+    Store,
     /// Owns requests of the control protocol, and serves them.
-    pub is_owner: bool,
+    Owner,
 }
-
-const NONE: Duties = Duties {
-    is_sensor: false,
-    follows_frames: false,
-    is_store: false,
-    is_owner: false,
-};
 
 /// Process of the daemon: an entry of the registry.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ProcessKind(u32);
 
 macro_rules! processes {
-    ($($(#[$doc:meta])* $name:ident = $code:literal, $word:literal, $duties:expr;)+) => {
+    ($($(#[$doc:meta])* $name:ident = $code:literal, $word:literal, [$($duty:ident),*];)+) => {
         impl ProcessKind {
             $($(#[$doc])* pub const $name: Self = Self($code);)+
         }
 
         /// Entries in starting order.
         static REGISTRY: [ProcessEntry; [$($word),+].len()] = [
-            $(ProcessEntry { code: $code, word: $word, duties: $duties }),+
+            $(ProcessEntry { code: $code, word: $word, duties: &[$(Duty::$duty),*] }),+
         ];
     };
 }
 
 processes! {
     /// `tabula-gateway`: serves the control socket, and passes each request to its owner.
-    GATEWAY = 5, "gateway", NONE;
+    GATEWAY = 5, "gateway", [];
     /// `tabula-memory`: stores views, labels and world facts.
-    MEMORY = 3, "memory", Duties { is_store: true, follows_frames: true, is_owner: true, ..NONE };
+    MEMORY = 3, "memory", [Store, FollowsFrames, Owner];
     /// `tabula-perception`: detects, tracks and recognises objects.
-    PERCEPTION = 2, "perception", Duties { follows_frames: true, is_owner: true, ..NONE };
+    PERCEPTION = 2, "perception", [FollowsFrames, Owner];
     /// `tabula-camera`: publishes camera frames.
-    CAMERA = 1, "camera", Duties { is_sensor: true, ..NONE };
+    CAMERA = 1, "camera", [Sensor];
     /// `tabula-simulator`: replaces the camera by a simulated scene, and drives its arm.
-    SIMULATOR = 4, "simulator", Duties { is_sensor: true, is_owner: true, ..NONE };
+    SIMULATOR = 4, "simulator", [Sensor, Owner];
 }
 
 impl ProcessKind {
@@ -101,9 +94,9 @@ impl ProcessKind {
         self.entry().word
     }
 
-    /// Duties of the process.
-    pub fn duties(self) -> Duties {
-        self.entry().duties
+    /// True if the process has a duty.
+    pub fn has(self, duty: Duty) -> bool {
+        self.entry().duties.contains(&duty)
     }
 
     /// File name of the executable, such as `tabula-camera`.

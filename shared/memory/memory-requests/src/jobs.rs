@@ -10,7 +10,8 @@ use crate::job_context::{JobContext, Progress};
 use crate::upload::Upload;
 use crate::{compaction, export, import, verification};
 use control_protocol::{
-    JobCommand, JobKind, JobOutcome, JobReport, MAX_DOCUMENT_BYTES, Refusal, RefusalKind, Reply,
+    ImportCompletion, JobCommand, JobKind, JobOutcome, JobReport, MAX_DOCUMENT_BYTES, Refusal,
+    RefusalKind, Reply,
 };
 use parking_lot::Mutex;
 use perceptual_memory::Requester;
@@ -81,7 +82,7 @@ impl Jobs {
             JobCommand::Write { job, offset, bytes } => {
                 self.write(job, requester, offset, bytes).await
             }
-            JobCommand::Import {
+            JobCommand::Import(ImportCompletion {
                 job,
                 id,
                 author,
@@ -90,7 +91,7 @@ impl Jobs {
                 prefix,
                 is_new,
                 restamp,
-            } => {
+            }) => {
                 let options = import::ImportOptions {
                     renames,
                     prefix,

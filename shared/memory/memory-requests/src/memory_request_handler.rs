@@ -7,7 +7,7 @@ use crate::jobs::{ABANDON_AFTER, Jobs};
 use crate::revision::allowing_alike;
 use crate::store_client::{By, StoreClient};
 use crate::upload::UploadLimits;
-use crate::{change_text, document_pages, queries, revision, translate};
+use crate::{change_text, queries, revision, translate};
 use control_protocol::{
     Command, Labelling, MemoryQuery, Refusal, Reply, Revision, RevisionChange, SnapshotCursor,
 };
@@ -180,10 +180,7 @@ impl MemoryRequestHandler {
 
     async fn query(&self, query: MemoryQuery) -> Result<Reply, Refusal> {
         let contents = Arc::clone(&self.contents);
-        let answer = move |memory: &mut PerceptualMemory| match query {
-            MemoryQuery::Document(request) => document_pages::page(memory, &contents, request),
-            query => queries::answer(memory, query),
-        };
+        let answer = move |memory: &mut PerceptualMemory| queries::answer(memory, &contents, query);
         self.store.read(answer).await?.map(Reply::Memory)
     }
 

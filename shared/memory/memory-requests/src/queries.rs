@@ -1,8 +1,9 @@
 //! Read queries on the perceptual memory: statistics, views, history, documents.
 
+use crate::document_pages::ContentCache;
 use crate::job_context::wall_ns;
 use crate::{document_pages, history_page, translate};
-use control_protocol::{MemoryAnswer, MemoryQuery, MemoryStats, Refusal, RefusalKind, ViewReport};
+use control_protocol::{MemoryAnswer, MemoryQuery, MemoryStats, Refusal, ViewReport};
 use perceptual_memory::{Error, PerceptualMemory, Stats, Target, ViewSummary};
 
 /// Maximum number of views on a page.
@@ -11,6 +12,7 @@ const PAGE_VIEWS: usize = 500;
 /// Answers a query or refuses it; an error is a failure of the store.
 pub(crate) fn answer(
     memory: &mut PerceptualMemory,
+    contents: &ContentCache,
     query: MemoryQuery,
 ) -> Result<Result<MemoryAnswer, Refusal>, Error> {
     match query {
@@ -42,10 +44,7 @@ pub(crate) fn answer(
         }
         MemoryQuery::Documents { after } => Ok(document_pages::list(memory, after)),
         MemoryQuery::DocumentVersions(name) => Ok(document_pages::versions(memory, name)),
-        other => {
-            let sentence = format!("this memory does not know the question {other:?}");
-            Ok(Err(Refusal::new(RefusalKind::Invalid, sentence)))
-        }
+        MemoryQuery::Document(request) => document_pages::page(memory, contents, request),
     }
 }
 

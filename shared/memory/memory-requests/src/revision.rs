@@ -71,6 +71,10 @@ pub(crate) fn key(document: DocumentName) -> Result<DocumentKey, Refusal> {
     let kind = match document.kind {
         WireKind::ObjectModel => DocumentKind::ObjectModel,
         WireKind::TaskKnowledge => DocumentKind::TaskKnowledge,
+        other => {
+            let sentence = format!("this memory knows no documents of the kind {other:?}");
+            return Err(Refusal::new(RefusalKind::Invalid, sentence));
+        }
     };
     Ok(DocumentKey {
         kind,

@@ -2,7 +2,7 @@
 
 use channel::topic::FinishedFrames;
 use channel::{Domain, Error, Subscriber};
-use message::{FrameDone, ProcessKind};
+use message::{Duty, FrameDone, ProcessKind};
 use service::{HealthCounters, Shutdown};
 use std::time::Duration;
 
@@ -65,7 +65,7 @@ impl Lockstep {
         shutdown: &Shutdown,
         health: &HealthCounters,
     ) -> Result<LockstepOutcome, Error> {
-        let followers = ProcessKind::all().filter(|process| process.duties().follows_frames);
+        let followers = ProcessKind::all().filter(|process| process.has(Duty::FollowsFrames));
         let mut waiting_for: Vec<u64> = followers.map(|one| u64::from(one.code())).collect();
         waiting_for.extend(self.has_recorder.then_some(RECORDER_CODE));
         let silence = tokio::time::sleep(SILENCE);

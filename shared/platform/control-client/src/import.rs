@@ -3,7 +3,7 @@
 use crate::authorship::mutation_id;
 use crate::memory_client::{MemoryClient, unexpected_outcome};
 use command_line::{Output, progress_bar};
-use control_protocol::{ImportReport, JobOutcome, MAX_MESSAGE_BYTES, request};
+use control_protocol::{ImportCompletion, ImportReport, JobOutcome, MAX_MESSAGE_BYTES, request};
 use service::Failure;
 use std::fs::File;
 use std::io::{self, Read};
@@ -61,9 +61,16 @@ pub fn import(
         restamp,
     } = request;
     let id = mutation_id()?;
-    memory.ask(&request::complete_import(
-        job, id, author, source, renames, prefix, is_new, restamp,
-    ))?;
+    memory.ask(&request::complete_import(ImportCompletion {
+        job,
+        id,
+        author,
+        source,
+        renames,
+        prefix,
+        is_new,
+        restamp,
+    }))?;
     let bar = progress_bar(0, "bytes", output);
     let outcome = memory.job_outcome(job, |report| {
         bar.set_length(report.total);

@@ -70,7 +70,7 @@ fn document_has_a_maximum_size_whatever_the_offset() {
 fn document_is_no_import_and_an_import_no_document() {
     let fixture = Fixture::new(u64::MAX);
     let document = fixture.begin(JobKind::Document, ANNA).unwrap();
-    let import = JobCommand::Import {
+    let import = JobCommand::Import(ImportCompletion {
         is_new: false,
         job: document,
         id: control_protocol::MutationId(1),
@@ -79,7 +79,7 @@ fn document_is_no_import_and_an_import_no_document() {
         renames: Vec::new(),
         prefix: String::new(),
         restamp: false,
-    };
+    });
     assert_eq!(kind(fixture.answer(import, ANNA)), RefusalKind::Invalid);
     let import = fixture.begin(JobKind::Import, ANNA).unwrap();
     assert_eq!(

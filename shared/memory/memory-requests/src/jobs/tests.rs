@@ -136,15 +136,17 @@ fn import_of_rubbish_fails_once_and_takes_no_more_bytes() {
     let fixture = Fixture::new(1000);
     let job = fixture.begin(JobKind::Import, ANNA).unwrap();
     fixture.write(job, 100, ANNA).unwrap();
-    let import = || JobCommand::Import {
-        is_new: false,
-        job,
-        id: MutationId(1),
-        author: "anna".into(),
-        source: "rubbish".into(),
-        renames: Vec::new(),
-        prefix: String::new(),
-        restamp: false,
+    let import = || {
+        JobCommand::Import(ImportCompletion {
+            is_new: false,
+            job,
+            id: MutationId(1),
+            author: "anna".into(),
+            source: "rubbish".into(),
+            renames: Vec::new(),
+            prefix: String::new(),
+            restamp: false,
+        })
     };
     fixture.answer(import(), ANNA).unwrap();
     assert_eq!(kind(fixture.answer(import(), ANNA)), RefusalKind::Invalid);
@@ -158,7 +160,7 @@ fn imported(fixture: &Fixture, bytes: Vec<u8>, restamp: bool) -> JobOutcome {
     let offset = 0;
     let write = JobCommand::Write { job, offset, bytes };
     fixture.answer(write, ANNA).unwrap();
-    let import = JobCommand::Import {
+    let import = JobCommand::Import(ImportCompletion {
         job,
         id: MutationId(u128::from(job)),
         author: "anna".into(),
@@ -167,7 +169,7 @@ fn imported(fixture: &Fixture, bytes: Vec<u8>, restamp: bool) -> JobOutcome {
         prefix: String::new(),
         is_new: false,
         restamp,
-    };
+    });
     fixture.answer(import, ANNA).unwrap();
     fixture.outcome(job)
 }
