@@ -1,7 +1,7 @@
 //! Durability under random kills of the memory: clients retry until they are answered.
 //! Nothing acknowledged is lost, repeated, or half done.
 
-use crate::daemon::{Sandbox, WATCHDOG};
+use crate::daemon::{Sandbox, WATCHDOG, eventually};
 use control_protocol::DescriptorBytes;
 use control_protocol::{
     Command, HistoryReport, LearningReport, MemoryAnswer, MemoryQuery, MutationId, RefusalKind,
@@ -11,6 +11,7 @@ use daemon_client::DaemonClient;
 use random::Random;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
+use std::os::unix::net::UnixStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -47,8 +48,13 @@ impl RetryingClient<'_> {
 
     fn try_ask(&mut self, command: &Command) -> Option<Reply> {
         if self.client.is_none() {
-            let folders = [self.sandbox.run_folder()];
-            self.client = DaemonClient::connect(&self.sandbox.domain, &folders, WATCHDOG).ok();
+            // The memory's own socket: alone in its domain, it cleans up after each kill.
+            let folder = self
+                .sandbox
+                .run_folder()
+                .domain_folder(&self.sandbox.domain);
+            let stream = UnixStream::connect(folder.join("memory.sock")).ok()?;
+            self.client = DaemonClient::from_stream(stream, WATCHDOG).ok();
         }
         self.client.as_mut()?.call(command.clone()).ok()
     }
@@ -214,7 +220,6 @@ fn check_names(sandbox: &Sandbox, acknowledged: &Acknowledged) {
 
 fn check_kills(n_kills: usize, seed: u64) {
     let sandbox = Sandbox::new();
-    let _gateway = sandbox.start_program("tabula-gateway");
     let is_over = AtomicBool::new(false);
     let mut random = Random::from_seed(seed);
     let acknowledged = std::thread::scope(|scope| {
@@ -238,6 +243,10 @@ fn check_kills(n_kills: usize, seed: u64) {
             client: None,
         };
         check_history(&history(&mut client), &acknowledged);
+        let _gateway = sandbox.start_program("tabula-gateway");
+        eventually("the gateway answers", || {
+            sandbox.tabula(&["categories"]).status.success()
+        });
         check_names(&sandbox, &acknowledged);
         let verified = sandbox.tabula(&["memory", "verify", "--json"]);
         assert!(verified.status.success(), "{verified:?}");
