@@ -34,41 +34,8 @@ impl HistoryPosition {
             *newest = message.items().first().copied().or(*newest);
         }
         match newest {
-            Some(change) => read_after(change, command),
+            Some(change) => command.read_after(change.store_id(), change.sequence),
             None => command,
         }
-    }
-}
-
-/// Read of a command after a change.
-fn read_after(change: &MemoryChange, command: Command) -> Command {
-    let [high, low] = change.store_id;
-    Command::ReadAfter {
-        store_id: u128::from(high) << 64 | u128::from(low),
-        sequence: change.sequence,
-        command: Box::new(command),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use message::ProcessKind;
-
-    #[test]
-    fn reads_are_stamped_with_store_and_sequence() {
-        let change = MemoryChange {
-            store_id: [1, 7],
-            sequence: 9,
-        };
-        let stamped = read_after(&change, Command::Objects);
-        assert_eq!(stamped.owner(), ProcessKind::PERCEPTION);
-        assert!(stamped.is_internal());
-        let expected = Command::ReadAfter {
-            store_id: (1 << 64) + 7,
-            sequence: 9,
-            command: Box::new(Command::Objects),
-        };
-        assert_eq!(stamped, expected);
     }
 }

@@ -5,7 +5,7 @@ use crate::history_position::HistoryPosition;
 use crate::process_table::ProcessTable;
 use channel::Domain;
 use channel::control::Client;
-use control_protocol::{Command, Peer, Refusal, RefusalKind, Reply, UserRole, WorldCommand};
+use control_protocol::{Command, Peer, Refusal, RefusalKind, Reply, UserRole};
 use daemon_client::CallError;
 use message::{Duty, ProcessKind};
 use std::sync::Arc;
@@ -62,7 +62,7 @@ impl RequestRouter {
             return Err(Refusal::new(RefusalKind::Internal, sentence));
         };
         let is_change = command.required_role() > UserRole::Reader;
-        let deadline = DEADLINE + waiting_time(&command);
+        let deadline = DEADLINE + command.waiting_time();
         let command = if process == ProcessKind::PERCEPTION {
             self.position.stamp(command)
         } else {
@@ -73,14 +73,6 @@ impl RequestRouter {
             ProcessKind::SIMULATOR => arm_refusal(&error, &self.processes),
             process => refusal(&error, process, is_change),
         })
-    }
-}
-
-/// Time for which a command waits for an event.
-fn waiting_time(command: &Command) -> Duration {
-    match command {
-        Command::World(WorldCommand::Events { wait_ms, .. }) => Duration::from_millis(*wait_ms),
-        _ => Duration::ZERO,
     }
 }
 
@@ -124,15 +116,5 @@ mod tests {
         assert_eq!(kind(not_there, true), RefusalKind::Unavailable);
         let ended = CallError::Interrupted { process: "memory" };
         assert_eq!(kind(ended, true), RefusalKind::UnknownOutcome);
-    }
-
-    #[test]
-    fn request_that_waits_for_an_event_has_that_much_more_time() {
-        let events = Command::World(WorldCommand::Events {
-            since: 0,
-            wait_ms: 30_000,
-        });
-        assert_eq!(waiting_time(&events), Duration::from_secs(30));
-        assert_eq!(waiting_time(&Command::Objects), Duration::ZERO);
     }
 }

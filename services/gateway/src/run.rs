@@ -6,7 +6,7 @@ use crate::process_table::ProcessTable;
 use crate::request_router::RequestRouter;
 use crate::urgent_commands::UrgentCommands;
 use channel::Domain;
-use channel::control::{AccessControl, AnswerFuture, Handler, SocketServer};
+use channel::control::{self, AccessControl, Handler, SocketServer};
 use message::ProcessState;
 use service::{Context, Failure, HealthCounters, LiveConfig, TaskGroup};
 use std::sync::Arc;
@@ -20,9 +20,12 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     let domain = &context.domain;
     let processes = Arc::new(ProcessTable::new(domain)?);
     let router = RequestRouter::new(domain, processes.clone(), HistoryPosition::new(domain)?);
-    let urgent = urgent_handler(domain, processes.clone());
+    let (ordinary, urgent) = (
+        ordinary_handler(router),
+        urgent_handler(domain, processes.clone()),
+    );
     let groups = &live.get().groups;
-    let mut server = SocketServer::bind(&domain.control_socket(), groups, handler(router), urgent)?;
+    let mut server = SocketServer::bind(&domain.control_socket(), groups, ordinary, urgent)?;
     let access = server.access_control();
     let progress = record_progress(server.heartbeat(), context.health.clone(), processes);
     let mut tasks = TaskGroup::default();
@@ -56,18 +59,18 @@ async fn follow_groups(access: AccessControl, mut live: LiveConfig<Config>) {
     }
 }
 
-fn handler(router: RequestRouter) -> Handler {
+fn ordinary_handler(router: RequestRouter) -> Handler {
     let router = Arc::new(router);
-    Arc::new(move |command, user| -> AnswerFuture {
+    control::handler(move |command, user| {
         let router = router.clone();
-        Box::pin(async move { router.answer(command, user).await })
+        async move { router.answer(command, user).await }
     })
 }
 
 fn urgent_handler(domain: &Domain, processes: Arc<ProcessTable>) -> Handler {
     let commands = Arc::new(UrgentCommands::new(domain, processes));
-    Arc::new(move |command, _user| -> AnswerFuture {
+    control::handler(move |command, _user| {
         let commands = commands.clone();
-        Box::pin(async move { commands.answer(command).await })
+        async move { commands.answer(command).await }
     })
 }

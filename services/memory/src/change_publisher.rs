@@ -61,12 +61,9 @@ impl ChangePublisher {
 
     fn publish(&mut self) -> Result<(), Error> {
         let position = *self.position.borrow_and_update();
-        let Position { store_id, sequence } = position;
-        let store_id = [(store_id.0 >> 64) as u64, store_id.0 as u64];
-        self.publisher.send_copy(
-            PlainHeader::default(),
-            &[MemoryChange { store_id, sequence }],
-        )?;
+        let change = MemoryChange::new(position.store_id.0, position.sequence);
+        self.publisher
+            .send_copy(PlainHeader::default(), &[change])?;
         self.announced.send_replace(position);
         Ok(())
     }

@@ -3,7 +3,6 @@
 mod change_publisher;
 mod config;
 mod configuration_change;
-mod control;
 mod daily_purge;
 mod event_report;
 mod find_request;

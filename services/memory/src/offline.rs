@@ -9,7 +9,7 @@
 )]
 
 use crate::request_router::requester;
-use channel::control::{AnswerFuture, Handler, serve_process};
+use channel::control::{handler, serve_process};
 use channel::{DomainName, DomainState, RunFolder};
 use control_protocol::{
     Command, JobCommand, JobKind, JobOutcome, JobReport, Peer, Refusal, RefusalKind, Reply,
@@ -64,12 +64,12 @@ pub(crate) fn run(common: &CommonArguments) -> Result<(), Failure> {
         .build()
         .map_err(failed)?;
     let offline = Arc::new(tokio::sync::Mutex::new(OfflineMemory::new(common)));
-    let handler: Handler = Arc::new(move |command, peer| -> AnswerFuture {
+    let handler = handler(move |command, peer| {
         let offline = offline.clone();
-        Box::pin(async move {
+        async move {
             let answer = offline.lock().await.answer(command, peer).await;
             answer.unwrap_or_else(Reply::Refused)
-        })
+        }
     });
     runtime
         .block_on(async {

@@ -48,7 +48,8 @@ impl RequestRouter {
 
     /// Scene with the newest labels.
     async fn scene(&self) -> Result<SceneDocument, Refusal> {
-        let objects = read_after(*self.position.borrow(), Command::Objects);
+        let Position { store_id, sequence } = *self.position.borrow();
+        let objects = Command::Objects.read_after(store_id.0, sequence);
         let reply = self.perception.call(objects, DEADLINE).await;
         request::objects().read(reply.map_err(|error| unavailable(&error))?)
     }
@@ -136,15 +137,5 @@ fn labelled_track(command: &Command) -> Option<u64> {
     match command {
         Command::Teach(label) | Command::Correct(label) => Some(label.track_id),
         _ => None,
-    }
-}
-
-/// Stamps a read with the newest acknowledged position of the history (read-your-writes
-/// consistency).
-fn read_after(position: Position, command: Command) -> Command {
-    Command::ReadAfter {
-        store_id: position.store_id.0,
-        sequence: position.sequence,
-        command: Box::new(command),
     }
 }

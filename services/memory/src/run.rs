@@ -3,14 +3,13 @@
 use crate::change_publisher::ChangePublisher;
 use crate::config::Config;
 use crate::configuration_change::ConfigurationChange;
-use crate::control;
 use crate::daily_purge;
 use crate::health_conditions::{Condition, HealthConditions, Store};
 use crate::request_router::RequestRouter;
 use crate::scene_follower::SceneFollower;
 use crate::working_memory::WorkingMemory;
 use crate::world_model_updater::WorldModelUpdater;
-use channel::control::{Client, Server};
+use channel::control::{self, Client, Server};
 use memory_requests::{MemoryRequestHandler, MemoryRequestHandlerConfig};
 use message::ProcessKind;
 use perceptual_memory::{OpenReport, StoreConfig, StoreHandle, StoreThread};
@@ -60,7 +59,12 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
         .health
         .shared_memory_bytes
         .store(reserved_bytes, Ordering::Relaxed);
-    let server = Server::bind(domain, ProcessKind::MEMORY, control::handler(router))?;
+    let router = Arc::new(router);
+    let answers = control::handler(move |command, user| {
+        let router = router.clone();
+        async move { router.answer(command, user).await }
+    });
+    let server = Server::bind(domain, ProcessKind::MEMORY, answers)?;
     let probe = probe(store.clone(), context.health.clone());
     let configuration_change = ConfigurationChange {
         store: store.clone(),

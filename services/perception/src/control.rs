@@ -2,7 +2,7 @@
 
 use crate::latest_scene::LatestScene;
 use crate::memory_replica::{HistoryPosition, SyncBarrier};
-use channel::control::{AnswerFuture, Handler};
+use channel::control::{self, Handler};
 use control_protocol::{Command, QuestionReport, QuestionsReport, Refusal, RefusalKind, Reply};
 use message::ProcessState;
 use scene_document::SceneDocument;
@@ -20,9 +20,9 @@ pub(crate) fn handler(
     barrier: SyncBarrier,
     health: Arc<HealthCounters>,
 ) -> Handler {
-    Arc::new(move |command, _| -> AnswerFuture {
+    control::handler(move |command, _| {
         let (scene, barrier, health) = (scene.clone(), barrier.clone(), health.clone());
-        Box::pin(async move {
+        async move {
             let Command::ReadAfter {
                 store_id,
                 sequence,
@@ -45,7 +45,7 @@ pub(crate) fn handler(
                 // The live scene is no business of the memory.
                 () = barrier.memory_lost() => with_old_labels(answer(&scene, &health, &command)),
             }
-        })
+        }
     })
 }
 

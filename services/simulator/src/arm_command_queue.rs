@@ -1,6 +1,6 @@
 //! Arm command queue: from the control server to the simulation thread.
 
-use channel::control::{AnswerFuture, Handler};
+use channel::control::{self, Handler};
 use control_protocol::{ArmCommand, ArmReport, Command, Refusal, RefusalKind, Reply};
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
 use service::monotonic_ns;
@@ -70,12 +70,12 @@ impl ArmCommandQueue {
 /// Handler for the control server, and the queue that it fills.
 pub(crate) fn arm_command_queue() -> (Handler, ArmCommandQueue) {
     let (sender, requests) = queue();
-    let handler: Handler = Arc::new(move |command, _peer| -> AnswerFuture {
+    let handler = control::handler(move |command, _peer| {
         let sender = sender.clone();
-        Box::pin(async move {
+        async move {
             let answer = answer(command, &sender).await;
             answer.unwrap_or_else(Reply::Refused)
-        })
+        }
     });
     (handler, requests)
 }

@@ -63,6 +63,7 @@ pub use world::{
 use process_registry::ProcessKind;
 use scene_document::{CategoryDocument, HealthDocument, ObjectDocument, SceneDocument};
 use serde::{Deserialize, Serialize};
+use std::time::Duration;
 
 /// Version of the control protocol: requests and replies.
 pub const PROTOCOL_VERSION: u32 = 2;
@@ -269,9 +270,22 @@ impl Command {
         matches!(self, Self::Arm(ArmCommand::Stop) | Self::Health)
     }
 
-    /// True if the answer may wait for an event.
-    pub fn is_waiting(&self) -> bool {
-        matches!(self, Self::World(WorldCommand::Events { wait_ms, .. }) if *wait_ms > 0)
+    /// Longest time for which the answer waits for an event.
+    pub fn waiting_time(&self) -> Duration {
+        match self {
+            Self::World(WorldCommand::Events { wait_ms, .. }) => Duration::from_millis(*wait_ms),
+            _ => Duration::ZERO,
+        }
+    }
+
+    /// The command, to be answered with knowledge at least as new as a position of the memory's
+    /// history (read-your-writes consistency).
+    pub fn read_after(self, store_id: u128, sequence: u64) -> Self {
+        Self::ReadAfter {
+            store_id,
+            sequence,
+            command: Box::new(self),
+        }
     }
 
     /// True if only the daemon's own processes may send the command.
@@ -283,5 +297,33 @@ impl Command {
                 | Self::Changes { .. }
                 | Self::ReadAfter { .. }
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waiting_time_is_that_of_a_request_for_events() {
+        let events = Command::World(WorldCommand::Events {
+            since: 0,
+            wait_ms: 30_000,
+        });
+        assert_eq!(events.waiting_time(), Duration::from_secs(30));
+        assert_eq!(Command::Objects.waiting_time(), Duration::ZERO);
+    }
+
+    #[test]
+    fn read_after_a_position_is_an_internal_command_of_the_same_owner() {
+        let stamped = Command::Objects.read_after(7, 9);
+        assert_eq!(stamped.owner(), ProcessKind::PERCEPTION);
+        assert!(stamped.is_internal());
+        let expected = Command::ReadAfter {
+            store_id: 7,
+            sequence: 9,
+            command: Box::new(Command::Objects),
+        };
+        assert_eq!(stamped, expected);
     }
 }

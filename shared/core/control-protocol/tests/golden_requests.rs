@@ -19,18 +19,20 @@ const VIEW: ViewId = ViewId {
 };
 
 fn check(kind: &str, commands: Vec<(&str, Command)>) {
+    let requests = commands.into_iter();
+    let requests = requests.map(|(name, command)| (name, Request::from(command)));
+    check_requests(kind, &requests.collect::<Vec<_>>());
+}
+
+fn check_requests(kind: &str, examples: &[(&str, Request)]) {
     let file = format!("{}/tests/golden/{kind}.txt", env!("CARGO_MANIFEST_DIR"));
-    let examples: Vec<_> = commands
-        .into_iter()
-        .map(|(name, command)| (name, Request::from(command)))
-        .collect();
     let encode = |request: &Request| {
         let mut bytes = Vec::new();
         ciborium::into_writer(request, &mut bytes).unwrap();
         bytes
     };
     let decode = |bytes: &[u8]| ciborium::from_reader(bytes).unwrap();
-    golden::check(Path::new(&file), &examples, encode, decode);
+    golden::check(Path::new(&file), examples, encode, decode);
 }
 
 fn anna() -> String {
@@ -326,10 +328,6 @@ fn golden_requests_of_the_daemons_own_processes_are_written_and_read() {
 
 #[test]
 fn golden_request_on_behalf_of_a_user_is_written_and_read() {
-    let file = format!(
-        "{}/tests/golden/requests-on-behalf.txt",
-        env!("CARGO_MANIFEST_DIR")
-    );
     let request = Request {
         user: Some(Peer {
             uid: 1000,
@@ -337,16 +335,5 @@ fn golden_request_on_behalf_of_a_user_is_written_and_read() {
         }),
         ..Request::from(Command::Objects)
     };
-    let encode = |request: &Request| {
-        let mut bytes = Vec::new();
-        ciborium::into_writer(request, &mut bytes).unwrap();
-        bytes
-    };
-    let decode = |bytes: &[u8]| ciborium::from_reader(bytes).unwrap();
-    golden::check(
-        Path::new(&file),
-        &[("objects of a teacher", request)],
-        encode,
-        decode,
-    );
+    check_requests("requests-on-behalf", &[("objects of a teacher", request)]);
 }

@@ -15,4 +15,32 @@ pub struct MemoryChange {
     pub sequence: u64,
 }
 
+impl MemoryChange {
+    /// Notification of a position in the history of a store.
+    pub fn new(store_id: u128, sequence: u64) -> Self {
+        Self {
+            store_id: [(store_id >> 64) as u64, store_id as u64],
+            sequence,
+        }
+    }
+
+    /// Identity of the store.
+    pub fn store_id(&self) -> u128 {
+        let [high, low] = self.store_id;
+        u128::from(high) << 64 | u128::from(low)
+    }
+}
+
 const _: () = assert!(size_of::<MemoryChange>() == 24);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn store_id_is_kept_in_two_halves() {
+        let change = MemoryChange::new((1 << 64) + 7, 9);
+        assert_eq!((change.store_id, change.sequence), ([1, 7], 9));
+        assert_eq!(change.store_id(), (1 << 64) + 7);
+    }
+}

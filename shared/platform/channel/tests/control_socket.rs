@@ -3,14 +3,13 @@
 
 use channel::DomainName;
 use channel::RunFolder;
-use channel::control::{AnswerFuture, Handler, RoleGroups, SocketServer};
+use channel::control::{self, Handler, RoleGroups, SocketServer};
 use control_protocol::{ArmCommand, Command, Refusal, RefusalKind, Reply, WorldCommand};
 use daemon_client::DaemonClient;
 use std::io::{Read, Write};
 use std::net::Shutdown;
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Duration;
 
 /// Track-id whose request is never answered.
@@ -81,15 +80,11 @@ impl TestSocket {
 
 /// Handler that names itself, and never answers for one track.
 fn handler(name: &'static str) -> Handler {
-    Arc::new(move |command, _| -> AnswerFuture {
-        Box::pin(async move {
-            match command {
-                Command::Ask { track_id: NEVER } | Command::World(_) => {
-                    std::future::pending().await
-                }
-                _ => Reply::Refused(Refusal::new(RefusalKind::Invalid, name)),
-            }
-        })
+    control::handler(move |command, _| async move {
+        match command {
+            Command::Ask { track_id: NEVER } | Command::World(_) => std::future::pending().await,
+            _ => answered_by(name),
+        }
     })
 }
 
@@ -196,7 +191,7 @@ fn socket_ends_with_its_future() {
 fn request_on_behalf_of_another_user_is_refused() {
     let socket = TestSocket::serve();
     let request = control_protocol::Request {
-        user: Some(channel::control::own_peer()),
+        user: Some(control::own_peer()),
         ..control_protocol::Request::from(Command::Objects)
     };
     let bytes = control_protocol::codec::encode(&request).unwrap();

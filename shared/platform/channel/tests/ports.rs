@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "test helpers may panic")]
 
 use channel::GUEST_PLACES;
-use channel::control::{AnswerFuture, Client, RoleGroups, Server, SocketServer};
+use channel::control::{self, Client, RoleGroups, Server, SocketServer};
 use channel::topic::{CameraCloud, FinishedFrames, Scene};
 use channel::{Domain, DomainName, Error, Publisher, Received, Role, RunFolder, Subscriber};
 use control_protocol::{Command, MAX_MESSAGE_BYTES, Peer, Refusal, RefusalKind, Reply, UserRole};
@@ -291,15 +291,13 @@ async fn role_is_exclusive() {
     assert!(Domain::join(&test_domain.name, &test_domain.folder, role).is_ok());
 }
 
-fn echo() -> channel::control::Handler {
-    Arc::new(|command, _| -> AnswerFuture {
-        Box::pin(async move {
-            match command {
-                Command::Ask { track_id } => Reply::TrackIds { first: track_id },
-                Command::LeaseTrackIds { .. } => Reply::Stored,
-                other => Reply::Refused(Refusal::new(RefusalKind::Invalid, format!("{other:?}"))),
-            }
-        })
+fn echo() -> control::Handler {
+    control::handler(|command, _| async move {
+        match command {
+            Command::Ask { track_id } => Reply::TrackIds { first: track_id },
+            Command::LeaseTrackIds { .. } => Reply::Stored,
+            other => Reply::Refused(Refusal::new(RefusalKind::Invalid, format!("{other:?}"))),
+        }
     })
 }
 
@@ -349,14 +347,10 @@ async fn request_on_behalf_of_a_user_is_that_user_s() {
     use std::os::unix::fs::PermissionsExt;
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
-    let who: channel::control::Handler = Arc::new(|_, user: Peer| -> AnswerFuture {
-        Box::pin(async move {
-            assert!(user.role <= UserRole::Administrator);
-            Reply::TrackIds {
-                first: u64::from(user.uid),
-            }
-        })
-    });
+    let user_and_role = |user: Peer| Reply::TrackIds {
+        first: u64::from(user.uid) << 8 | user.role as u64,
+    };
+    let who = control::handler(move |_, user| async move { user_and_role(user) });
     let server = Server::bind(&domain, ProcessKind::MEMORY, who).unwrap();
     let socket = domain.request_socket(ProcessKind::MEMORY);
     let mode = std::fs::metadata(&socket).unwrap().permissions().mode();
@@ -364,17 +358,18 @@ async fn request_on_behalf_of_a_user_is_that_user_s() {
     let running = tokio::spawn(server.run());
     let client = Client::new(&domain, ProcessKind::MEMORY);
     let second = Duration::from_secs(15);
-    let own = rustix::process::geteuid().as_raw();
-    let reply = watched(client.call(Command::Objects, second))
-        .await
-        .unwrap();
-    assert_eq!(reply, Reply::TrackIds { first: own.into() });
+    let own = Peer {
+        uid: rustix::process::geteuid().as_raw(),
+        role: UserRole::Administrator,
+    };
+    let reply = watched(client.call(Command::Objects, second)).await;
+    assert_eq!(reply.unwrap(), user_and_role(own));
     let user = Peer {
         uid: 4711,
         role: UserRole::Reader,
     };
     let reply = watched(client.call_for(user, Command::Objects, second)).await;
-    assert_eq!(reply.unwrap(), Reply::TrackIds { first: 4711 });
+    assert_eq!(reply.unwrap(), user_and_role(user));
     running.abort();
     let _ = running.await;
     assert!(!socket.exists());
@@ -384,8 +379,7 @@ async fn request_on_behalf_of_a_user_is_that_user_s() {
 async fn request_to_a_silent_server_times_out() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
-    let silent: channel::control::Handler =
-        Arc::new(|_, _| -> AnswerFuture { Box::pin(std::future::pending()) });
+    let silent = control::handler(|_, _| std::future::pending());
     let server = Server::bind(&domain, ProcessKind::MEMORY, silent).unwrap();
     let running = tokio::spawn(server.run());
     let client = Client::new(&domain, ProcessKind::MEMORY);
@@ -401,11 +395,9 @@ async fn request_to_a_silent_server_times_out() {
 async fn request_after_many_that_were_given_up_is_answered() {
     let test_domain = TestDomain::new();
     let domain = test_domain.join();
-    let slow: channel::control::Handler = Arc::new(|_, _| -> AnswerFuture {
-        Box::pin(async {
-            tokio::time::sleep(Duration::from_millis(100)).await;
-            Reply::Stored
-        })
+    let slow = control::handler(|_, _| async {
+        tokio::time::sleep(Duration::from_millis(100)).await;
+        Reply::Stored
     });
     let server = Server::bind(&domain, ProcessKind::MEMORY, slow).unwrap();
     let running = tokio::spawn(server.run());

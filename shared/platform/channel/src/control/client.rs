@@ -26,12 +26,10 @@ pub struct Client {
 impl Client {
     /// Creates a client of the server in `process`, which may start later.
     pub fn new(domain: &Domain, process: ProcessKind) -> Self {
-        Self::at(domain.request_socket(process), process)
-    }
-
-    /// Creates a client of a socket that a process serves.
-    pub fn at(socket: PathBuf, process: ProcessKind) -> Self {
-        Self { socket, process }
+        Self {
+            socket: domain.request_socket(process),
+            process,
+        }
     }
 
     /// Sends a command of this process, and waits for the reply at most for the time limit.

@@ -68,10 +68,10 @@ async fn serve_small(
         let reply = (handlers.urgent)(command, connection.peer()).await;
         return write_reply(stream, &reply).await.map(|()| true);
     }
-    let place = if command.is_waiting() {
-        connection.waiting_place()
-    } else {
+    let place = if command.waiting_time().is_zero() {
         connection.request_place().await
+    } else {
+        connection.waiting_place()
     };
     // Held until the reply is written: a slow reader takes a place, too.
     let _place = match place {

@@ -1,10 +1,9 @@
 //! Request server, for processes of the daemon.
 
 use super::connection::serve_process;
-use super::{Handler, bind_socket, own_peer, socket_failure};
+use super::{Handler, SocketFile, bind_socket, own_peer, socket_failure};
 use crate::{Domain, Error};
 use message::ProcessKind;
-use std::path::PathBuf;
 use std::time::Duration;
 use tokio::net::{UnixListener, UnixStream};
 
@@ -25,16 +24,6 @@ pub struct Server {
     handler: Handler,
 }
 
-/// Socket in the file system, removed on drop.
-#[derive(Debug)]
-struct SocketFile(PathBuf);
-
-impl Drop for SocketFile {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
-}
-
 impl Server {
     /// Binds the socket of a process; within a tokio runtime. A socket left by a dead process is
     /// replaced: the caller holds the role's lock.
@@ -42,9 +31,7 @@ impl Server {
     /// # Errors
     /// When the socket cannot be bound, or its folder is under another user's control.
     pub fn bind(domain: &Domain, process: ProcessKind, handler: Handler) -> Result<Self, Error> {
-        let path = domain.request_socket(process);
-        let listener = bind_socket(&path, PRIVATE)?;
-        let socket = SocketFile(path);
+        let (listener, socket) = bind_socket(&domain.request_socket(process), PRIVATE)?;
         let listener =
             UnixListener::from_std(listener).map_err(|source| socket_failure(&socket.0, source))?;
         Ok(Self {

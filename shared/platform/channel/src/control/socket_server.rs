@@ -3,13 +3,13 @@
 use super::access_policy::{AccessControl, AccessPolicy};
 use super::connection::{Handlers, serve};
 use super::connection_table::{ConnectionTable, Limits};
-use super::{Handler, RoleGroups, bind_socket, socket_failure};
+use super::{Handler, RoleGroups, SocketFile, bind_socket, socket_failure};
 use crate::Error;
 use crate::trusted_folder::TrustedFolder;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use std::io;
 use std::os::unix::net::UnixListener as BlockingListener;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::{UnixListener, UnixStream};
@@ -46,7 +46,7 @@ const ACCEPT_PAUSE: Duration = Duration::from_millis(5);
 /// [`Command::is_urgent`]: control_protocol::Command::is_urgent
 pub struct SocketServer {
     listener: BlockingListener,
-    path: PathBuf,
+    file: SocketFile,
     access: AccessControl,
     ordinary: Handler,
     /// Handler of urgent commands, on the thread of the socket.
@@ -68,13 +68,13 @@ impl SocketServer {
         ordinary: Handler,
         urgent: Handler,
     ) -> Result<Self, Error> {
-        let listener = bind_socket(path, FOR_THE_GROUP)?;
+        let (listener, file) = bind_socket(path, FOR_THE_GROUP)?;
         if let (Some(folder), Some(name)) = (path.parent(), path.file_name()) {
             TrustedFolder::open(folder)?.share_entry_with_group(&name.to_string_lossy());
         }
         Ok(Self {
             listener,
-            path: path.to_owned(),
+            file,
             access: AccessControl::new(groups),
             ordinary,
             urgent,
@@ -120,7 +120,7 @@ impl SocketServer {
         stopped: oneshot::Receiver<()>,
         runtime: tokio::runtime::Handle,
     ) -> Result<(), Error> {
-        let failed = |source| socket_failure(&self.path, source);
+        let failed = |source| socket_failure(&self.file.0, source);
         let own_runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
             .build()
@@ -140,12 +140,6 @@ impl SocketServer {
             }
             Ok(())
         })
-    }
-}
-
-impl Drop for SocketServer {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.path);
     }
 }
 
