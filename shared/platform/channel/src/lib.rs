@@ -43,6 +43,7 @@ mod publisher;
 mod reservation;
 mod segment_backing;
 mod segment_map;
+mod service_creation;
 mod shared_memory;
 mod shared_message;
 mod subscriber;

@@ -2,8 +2,9 @@
 
 use crate::Error;
 use crate::domain::{Domain, Service};
+use crate::service_creation::open_or_create;
 use crate::topic::{Limits, Overflow, Topic};
-use iceoryx2::prelude::ServiceName;
+use iceoryx2::prelude::{MessagingPattern, ServiceName};
 use iceoryx2::service::builder::publish_subscribe::{
     PublishSubscribeOpenError, PublishSubscribeOpenOrCreateError,
 };
@@ -24,20 +25,27 @@ pub(crate) fn open_service<T: Topic>(domain: &Domain) -> Result<IoxService<T>, E
     let name: ServiceName = T::NAME
         .try_into()
         .map_err(|e| Error::transport("name", T::NAME, e))?;
-    domain
-        .node()
-        .service_builder(&name)
-        .publish_subscribe::<[T::Item]>()
-        .user_header::<T::Header>()
-        .max_publishers(publishers)
-        .max_subscribers(subscribers)
-        .max_nodes(publishers + subscribers)
-        .subscriber_max_buffer_size(buffer)
-        .subscriber_max_borrowed_samples(borrowed)
-        .history_size(history)
-        .enable_safe_overflow(T::Overflow::DROPS_OLDEST)
-        .open_or_create()
-        .map_err(|error| open_failed::<T>(domain, error))
+    let open = || {
+        domain
+            .node()
+            .service_builder(&name)
+            .publish_subscribe::<[T::Item]>()
+            .user_header::<T::Header>()
+            .max_publishers(publishers)
+            .max_subscribers(subscribers)
+            .max_nodes(publishers + subscribers)
+            .subscriber_max_buffer_size(buffer)
+            .subscriber_max_borrowed_samples(borrowed)
+            .history_size(history)
+            .enable_safe_overflow(T::Overflow::DROPS_OLDEST)
+            .open_or_create()
+    };
+    let pattern = MessagingPattern::PublishSubscribe;
+    open_or_create(domain, &name, pattern, open, |error| {
+        let hangs = PublishSubscribeOpenError::HangsInCreation;
+        *error == PublishSubscribeOpenOrCreateError::PublishSubscribeOpenError(hangs)
+    })
+    .map_err(|error| open_failed::<T>(domain, error))
 }
 
 fn open_failed<T: Topic>(domain: &Domain, error: PublishSubscribeOpenOrCreateError) -> Error {

@@ -2,8 +2,10 @@
 
 use crate::Error;
 use crate::domain::{Domain, Service};
+use crate::service_creation::open_or_create;
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
-use iceoryx2::prelude::{FileDescriptorBased, ServiceName};
+use iceoryx2::prelude::{FileDescriptorBased, MessagingPattern, ServiceName};
+use iceoryx2::service::builder::event::{EventOpenError, EventOpenOrCreateError};
 use iceoryx2::service::port_factory::event::PortFactory;
 use std::os::fd::{AsFd, AsRawFd, BorrowedFd, RawFd};
 use tokio::io::unix::AsyncFd;
@@ -14,15 +16,22 @@ const MAX_PORTS: usize = 32;
 fn open(domain: &Domain, name: &'static str) -> Result<PortFactory<Service>, Error> {
     let failed = |cause: &dyn std::fmt::Debug| Error::transport("open the event", name, cause);
     let service_name: ServiceName = name.try_into().map_err(|e| failed(&e))?;
-    domain
-        .node()
-        .service_builder(&service_name)
-        .event()
-        .max_listeners(MAX_PORTS)
-        .max_notifiers(MAX_PORTS)
-        .max_nodes(MAX_PORTS)
-        .open_or_create()
-        .map_err(|e| failed(&e))
+    let open = || {
+        domain
+            .node()
+            .service_builder(&service_name)
+            .event()
+            .max_listeners(MAX_PORTS)
+            .max_notifiers(MAX_PORTS)
+            .max_nodes(MAX_PORTS)
+            .open_or_create()
+    };
+    let hangs = EventOpenOrCreateError::EventOpenError(EventOpenError::HangsInCreation);
+    let pattern = MessagingPattern::Event;
+    open_or_create(domain, &service_name, pattern, open, |error| {
+        *error == hangs
+    })
+    .map_err(|e| failed(&e))
 }
 
 /// Notifier of one service's event: wakes the waiting processes.
