@@ -176,6 +176,8 @@ impl RecordPublisher {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
+    use test_data::golden;
 
     fn record(state: RecordedState) -> ProcessRecord {
         ProcessRecord {
@@ -221,5 +223,31 @@ mod tests {
         assert_eq!(read[0], all[0]);
         assert_eq!(read[1].cause, " [2Jcleared ");
         assert_eq!(parse(b"no JSON"), None);
+    }
+
+    #[test]
+    fn golden_records_of_processes_are_written_and_read() {
+        let states = [
+            ("starting", RecordedState::Starting),
+            ("running", RecordedState::Running),
+            ("stalled", RecordedState::Stalled),
+            ("failing", RecordedState::Failing),
+            ("stopped", RecordedState::Stopped),
+        ];
+        let mut examples = states
+            .map(|(name, state)| (name, vec![record(state)]))
+            .to_vec();
+        let by_systemd = ProcessRecord {
+            pid: None,
+            supervisor: Supervisor::Systemd,
+            ..record(RecordedState::Running)
+        };
+        examples.push(("by systemd", vec![by_systemd]));
+        golden::check(
+            &Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/processes.txt"),
+            &examples,
+            |records| serde_json::to_vec(records).unwrap(),
+            |bytes| parse(bytes).unwrap(),
+        );
     }
 }

@@ -12,14 +12,16 @@ use test_data::golden;
 use super::fuzz_records::{SEQUENCE, entry};
 use crate::archive::ArchiveRecord;
 use crate::digest::Digest;
-use crate::document::{DocumentContent, DocumentVersion};
+use crate::document::{DocumentContent, DocumentVersion, MemoryDocument};
 use crate::document_key::{DocumentKey, DocumentKind};
+use crate::exchange::{ForeignDocument, ForeignView};
 use crate::history::HistoryEntry;
 use crate::index_row::IndexedView;
 use crate::keys;
 use crate::label_status::{DecisionStamp, LabelStatus, LwwRegister};
 use crate::meta::Meta;
 use crate::model::{Contradiction, DataLoss, Effect, ImportPart, Operation, Target};
+use crate::portable::{PortableBatch, PortableReader, PortableWriter};
 use crate::size_record::SizeRecord;
 use crate::tombstone::{seal_tombstone, unseal_tombstone};
 use crate::view::{CapturedView, Origin, StoredDescriptor};
@@ -227,12 +229,8 @@ fn golden_history_entries_are_written_and_read() {
     );
 }
 
-fn view() -> (ViewParts, Origin) {
-    let origin = Origin {
-        memory_id: 11,
-        view: VIEW,
-    };
-    let view = CapturedView {
+fn captured_view() -> CapturedView {
+    CapturedView {
         id: VIEW,
         descriptor: StoredDescriptor {
             kind: "good".to_owned(),
@@ -247,8 +245,15 @@ fn view() -> (ViewParts, Origin) {
         source: "camera".to_owned(),
         mean_rgb: Some([1, 2, 3]),
         points: Some(vec![4; 16]),
+    }
+}
+
+fn view() -> (ViewParts, Origin) {
+    let origin = Origin {
+        memory_id: 11,
+        view: VIEW,
     };
-    (ViewParts::of(&view, origin), origin)
+    (ViewParts::of(&captured_view(), origin), origin)
 }
 
 #[test]
@@ -326,4 +331,68 @@ fn golden_records_of_the_store_are_written_and_read() {
         ("removed", version(None)),
     ];
     check_records("document-version", &key, &examples);
+}
+
+/// Contents of export files: a view, labelled or not, a forgotten view, and documents.
+fn exported() -> Vec<(&'static str, PortableBatch)> {
+    let (_, origin) = view();
+    let batch = |views, documents| PortableBatch { views, documents };
+    let present = |standing, decided| ForeignView::Present {
+        view: Box::new(captured_view()),
+        origin,
+        standing,
+        decided,
+    };
+    let forgotten = ForeignView::Forgotten {
+        identity: Digest::of(b"view"),
+        decided: decided(),
+    };
+    let key = document(DocumentKind::ObjectModel);
+    let foreign_document = |document| ForeignDocument {
+        key: key.clone(),
+        document,
+        decided: decided(),
+    };
+    let content = MemoryDocument {
+        key: key.clone(),
+        media_type: "model/ply".to_owned(),
+        content: b"ply".to_vec(),
+    };
+    let labelled = present(LabelStatus::Named(category("mug")), Some(decided()));
+    let unlabelled = present(LabelStatus::Unnamed, None);
+    vec![
+        ("labelled view", batch(vec![labelled], vec![])),
+        ("unlabelled view", batch(vec![unlabelled], vec![])),
+        ("forgotten view", batch(vec![forgotten], vec![])),
+        (
+            "document",
+            batch(vec![], vec![foreign_document(Some(content))]),
+        ),
+        (
+            "removed document",
+            batch(vec![], vec![foreign_document(None)]),
+        ),
+        ("nothing", PortableBatch::default()),
+    ]
+}
+
+#[test]
+fn golden_export_files_are_written_and_read() {
+    let write = |batch: &PortableBatch| {
+        let mut bytes = Vec::new();
+        let mut writer = PortableWriter::new(&mut bytes).unwrap();
+        for view in &batch.views {
+            writer.view(view).unwrap();
+        }
+        for document in &batch.documents {
+            writer.document(document).unwrap();
+        }
+        writer.end().unwrap();
+        bytes
+    };
+    let read = |bytes: &[u8]| {
+        let batch = PortableReader::new(bytes).unwrap().batch().unwrap();
+        batch.unwrap_or_default()
+    };
+    golden::check(&file("export"), &exported(), write, read);
 }

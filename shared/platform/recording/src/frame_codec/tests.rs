@@ -2,6 +2,8 @@ use super::*;
 use message::frame_flag;
 use mutation_fuzzing::{assert_sentence, fuzz, truncations};
 use proptest::prelude::*;
+use std::path::Path;
+use test_data::golden;
 
 fn camera(width: u32, height: u32) -> PinholeCamera {
     PinholeCamera {
@@ -90,6 +92,51 @@ fn frame_beside_its_rays_keeps_the_differing_coordinate() {
     assert_eq!(check_round_trip(&header(&camera), &points), 1);
     points[12].y = f32::INFINITY;
     assert_eq!(check_round_trip(&header(&camera), &points), 2);
+}
+
+/// Bytes of a frame, and what they are read as.
+type PinnedFrame = (FrameHeader, Vec<[u32; 4]>);
+
+/// Frames with planes of depth, a table of depths, and coordinates beside their rays.
+fn pinned_frames() -> [(&'static str, PinnedFrame); 3] {
+    let camera = camera(4, 3);
+    let header = header(&camera);
+    let planes = on_rays(&camera);
+    let mut table = planes.clone();
+    for (point, ray) in table.iter_mut().zip(Rays::new(&camera).x_of_pixels()) {
+        (point.x, point.z) = (ray * 0.5, 0.5);
+    }
+    let mut beside_rays = planes.clone();
+    (beside_rays[6].x, beside_rays[7].y) = (1.0, f32::INFINITY);
+    [
+        ("planes", (header, bits(&planes))),
+        ("table", (header, bits(&table))),
+        ("beside rays", (header, bits(&beside_rays))),
+    ]
+}
+
+#[test]
+fn golden_frames_are_written_and_read() {
+    let point = |&[x, y, z, argb]: &[u32; 4]| {
+        let [x, y, z] = [x, y, z].map(f32::from_bits);
+        CloudPoint { x, y, z, argb }
+    };
+    golden::check(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/frame.txt"),
+        &pinned_frames(),
+        |(header, points)| {
+            let points: Vec<_> = points.iter().map(point).collect();
+            let mut bytes = Vec::new();
+            encode_frame(header, &points, &mut bytes).unwrap();
+            bytes
+        },
+        |bytes| {
+            let frame = FrameRecord::parse(bytes).unwrap();
+            let mut points = vec![CloudPoint::default(); frame.n_points()];
+            frame.fill(&mut points).unwrap();
+            (frame.header, bits(&points))
+        },
+    );
 }
 
 proptest! {

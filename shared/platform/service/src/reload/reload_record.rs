@@ -112,3 +112,55 @@ impl ReloadRecordPublisher {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use control_protocol::KeyChange;
+    use std::path::Path;
+    use test_data::golden;
+
+    #[test]
+    fn golden_records_of_reloads_are_written_and_read() {
+        let record = |report| ReloadRecord {
+            parent: Some(6),
+            began_ns: 5,
+            report,
+        };
+        let before_any = ReloadReport {
+            process: "memory".to_owned(),
+            pid: 7,
+            ..ReloadReport::default()
+        };
+        let change = |key: &str| KeyChange {
+            key: key.to_owned(),
+            from: "1".to_owned(),
+            to: "2".to_owned(),
+        };
+        let applied = ReloadReport {
+            applied: vec![change("memory.max_views")],
+            needs_restart: vec![change("memory.directory")],
+            ..before_any.clone()
+        };
+        let refused = ReloadReport {
+            refused: Some("line 3".to_owned()),
+            is_unanswered: true,
+            ..before_any.clone()
+        };
+        let without_parent = ReloadRecord {
+            parent: None,
+            ..record(before_any.clone())
+        };
+        golden::check(
+            &Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/reload.txt"),
+            &[
+                ("before any", record(before_any)),
+                ("applied", record(applied)),
+                ("refused", record(refused)),
+                ("without a parent", without_parent),
+            ],
+            |record| toml::to_string(record).unwrap().into_bytes(),
+            |bytes| toml::from_str(str::from_utf8(bytes).unwrap()).unwrap(),
+        );
+    }
+}
