@@ -103,8 +103,9 @@ fn swapped_arguments_and_a_track_in_place_of_a_category_are_told() {
         let meant = format!("did you mean `tabula {verb} {first} 'red mug'`?");
         refused(&[verb, "red mug", first], USAGE, &meant);
     }
-    let hint = format!("to forget the track {first}: tabula forget --track {first}");
+    let hint = format!("tabula forget --track {first} forgets the track {first}");
     refused(&["forget", first], REFUSED, &hint);
+    refused(&["rename", first, "cup"], REFUSED, &hint);
 
     // A number may be a category, and a track-id wins in the place of the object.
     daemon.ask(&["teach", first, second]);
@@ -114,6 +115,8 @@ fn swapped_arguments_and_a_track_in_place_of_a_category_are_told() {
         *second
     );
     daemon.ask(&["correct", first, "can"]);
+    refused(&["rename", "cann", "cup"], REFUSED, "can may be meant");
+    refused(&["merge", "can", "cann"], REFUSED, "can may be meant");
     daemon.ask(&["teach", second, first]);
     let taught = daemon.ask(&["correct", "can", first]);
     assert_eq!(taught["category"], first.as_str());

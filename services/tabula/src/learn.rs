@@ -56,7 +56,7 @@ pub(crate) fn forget(
     };
     let forget = request::forget(mutation_id()?, author_or_user(author), category.clone());
     let report =
-        change(common, &forget).map_err(|failure| with_meant(common, category, failure))?;
+        change(common, &forget).map_err(|failure| with_meant(common, &[category], failure))?;
     output.answer(&report, || {
         format!(
             "forgot {}: {} view(s) are now unlabelled",
@@ -84,6 +84,11 @@ pub(crate) fn revise(
         RevisionChange::Redo => "redid".to_owned(),
         _ => "undid".to_owned(),
     };
+    let names = match &revision {
+        RevisionChange::Rename { from, .. } => vec![from.clone()],
+        RevisionChange::Merge { from, into } => vec![from.clone(), into.clone()],
+        _ => Vec::new(),
+    };
     let is_reversal = matches!(revision, RevisionChange::Undo { .. } | RevisionChange::Redo);
     let request = request::revise(Revision {
         id: mutation_id()?,
@@ -94,7 +99,11 @@ pub(crate) fn revise(
         MemoryClient::open(common)?.change(&request)
     } else {
         change(common, &request)
-    }?;
+    };
+    let report = report.map_err(|failure| {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        with_meant(common, &names, failure)
+    })?;
     output.answer(&report, || {
         let (n, sequence) = (report.n_views_changed, report.sequence);
         let done = if is_reversal {

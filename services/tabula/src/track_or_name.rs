@@ -39,9 +39,9 @@ pub(crate) fn labelled_track(
     )))
 }
 
-/// Failure of forgetting a category. If there is none of the name, the failure says what may be
-/// meant: another category, or the track of a number.
-pub(crate) fn with_meant(common: &CommonArguments, name: &str, failure: Failure) -> Failure {
+/// Failure of changing categories. If there is none of one of the names, the failure says what may
+/// be meant: another category, or the track of a number.
+pub(crate) fn with_meant(common: &CommonArguments, names: &[&str], failure: Failure) -> Failure {
     if !failure.is_missing {
         return failure;
     }
@@ -49,7 +49,7 @@ pub(crate) fn with_meant(common: &CommonArguments, name: &str, failure: Failure)
     let Ok(categories) = categories(common) else {
         return failure;
     };
-    match meant(name, &categories) {
+    match names.iter().find_map(|name| meant(name, &categories)) {
         Some(meant) => Failure::new(failure.code, format!("{failure}; {meant}")),
         None => failure,
     }
@@ -62,7 +62,8 @@ fn meant(name: &str, categories: &[String]) -> Option<String> {
     }
     if is_track_id(name) {
         return Some(format!(
-            "to forget the track {name}: tabula forget --track {name}"
+            "tabula forget --track {name} forgets the track {name}, and tabula correct {name} \
+             NAME names it"
         ));
     }
     let probable = probable_name(name, categories.iter().map(String::as_str))?;
@@ -98,7 +99,8 @@ mod tests {
             (None, None, None)
         );
         assert_eq!(meant("mugg"), Some("mug may be meant".to_owned()));
-        let track = "to forget the track 88: tabula forget --track 88";
+        let track = "tabula forget --track 88 forgets the track 88, and tabula correct 88 NAME \
+                     names it";
         assert_eq!(meant("88"), Some(track.to_owned()));
     }
 

@@ -270,7 +270,7 @@ fn history_text(report: &FactsDocument, now_ns: u64) -> String {
     };
     let rows: Vec<_> = report.facts.iter().map(row).collect();
     if rows.is_empty() {
-        return "no such fact is known".into();
+        return "no such fact is known; `tabula world` shows the present".into();
     }
     let heading = ["fact", "of", "property", "value", "from (ago)", "to (ago)"];
     let more = report
@@ -289,7 +289,7 @@ fn value_text(fact: &FactDocument) -> String {
 
 fn events_text(events: &[EventDocument], now_ns: u64) -> String {
     if events.is_empty() {
-        return "nothing happened".into();
+        return "nothing happened; wait for the next event with --follow".into();
     }
     let lines = events.iter().map(|event| event_line(event, now_ns));
     lines.collect::<Vec<_>>().join("\n")
@@ -316,7 +316,7 @@ fn tasks_text(report: &TasksDocument, now_ns: u64) -> String {
     };
     let rows: Vec<_> = report.tasks.iter().map(row).collect();
     if rows.is_empty() {
-        return "no task is known".into();
+        return "no task is known; programs record theirs by the control protocol".into();
     }
     let heading = [
         "id",
