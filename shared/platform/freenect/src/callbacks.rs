@@ -7,7 +7,6 @@
 //!
 //! Nothing here panics; a panic would abort the process rather than unwind into C, which is the
 //! contract of `extern "C"`.
-//! into C, which is what `extern "C"` promises.
 
 #![expect(unsafe_code, reason = "buffers are handed to C and images read back")]
 
