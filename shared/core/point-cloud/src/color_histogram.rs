@@ -78,7 +78,8 @@ impl ColorHistogram {
 
 /// Visits the bins of one colour with their weights, which sum to 1.
 fn for_each_bin(color: Rgba, mut visit: impl FnMut(usize, f32)) {
-    let [red, green, blue] = color.rgb().map(f32::from);
+    let [red, green, blue] = color.rgb();
+    let [red, green, blue] = [f32::from(red), f32::from(green), f32::from(blue)];
     let value = red.max(green).max(blue);
     let chroma = value - red.min(green).min(blue);
     let colored = ((chroma - CHROMA_MIN) / CHROMA_RAMP).clamp(0.0, 1.0);

@@ -57,9 +57,9 @@ const N_HUES: usize = 12;
 
 fn cell_of(rgb: [u8; 3]) -> ColorCell {
     static CELLS: LazyLock<Box<[ColorCell]>> = LazyLock::new(cells);
-    let step = 256 / N_LEVELS;
-    let [red, green, blue] = rgb.map(|channel| usize::from(channel) / step);
-    CELLS[(red * N_LEVELS + green) * N_LEVELS + blue]
+    let level = |channel: u8| usize::from(channel) * N_LEVELS / 256;
+    let [red, green, blue] = rgb;
+    CELLS[(level(red) * N_LEVELS + level(green)) * N_LEVELS + level(blue)]
 }
 
 /// All cells of the table, blue fastest.
@@ -226,12 +226,14 @@ impl LitValues {
         if !(1.0..=SHADE_MAX).contains(&factor) {
             return rgb;
         }
-        rgb.map(|channel| (f32::from(channel) * factor).min(255.0) as u8)
+        let brightened = |channel: u8| (f32::from(channel) * factor).min(255.0) as u8;
+        let [red, green, blue] = rgb;
+        [brightened(red), brightened(green), brightened(blue)]
     }
 }
 
-fn greatest(rgb: [u8; 3]) -> u8 {
-    rgb.into_iter().max().unwrap_or(0)
+fn greatest([red, green, blue]: [u8; 3]) -> u8 {
+    red.max(green).max(blue)
 }
 
 #[cfg(test)]

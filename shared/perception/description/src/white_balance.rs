@@ -124,15 +124,20 @@ impl WhiteBalance {
     /// Balanced red, green and blue of a colour, 0 to 255.
     #[inline]
     pub fn rgb(&self, color: Rgba) -> [f32; 3] {
-        let rgb = color.rgb();
-        [0, 1, 2].map(|channel| (f32::from(rgb[channel]) * self.gains[channel]).min(255.0))
+        let balanced = |channel: u8, gain: f32| (f32::from(channel) * gain).min(255.0);
+        let ([red, green, blue], [of_red, of_green, of_blue]) = (color.rgb(), self.gains);
+        [
+            balanced(red, of_red),
+            balanced(green, of_green),
+            balanced(blue, of_blue),
+        ]
     }
 
     /// Balanced colour, rounded.
     #[inline]
     pub fn color(&self, color: Rgba) -> Rgba {
-        let [red, green, blue] = self.rgb(color).map(|channel| channel.round() as u8);
-        Rgba::opaque(red, green, blue)
+        let [red, green, blue] = self.rgb(color);
+        Rgba::opaque(red.round() as u8, green.round() as u8, blue.round() as u8)
     }
 }
 
