@@ -64,7 +64,7 @@ impl ClearMot {
 }
 
 /// Frame-to-frame correspondence of objects and tracks.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Correspondence {
     gate_m: f64,
     sums: ClearMot,
@@ -82,12 +82,7 @@ impl Correspondence {
     pub fn new(gate_m: f64) -> Self {
         Self {
             gate_m,
-            sums: ClearMot::default(),
-            last: BTreeMap::new(),
-            last_counted: BTreeMap::new(),
-            costs: Vec::new(),
-            buffers: AssignmentBuffers::default(),
-            matches: Vec::new(),
+            ..Self::default()
         }
     }
 

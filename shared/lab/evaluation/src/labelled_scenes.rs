@@ -9,7 +9,8 @@ pub use error::Error;
 use crate::segmentation_score::FIRST_OBJECT_LABEL;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use dataset::scene_folder::SceneFolder;
-use dataset::{RecordingKind, detect_recording_kind, natural_order, pcd, recording_kind};
+use dataset::{RecordingKind, detect_recording_kind, pcd, recording_kind};
+use file_access::folder_names;
 use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
 use scene_name::{ends_odd, mosd_kind};
@@ -72,7 +73,7 @@ enum LabelledRecording {
 }
 
 /// Labelled scenes of a folder in natural order, read on demand.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct LabelledScenes {
     recordings: Vec<LabelledRecording>,
     entries: Vec<SceneEntry>,
@@ -85,11 +86,7 @@ impl LabelledScenes {
     /// # Errors
     /// If there are no scenes, or two scenes have the same name.
     pub fn open(folder: &Path) -> Result<Self, Error> {
-        let mut scenes = Self {
-            recordings: Vec::new(),
-            entries: Vec::new(),
-            unusable: Vec::new(),
-        };
+        let mut scenes = Self::default();
         match detect_recording_kind(folder) {
             Err(recording_kind::Error::Unknown(unknown)) => {
                 for name in folder_names(folder)? {
@@ -238,23 +235,6 @@ fn label_of_id(id: u16, has_depth: bool) -> Result<u16, Error> {
     }
     let label = id.checked_mul(FIRST_OBJECT_LABEL);
     label.ok_or(Error::Label(u32::from(id) * u32::from(FIRST_OBJECT_LABEL)))
-}
-
-/// Names of the sub-folders in natural order.
-fn folder_names(folder: &Path) -> Result<Vec<String>, Error> {
-    let failed = |source| Error::List {
-        path: folder.to_owned(),
-        source,
-    };
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        if entry.path().is_dir() {
-            names.push(entry.file_name().to_string_lossy().into_owned());
-        }
-    }
-    names.sort_by(|a, b| natural_order(a, b));
-    Ok(names)
 }
 
 #[cfg(test)]

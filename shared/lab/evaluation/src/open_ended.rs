@@ -23,7 +23,7 @@ pub use curriculum::Exclusion;
 pub use learning_curves::{overview_svg, run_svg};
 pub use protocol::{Error, LessonSplit, Protocol};
 pub use record::{Metrics, OpenEndedRun, Question, StageRecord, StopReason};
-pub use summary::{MeanAndStd, MetricsSummary};
+pub use summary::MetricsSummary;
 pub use teacher::{run, usable_categories};
 
 #[cfg(test)]

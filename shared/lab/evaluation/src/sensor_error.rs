@@ -130,18 +130,12 @@ fn diagram<'a>(
         y: Axis::linear("standard deviation (mm)", 0.0..highest_mm * 1.1),
         legend: Legend::UpperLeft,
         curves: vec![
-            Curve {
-                name: "Nguyen et al. 2012",
-                color: Color::BLUE,
-                points: curve(|row| row.published_m),
-                is_marked: false,
-            },
-            Curve {
-                name: "simulated Kinect",
-                color: Color::RED,
-                points: curve(|row| row.measured_m),
-                is_marked: true,
-            },
+            Curve::line(
+                "Nguyen et al. 2012",
+                Color::BLUE,
+                curve(|row| row.published_m),
+            ),
+            Curve::marked("simulated Kinect", Color::RED, curve(|row| row.measured_m)),
         ],
     }
 }

@@ -4,11 +4,9 @@ mod run_figure;
 
 pub use run_figure::{figure_with_ground_truth, figure_without_ground_truth};
 
-use plot::diagram::{DrawingError, drawing_error};
-use plotters::coord::Shift;
+use plot::diagram::{DrawingError, SvgArea, svg_picture};
 use plotters::prelude::{
-    ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, IntoFont, Palette, Palette99,
-    PathElement, RGBColor, SVGBackend, Text, WHITE,
+    ChartBuilder, Circle, Color, IntoFont, Palette, Palette99, PathElement, RGBColor, Text, WHITE,
 };
 use std::ops::Range;
 
@@ -104,61 +102,47 @@ impl TrackFigure {
     pub fn svg(&self) -> Result<String, DrawingError> {
         let n_rows = self.rows.len().min(DRAWN_ROWS_MAX);
         let height_px = VIEW_PX.1.max(n_rows as u32 * ROW_PX + FRAME_PX.1);
-        let mut svg = String::new();
-        {
-            let size_px = (VIEW_PX.0 + TIMELINE_PX, height_px);
-            let whole = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-            whole.fill(&WHITE).map_err(drawing_error)?;
+        svg_picture((VIEW_PX.0 + TIMELINE_PX, height_px), |whole| {
             let (left, right) = whole.split_horizontally(VIEW_PX.0);
             let view_px = height_px.min(VIEW_PX.0);
             let (left, _) = left.split_vertically(view_px);
             self.draw_view(&left, view_px)?;
-            self.draw_timeline(&right)?;
-            whole.present().map_err(drawing_error)?;
-        }
-        Ok(svg)
+            self.draw_timeline(&right)
+        })
     }
 
-    fn draw_view(
-        &self,
-        area: &DrawingArea<SVGBackend<'_>, Shift>,
-        height_px: u32,
-    ) -> Result<(), DrawingError> {
+    fn draw_view(&self, area: &SvgArea<'_>, height_px: u32) -> Result<(), DrawingError> {
         let (x_range, y_range) = self.ranges(height_px);
         let mut chart = ChartBuilder::on(area)
             .caption(&self.title, ("sans-serif", 17))
             .margin(12)
             .x_label_area_size(36)
             .y_label_area_size(52)
-            .build_cartesian_2d(x_range, y_range)
-            .map_err(drawing_error)?;
+            .build_cartesian_2d(x_range, y_range)?;
         chart
             .configure_mesh()
             .x_desc("x, m")
             .y_desc("y, m")
             .light_line_style(WHITE)
-            .draw()
-            .map_err(drawing_error)?;
+            .draw()?;
         for trajectory in &self.trajectories {
             let style = trajectory
                 .source
                 .color()
                 .stroke_width(trajectory.source.width_px());
             let path = PathElement::new(trajectory.points.clone(), style);
-            chart.draw_series([path]).map_err(drawing_error)?;
+            chart.draw_series([path])?;
             let (TrackSource::Track(id), Some(begin)) =
                 (trajectory.source, trajectory.points.first())
             else {
                 continue;
             };
             let dot = Circle::new(*begin, 3, trajectory.source.color().filled());
-            chart.draw_series([dot]).map_err(drawing_error)?;
+            chart.draw_series([dot])?;
             let font = ("sans-serif", 13)
                 .into_font()
                 .color(&trajectory.source.color());
-            chart
-                .draw_series([Text::new(id.to_string(), *begin, font)])
-                .map_err(drawing_error)?;
+            chart.draw_series([Text::new(id.to_string(), *begin, font)])?;
         }
         Ok(())
     }
@@ -192,7 +176,7 @@ impl TrackFigure {
         (around(x, sides_px[0]), around(y, sides_px[1]))
     }
 
-    fn draw_timeline(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), DrawingError> {
+    fn draw_timeline(&self, area: &SvgArea<'_>) -> Result<(), DrawingError> {
         let rows = &self.rows[..self.rows.len().min(DRAWN_ROWS_MAX)];
         let duration_s = self.duration_s.max(0.1);
         let names_s = -NAMES_SHARE * duration_s;
@@ -200,8 +184,7 @@ impl TrackFigure {
             .caption(self.timeline_title(), ("sans-serif", 17))
             .margin(12)
             .x_label_area_size(36)
-            .build_cartesian_2d(names_s..duration_s, 0.0..rows.len().max(1) as f64)
-            .map_err(drawing_error)?;
+            .build_cartesian_2d(names_s..duration_s, 0.0..rows.len().max(1) as f64)?;
         chart
             .configure_mesh()
             .disable_y_mesh()
@@ -214,26 +197,25 @@ impl TrackFigure {
                     format!("{time_s}")
                 }
             })
-            .draw()
-            .map_err(drawing_error)?;
+            .draw()?;
         for (index, row) in rows.iter().enumerate() {
             let y = rows.len() as f64 - index as f64 - 0.5;
             let font = ("sans-serif", 13).into_font();
             let name = Text::new(row.name.clone(), (names_s, y + 0.3), font);
-            chart.draw_series([name]).map_err(drawing_error)?;
+            chart.draw_series([name])?;
             let mut labelled = None;
             for span in &row.spans {
                 let width_px = 3 * span.source.width_px();
                 let ends = vec![(span.time_s.start, y), (span.time_s.end, y)];
                 let line = PathElement::new(ends, span.source.color().stroke_width(width_px));
-                chart.draw_series([line]).map_err(drawing_error)?;
+                chart.draw_series([line])?;
                 if let TrackSource::Track(id) = span.source
                     && labelled != Some(id)
                 {
                     labelled = Some(id);
                     let font = ("sans-serif", 12).into_font();
                     let label = Text::new(id.to_string(), (span.time_s.start, y + 0.5), font);
-                    chart.draw_series([label]).map_err(drawing_error)?;
+                    chart.draw_series([label])?;
                 }
             }
         }

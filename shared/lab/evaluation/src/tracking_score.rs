@@ -147,6 +147,7 @@ impl PoseErrors {
 }
 
 /// Accumulator over the frames of a run.
+#[derive(Default)]
 struct TrackingScorer {
     score: TrackingScore,
     correspondence: Correspondence,
@@ -162,13 +163,8 @@ struct TrackingScorer {
 impl TrackingScorer {
     fn new() -> Self {
         Self {
-            score: TrackingScore::default(),
             correspondence: Correspondence::new(GATE_M),
-            identities: IdentityCounts::default(),
-            object_of: BTreeMap::new(),
-            last_pairs: Vec::new(),
-            ids_of_object: BTreeMap::new(),
-            believed: BTreeSet::new(),
+            ..Self::default()
         }
     }
 

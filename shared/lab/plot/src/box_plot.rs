@@ -1,12 +1,11 @@
 //! Box plots (Tukey 1977): quartiles and extremes of groups of values, and a reference for each
 //! group, as SVG.
 
-use crate::diagram::{Color, DrawingError, drawing_error, tick_label};
-use plotters::coord::Shift;
+use crate::diagram::{Color, DrawingError, SvgArea, svg_picture, tick_label};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::{
-    Cartesian2d, ChartBuilder, ChartContext, Color as _, DrawingArea, IntoDrawingArea, LineSeries,
-    PathElement, RGBColor, Rectangle, SVGBackend, SeriesLabelPosition, WHITE,
+    Cartesian2d, ChartBuilder, ChartContext, Color as _, LineSeries, PathElement, RGBColor,
+    Rectangle, SVGBackend, SeriesLabelPosition, WHITE,
 };
 use std::ops::Range;
 
@@ -74,29 +73,23 @@ impl FiveNumbers {
 /// # Errors
 /// If the plotting library fails.
 pub fn stacked(plots: &[BoxPlot<'_>]) -> Result<String, DrawingError> {
-    let mut svg = String::new();
-    {
-        let n_panels = plots.len().max(1);
-        let size_px = (PANEL_PX.0, PANEL_PX.1 * n_panels as u32);
-        let whole = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-        whole.fill(&WHITE).map_err(drawing_error)?;
-        for (area, plot) in whole.split_evenly((n_panels, 1)).iter().zip(plots) {
-            draw(area, plot)?;
-        }
-        whole.present().map_err(drawing_error)?;
-    }
-    Ok(svg)
+    let n_panels = plots.len().max(1);
+    let size_px = (PANEL_PX.0, PANEL_PX.1 * n_panels as u32);
+    svg_picture(size_px, |whole| {
+        let areas = whole.split_evenly((n_panels, 1));
+        let mut drawn = areas.iter().zip(plots);
+        drawn.try_for_each(|(area, plot)| draw(area, plot))
+    })
 }
 
-fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, plot: &BoxPlot<'_>) -> Result<(), DrawingError> {
+fn draw(area: &SvgArea<'_>, plot: &BoxPlot<'_>) -> Result<(), DrawingError> {
     let y_range = range(plot.groups);
     let mut chart = ChartBuilder::on(area)
         .caption(plot.title, ("sans-serif", 17))
         .margin(12)
         .x_label_area_size(40)
         .y_label_area_size(52)
-        .build_cartesian_2d(0.0..plot.groups.len() as f64 + 1.0, y_range.clone())
-        .map_err(drawing_error)?;
+        .build_cartesian_2d(0.0..plot.groups.len() as f64 + 1.0, y_range.clone())?;
     chart
         .configure_mesh()
         .disable_x_mesh()
@@ -105,23 +98,21 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, plot: &BoxPlot<'_>) -> Result
         .x_label_formatter(&|value| format!("{value:.0}"))
         .y_label_formatter(&|value| tick_label(*value, &y_range))
         .light_line_style(WHITE)
-        .draw()
-        .map_err(drawing_error)?;
+        .draw()?;
     draw_boxes(&mut chart, plot)?;
     let red = RGBColor::from(Color::RED);
     let references = plot.groups.iter().zip(1_u32..);
     let line = references.map(|(group, number)| (f64::from(number), group.reference));
     chart
-        .draw_series(LineSeries::new(line, red.stroke_width(2)))
-        .map_err(drawing_error)?
+        .draw_series(LineSeries::new(line, red.stroke_width(2)))?
         .label(plot.names[0])
         .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], red.stroke_width(2)));
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::LowerRight)
         .background_style(WHITE)
-        .draw()
-        .map_err(drawing_error)
+        .draw()?;
+    Ok(())
 }
 
 fn draw_boxes(chart: &mut Chart<'_>, plot: &BoxPlot<'_>) -> Result<(), DrawingError> {
@@ -145,11 +136,10 @@ fn draw_boxes(chart: &mut Chart<'_>, plot: &BoxPlot<'_>) -> Result<(), DrawingEr
         }
     }
     chart
-        .draw_series(boxes)
-        .map_err(drawing_error)?
+        .draw_series(boxes)?
         .label(plot.names[1])
         .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 18, y + 5)], blue.stroke_width(1)));
-    chart.draw_series(lines).map_err(drawing_error)?;
+    chart.draw_series(lines)?;
     Ok(())
 }
 

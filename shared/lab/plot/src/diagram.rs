@@ -4,11 +4,12 @@
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::drawing::DrawingAreaErrorKind;
 use plotters::prelude::{
     ChartBuilder, Color as _, DrawingArea, IntoDrawingArea, IntoLogRange, LineSeries, Palette,
     Palette99, PathElement, RGBColor, SVGBackend, SeriesLabelPosition, Text, WHITE,
 };
-use std::fmt;
+use std::error::Error;
 use std::ops::Range;
 
 /// Error of the plotting library.
@@ -16,9 +17,31 @@ use std::ops::Range;
 #[error("the figure could not be drawn: {0}")]
 pub struct DrawingError(String);
 
-/// Wraps an error of the plotting library.
-pub fn drawing_error(error: impl fmt::Display) -> DrawingError {
-    DrawingError(error.to_string())
+impl<E: Error + Send + Sync> From<DrawingAreaErrorKind<E>> for DrawingError {
+    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Area of an SVG picture.
+pub type SvgArea<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// Draws an SVG picture of a size in pixels on a white ground.
+///
+/// # Errors
+/// [`DrawingError`] of the plotting library.
+pub fn svg_picture(
+    size_px: (u32, u32),
+    draw: impl FnOnce(&SvgArea<'_>) -> Result<(), DrawingError>,
+) -> Result<String, DrawingError> {
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
+        area.fill(&WHITE)?;
+        draw(&area)?;
+        area.present()?;
+    }
+    Ok(svg)
 }
 
 /// RGB colour, 8 bits per channel.
@@ -136,6 +159,30 @@ pub struct Curve<'a> {
     pub is_marked: bool,
 }
 
+impl<'a> Curve<'a> {
+    /// Line through the points.
+    pub fn line(name: &'a str, color: Color, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self {
+            name,
+            color,
+            points: points.into_iter().collect(),
+            is_marked: false,
+        }
+    }
+
+    /// Line with a marker at each point.
+    pub fn marked(
+        name: &'a str,
+        color: Color,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self {
+            is_marked: true,
+            ..Self::line(name, color, points)
+        }
+    }
+}
+
 /// Line chart: title, axes, curves, legend.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagram<'a> {
@@ -166,28 +213,19 @@ pub fn side_by_side(diagrams: &[Diagram<'_>]) -> Result<String, DrawingError> {
 pub fn in_columns(diagrams: &[Diagram<'_>], n_columns: usize) -> Result<String, DrawingError> {
     let n_columns = n_columns.max(1);
     let n_rows = diagrams.len().div_ceil(n_columns).max(1);
-    let mut svg = String::new();
-    {
-        let size_px = (SIZE_PX.0 * n_columns as u32, SIZE_PX.1 * n_rows as u32);
-        let whole = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-        whole.fill(&WHITE).map_err(drawing_error)?;
+    let size_px = (SIZE_PX.0 * n_columns as u32, SIZE_PX.1 * n_rows as u32);
+    svg_picture(size_px, |whole| {
         let areas = whole.split_evenly((n_rows, n_columns));
-        for (area, diagram) in areas.iter().zip(diagrams) {
-            draw(area, diagram)?;
-        }
-        whole.present().map_err(drawing_error)?;
-    }
-    Ok(svg)
+        let mut drawn = areas.iter().zip(diagrams);
+        drawn.try_for_each(|(area, diagram)| draw(area, diagram))
+    })
 }
 
 /// Draws a diagram with its legend into a drawing area.
 ///
 /// # Errors
 /// If the area is too small.
-pub fn draw(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
-    diagram: &Diagram<'_>,
-) -> Result<(), DrawingError> {
+pub fn draw(area: &SvgArea<'_>, diagram: &Diagram<'_>) -> Result<(), DrawingError> {
     if diagram.legend.position().is_some() {
         return draw_with_scales(area, diagram);
     }
@@ -198,27 +236,20 @@ pub fn draw(
 }
 
 /// Draws a legend outside the diagram: one line per named curve.
-fn draw_outside_legend(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
-    curves: &[Curve<'_>],
-) -> Result<(), DrawingError> {
+fn draw_outside_legend(area: &SvgArea<'_>, curves: &[Curve<'_>]) -> Result<(), DrawingError> {
     let named = curves.iter().filter(|curve| !curve.name.is_empty());
     for (curve, y) in named.zip((LEGEND_TOP_PX..).step_by(LEGEND_LINE_PX as usize)) {
         let line = [(0, y), (18, y)];
         let color = RGBColor::from(curve.color).stroke_width(2);
-        area.draw(&PathElement::new(line, color))
-            .map_err(drawing_error)?;
+        area.draw(&PathElement::new(line, color))?;
         let place = (24, y - LEGEND_LINE_PX / 2 + 3);
         let name = Text::new(curve.name.to_owned(), place, ("sans-serif", 12));
-        area.draw(&name).map_err(drawing_error)?;
+        area.draw(&name)?;
     }
     Ok(())
 }
 
-fn draw_with_scales(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
-    diagram: &Diagram<'_>,
-) -> Result<(), DrawingError> {
+fn draw_with_scales(area: &SvgArea<'_>, diagram: &Diagram<'_>) -> Result<(), DrawingError> {
     let (x, y) = (diagram.x.range.clone(), diagram.y.range.clone());
     match (diagram.x.is_logarithmic, diagram.y.is_logarithmic) {
         (false, false) => draw_chart(area, diagram, x, y),
@@ -229,7 +260,7 @@ fn draw_with_scales(
 }
 
 fn draw_chart<X, Y>(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    area: &SvgArea<'_>,
     diagram: &Diagram<'_>,
     x: X,
     y: Y,
@@ -247,8 +278,7 @@ where
         .margin_right(26)
         .x_label_area_size(40)
         .y_label_area_size(52)
-        .build_cartesian_2d(x, y)
-        .map_err(drawing_error)?;
+        .build_cartesian_2d(x, y)?;
     chart
         .configure_mesh()
         .x_desc(diagram.x.label)
@@ -256,15 +286,14 @@ where
         .x_label_formatter(&|value| diagram.x.tick_label(*value))
         .y_label_formatter(&|value| diagram.y.tick_label(*value))
         .light_line_style(WHITE)
-        .draw()
-        .map_err(drawing_error)?;
+        .draw()?;
     for curve in &diagram.curves {
         let color = RGBColor::from(curve.color);
         let mut series = LineSeries::new(curve.points.iter().copied(), color.stroke_width(2));
         if curve.is_marked {
             series = series.point_size(3);
         }
-        let series = chart.draw_series(series).map_err(drawing_error)?;
+        let series = chart.draw_series(series)?;
         if !curve.name.is_empty() {
             series.label(curve.name).legend(move |(x, y)| {
                 PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2))
@@ -279,8 +308,8 @@ where
         .configure_series_labels()
         .position(position)
         .background_style(WHITE)
-        .draw()
-        .map_err(drawing_error)
+        .draw()?;
+    Ok(())
 }
 
 /// Axis label of a number, with as many decimals as the length of the axis requires.

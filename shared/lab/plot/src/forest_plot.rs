@@ -1,10 +1,8 @@
 //! Forest plot: one row per variant with its estimate and confidence interval, as SVG.
 
-use crate::diagram::{DrawingError, drawing_error};
-use plotters::coord::Shift;
+use crate::diagram::{DrawingError, SvgArea, svg_picture};
 use plotters::prelude::{
-    BLACK, BLUE, ChartBuilder, Circle, Color, DrawingArea, IntoDrawingArea, PathElement, RGBColor,
-    SVGBackend, Text, TextStyle, WHITE,
+    BLACK, BLUE, ChartBuilder, Circle, Color, PathElement, RGBColor, Text, TextStyle, WHITE,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use statistics::bootstrap::Estimate;
@@ -37,19 +35,12 @@ pub struct ForestPlotRow {
 /// # Errors
 /// If the plotting library fails.
 pub fn svg(title: &str, x_label: &str, rows: &[ForestPlotRow]) -> Result<String, DrawingError> {
-    let mut svg = String::new();
-    {
-        let size_px = (WIDTH_PX, FRAME_PX + ROW_PX * rows.len() as u32);
-        let area = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-        area.fill(&WHITE).map_err(drawing_error)?;
-        draw(&area, title, x_label, rows)?;
-        area.present().map_err(drawing_error)?;
-    }
-    Ok(svg)
+    let size_px = (WIDTH_PX, FRAME_PX + ROW_PX * rows.len() as u32);
+    svg_picture(size_px, |area| draw(area, title, x_label, rows))
 }
 
 fn draw(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    area: &SvgArea<'_>,
     title: &str,
     x_label: &str,
     rows: &[ForestPlotRow],
@@ -62,16 +53,14 @@ fn draw(
         .margin_right(30)
         .margin_left(NAMES_PX)
         .x_label_area_size(40)
-        .build_cartesian_2d(x_range, n_rows..0.0)
-        .map_err(drawing_error)?;
+        .build_cartesian_2d(x_range, n_rows..0.0)?;
     chart
         .configure_mesh()
         .disable_y_mesh()
         .x_desc(x_label)
         .x_label_formatter(&|value| format!("{value:.2}"))
         .light_line_style(WHITE)
-        .draw()
-        .map_err(drawing_error)?;
+        .draw()?;
     for (index, row) in rows.iter().enumerate() {
         let y = index as f64 + 0.5;
         let place_px = (NAMES_PX as i32 - 8, chart.backend_coord(&(0.0, y)).1);
@@ -81,14 +70,14 @@ fn draw(
         };
         if row.is_reference {
             let line = PathElement::new([(value, 0.0), (value, n_rows)], PALE_BLUE.stroke_width(2));
-            chart.draw_series([line]).map_err(drawing_error)?;
+            chart.draw_series([line])?;
         }
         let bar = |from, to| PathElement::new([from, to], BLUE.stroke_width(2));
         let end = |x| bar((x, y - 0.15), (x, y + 0.15));
         let lines = [bar((low, y), (high, y)), end(low), end(high)];
-        chart.draw_series(lines).map_err(drawing_error)?;
+        chart.draw_series(lines)?;
         let dot = Circle::new((value, y), 5, BLUE.filled());
-        chart.draw_series([dot]).map_err(drawing_error)?;
+        chart.draw_series([dot])?;
     }
     Ok(())
 }
@@ -103,15 +92,10 @@ fn range(rows: &[ForestPlotRow]) -> Range<f64> {
     low - margin..high + margin
 }
 
-fn draw_name(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
-    name: &str,
-    place_px: (i32, i32),
-) -> Result<(), DrawingError> {
+fn draw_name(area: &SvgArea<'_>, name: &str, place_px: (i32, i32)) -> Result<(), DrawingError> {
     let style = TextStyle::from(("sans-serif", 14)).color(&BLACK);
     let style = style.pos(Pos::new(HPos::Right, VPos::Center));
-    area.draw(&Text::new(name.to_owned(), place_px, style))
-        .map_err(drawing_error)
+    Ok(area.draw(&Text::new(name.to_owned(), place_px, style))?)
 }
 
 #[cfg(test)]

@@ -7,12 +7,7 @@
 //! ```
 //! use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};
 //!
-//! let curve = Curve {
-//!     name: "detection",
-//!     color: Color::BLUE,
-//!     points: vec![(1.0, 3.2), (8.0, 7.5)],
-//!     is_marked: true,
-//! };
+//! let curve = Curve::marked("detection", Color::BLUE, [(1.0, 3.2), (8.0, 7.5)]);
 //! let svg = side_by_side(&[Diagram {
 //!     title: "Latency",
 //!     x: Axis::linear("objects", 0.0..10.0),

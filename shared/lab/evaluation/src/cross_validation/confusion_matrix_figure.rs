@@ -1,15 +1,11 @@
 //! Confusion matrix as an SVG heat map.
 
 use super::confusion_matrix::ConfusionMatrix;
-use plot::diagram::{DrawingError, drawing_error};
-use plotters::coord::Shift;
+use plot::diagram::{DrawingError, SvgArea, svg_picture};
 use plotters::prelude::{
-    BLACK, Color, DrawingArea, FontTransform, IntoDrawingArea, IntoFont, RGBColor, Rectangle,
-    SVGBackend, Text, TextStyle, WHITE,
+    BLACK, Color, FontTransform, IntoFont, RGBColor, Rectangle, Text, TextStyle, WHITE,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Side of a cell, pixels; doubled up to [`FEW_CATEGORIES`] categories.
 const CELL_PX: i32 = 18;
@@ -34,28 +30,28 @@ pub fn svg(confusion: &ConfusionMatrix, names: &[String]) -> Result<String, Draw
         CELL_PX
     };
     let side_px = NAMES_PX + cell_px * (n as i32 + 1) + 10;
-    let mut svg = String::new();
-    {
-        let size_px = (side_px as u32, side_px as u32);
-        let area = SVGBackend::with_string(&mut svg, size_px).into_drawing_area();
-        area.fill(&WHITE).map_err(drawing_error)?;
+    svg_picture((side_px as u32, side_px as u32), |area| {
         let unknown = "unknown".to_owned();
         for (index, name) in names.iter().take(n).chain([&unknown]).enumerate() {
             let middle_px = NAMES_PX + cell_px * index as i32 + cell_px / 2;
-            draw_column_name(&area, name, middle_px)?;
+            draw_column_name(area, name, middle_px)?;
             if index < n {
-                draw_row_name(&area, name, middle_px)?;
+                draw_row_name(area, name, middle_px)?;
             }
         }
         for truth in 0..n {
-            draw_row(&area, confusion.row(truth), truth, cell_px)?;
+            draw_row(area, confusion.row(truth), truth, cell_px)?;
         }
-        area.present().map_err(drawing_error)?;
-    }
-    Ok(svg)
+        Ok(())
+    })
 }
 
-fn draw_row(area: &Area<'_>, row: &[u32], truth: usize, cell_px: i32) -> Result<(), DrawingError> {
+fn draw_row(
+    area: &SvgArea<'_>,
+    row: &[u32],
+    truth: usize,
+    cell_px: i32,
+) -> Result<(), DrawingError> {
     let n_asked: u32 = row.iter().sum();
     for (answer, &count) in row.iter().enumerate() {
         let share = f64::from(count) / f64::from(n_asked.max(1));
@@ -65,11 +61,9 @@ fn draw_row(area: &Area<'_>, row: &[u32], truth: usize, cell_px: i32) -> Result<
         };
         let cell = [corner(0), corner(1)];
         let color = cell_color(share, answer == truth);
-        area.draw(&Rectangle::new(cell, color.filled()))
-            .map_err(drawing_error)?;
+        area.draw(&Rectangle::new(cell, color.filled()))?;
         let border = RGBColor(225, 225, 225).stroke_width(1);
-        area.draw(&Rectangle::new(cell, border))
-            .map_err(drawing_error)?;
+        area.draw(&Rectangle::new(cell, border))?;
         if 100.0 * share > 0.5 {
             let ink = if share > 0.6 { WHITE } else { BLACK };
             let font_px = if cell_px > CELL_PX { FONT_PX } else { 9 };
@@ -77,8 +71,7 @@ fn draw_row(area: &Area<'_>, row: &[u32], truth: usize, cell_px: i32) -> Result<
             let middle = (cell[0].0 + cell_px / 2, cell[0].1 + cell_px / 2);
             let style = style.pos(Pos::new(HPos::Center, VPos::Center));
             let text = format!("{:.0}", 100.0 * share);
-            area.draw(&Text::new(text, middle, style))
-                .map_err(drawing_error)?;
+            area.draw(&Text::new(text, middle, style))?;
         }
     }
     Ok(())
@@ -97,19 +90,19 @@ fn cell_color(share: f64, is_right: bool) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-fn draw_row_name(area: &Area<'_>, name: &str, middle_px: i32) -> Result<(), DrawingError> {
+fn draw_row_name(area: &SvgArea<'_>, name: &str, middle_px: i32) -> Result<(), DrawingError> {
     let style = TextStyle::from(("sans-serif", FONT_PX));
     let style = style.pos(Pos::new(HPos::Right, VPos::Center));
     let text = Text::new(name.to_owned(), (NAMES_PX - 6, middle_px), style);
-    area.draw(&text).map_err(drawing_error)
+    Ok(area.draw(&text)?)
 }
 
-fn draw_column_name(area: &Area<'_>, name: &str, middle_px: i32) -> Result<(), DrawingError> {
+fn draw_column_name(area: &SvgArea<'_>, name: &str, middle_px: i32) -> Result<(), DrawingError> {
     let font = ("sans-serif", FONT_PX).into_font();
     let font = font.transform(FontTransform::Rotate270);
     let style = TextStyle::from(font).pos(Pos::new(HPos::Left, VPos::Center));
     let text = Text::new(name.to_owned(), (middle_px, NAMES_PX - 6), style);
-    area.draw(&text).map_err(drawing_error)
+    Ok(area.draw(&text)?)
 }
 
 #[cfg(test)]

@@ -11,13 +11,8 @@ pub enum Error {
     #[error("{0}")]
     Kind(#[from] recording_kind::Error),
     /// Folder of scenes that could not be listed.
-    #[error("could not list {}: {source}", .path.display())]
-    List {
-        /// Path of the folder that could not be listed.
-        path: PathBuf,
-        /// Cause reported by the operating system.
-        source: std::io::Error,
-    },
+    #[error("{0}")]
+    List(#[from] dataset::FileError),
     /// Folder with a recording of a kind that has no ground truth.
     #[error(
         "the folder {} holds {kind}, of which no truth is known; name labelled PCD scenes or a \

@@ -3,13 +3,12 @@
 use super::mean_curve::MeanCurve;
 use super::record::{OpenEndedRun, StageRecord};
 use plot::diagram::{
-    Axis, Color, Curve, Diagram, DrawingError, Legend, draw, drawing_error, side_by_side,
+    Axis, Color, Curve, Diagram, DrawingError, Legend, SvgArea, draw, side_by_side, svg_picture,
     tick_label,
 };
-use plotters::coord::Shift;
 use plotters::prelude::{
-    BLUE, ChartBuilder, Color as _, DrawingArea, FontTransform, IntoDrawingArea, IntoFont,
-    RGBColor, Rectangle, SVGBackend, Text, TextStyle, WHITE,
+    BLUE, ChartBuilder, Color as _, FontTransform, IntoFont, RGBColor, Rectangle, Text, TextStyle,
+    WHITE,
 };
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -89,18 +88,12 @@ fn run_curves(
 /// # Errors
 /// If the plotting library fails.
 pub fn run_svg(run: &OpenEndedRun, names: &[String], tau: f64) -> Result<String, DrawingError> {
-    let mut svg = String::new();
-    {
-        let (width_px, height_px) = RUN_PX;
-        let whole = SVGBackend::with_string(&mut svg, (width_px, 2 * height_px));
-        let whole = whole.into_drawing_area();
-        whole.fill(&WHITE).map_err(drawing_error)?;
+    let (width_px, height_px) = RUN_PX;
+    svg_picture((width_px, 2 * height_px), |whole| {
         let (upper, lower) = whole.split_vertically(height_px);
         draw(&upper, &accuracy_diagram(run, tau))?;
-        draw_taught_views(&lower, run, names)?;
-        whole.present().map_err(drawing_error)?;
-    }
-    Ok(svg)
+        draw_taught_views(&lower, run, names)
+    })
 }
 
 fn accuracy_diagram(run: &OpenEndedRun, tau: f64) -> Diagram<'static> {
@@ -109,20 +102,14 @@ fn accuracy_diagram(run: &OpenEndedRun, tau: f64) -> Diagram<'static> {
     let comes = comes.filter(|pair| pair[0].n_categories < pair[1].n_categories);
     let marks = comes.map(|pair| {
         let iteration = f64::from(pair[1].iteration) - 0.5;
-        Curve {
-            name: "",
-            color: Color::GREY,
-            points: vec![(iteration, 0.0), (iteration, 1.05)],
-            is_marked: false,
-        }
+        Curve::line("", Color::GREY, [(iteration, 0.0), (iteration, 1.05)])
     });
     let mut curves: Vec<Curve<'_>> = marks.collect();
-    curves.push(Curve {
-        name: "threshold",
-        color: Color::RED,
-        points: vec![(0.0, tau), (n_questions, tau)],
-        is_marked: false,
-    });
+    curves.push(Curve::line(
+        "threshold",
+        Color::RED,
+        [(0.0, tau), (n_questions, tau)],
+    ));
     curves.extend(accuracy_curves(run));
     Diagram {
         title: "Protocol accuracy; a grey line where a category comes",
@@ -156,7 +143,7 @@ fn accuracy_curves(run: &OpenEndedRun) -> Vec<Curve<'static>> {
 
 /// Bar chart of taught views per category, in the order of introduction.
 fn draw_taught_views(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    area: &SvgArea<'_>,
     run: &OpenEndedRun,
     names: &[String],
 ) -> Result<(), DrawingError> {
@@ -168,16 +155,14 @@ fn draw_taught_views(
         .margin(12)
         .margin_bottom(NAMES_PX)
         .y_label_area_size(52)
-        .build_cartesian_2d(0.0..n_bars.max(1) as f64, 0.0..highest)
-        .map_err(drawing_error)?;
+        .build_cartesian_2d(0.0..n_bars.max(1) as f64, 0.0..highest)?;
     chart
         .configure_mesh()
         .disable_x_mesh()
         .y_desc("views")
         .y_label_formatter(&|value| tick_label(*value, &(0.0..highest)))
         .light_line_style(WHITE)
-        .draw()
-        .map_err(drawing_error)?;
+        .draw()?;
     let start = f64::from(run.n_views_at_start);
     for (index, &(category, n_views)) in run.taught.iter().enumerate() {
         let (left, right) = (index as f64 + 0.15, index as f64 + 0.85);
@@ -187,7 +172,7 @@ fn draw_taught_views(
             bar(0.0, start, Color::GREY.into()),
             bar(start, n_views.into(), BLUE),
         ];
-        chart.draw_series(bars).map_err(drawing_error)?;
+        chart.draw_series(bars)?;
         if n_bars <= NAMED_BARS_MAX {
             let (x_px, y_px) = chart.backend_coord(&(index as f64 + 0.5, 0.0));
             let name = names.get(category as usize).map_or("", String::as_str);
@@ -200,7 +185,7 @@ fn draw_taught_views(
 /// Draws text rotated by 90 degrees; the position is that of its beginning, in pixels of the
 /// whole picture.
 fn draw_rotated(
-    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    area: &SvgArea<'_>,
     text: &str,
     (x_px, y_px): (i32, i32),
 ) -> Result<(), DrawingError> {
@@ -209,8 +194,7 @@ fn draw_rotated(
     let font = font.transform(FontTransform::Rotate90);
     let style = TextStyle::from(font).pos(Pos::new(HPos::Left, VPos::Center));
     let place = (x_px - left_px, y_px - top_px);
-    area.draw(&Text::new(text.to_owned(), place, style))
-        .map_err(drawing_error)
+    Ok(area.draw(&Text::new(text.to_owned(), place, style))?)
 }
 
 #[cfg(test)]

@@ -1,9 +1,11 @@
 //! Mean curve of several runs with its band of one standard deviation.
 
 use super::record::{OpenEndedRun, StageRecord};
+use statistics::spread::MeanAndStd;
 use std::collections::BTreeMap;
 
 /// Mean of a value over the runs at each number of learned categories, and its band.
+#[derive(Default)]
 pub(super) struct MeanCurve {
     /// Learned categories with the mean of the runs that learned so many.
     pub(super) mean: Vec<(f64, f64)>,
@@ -23,19 +25,14 @@ impl MeanCurve {
                 .or_default()
                 .push(value(stage));
         }
-        let mut curve = Self {
-            mean: Vec::new(),
-            low: Vec::new(),
-            high: Vec::new(),
-        };
+        let mut curve = Self::default();
         for (n_categories, values) in values {
             let x = f64::from(n_categories);
-            let n = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / n;
+            let Some(MeanAndStd { mean, std }) = MeanAndStd::of(&values) else {
+                continue;
+            };
             curve.mean.push((x, mean));
-            if values.len() > 1 {
-                let squares = values.iter().map(|value| (value - mean).powi(2));
-                let deviation = (squares.sum::<f64>() / (n - 1.0)).sqrt();
+            if let Some(deviation) = std {
                 curve.low.push((x, mean - deviation));
                 curve.high.push((x, mean + deviation));
             }

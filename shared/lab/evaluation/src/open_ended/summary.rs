@@ -1,28 +1,7 @@
 //! Mean and standard deviation of metrics over several runs.
 
 use super::record::Metrics;
-
-/// Sample mean and standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeanAndStd {
-    /// Arithmetic mean over the runs.
-    pub mean: f64,
-    /// Sample standard deviation (n - 1); `None` for a single value.
-    pub std: Option<f64>,
-}
-
-impl MeanAndStd {
-    /// Mean and standard deviation of a sample; `None` for no values.
-    pub fn of(values: &[f64]) -> Option<Self> {
-        let n = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        (!values.is_empty()).then(|| Self {
-            mean,
-            std: (values.len() > 1).then(|| (squares / (n - 1.0)).sqrt()),
-        })
-    }
-}
+use statistics::spread::MeanAndStd;
 
 /// Metrics over runs; each is `None` without runs.
 #[derive(Debug, Clone, Copy, PartialEq)]

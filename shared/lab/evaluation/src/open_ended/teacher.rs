@@ -48,22 +48,18 @@ pub fn run(
 ) -> Result<OpenEndedRun, Error> {
     usable_categories(protocol, views)?;
     let mut teacher = Teacher::new(recogniser, views, protocol, seed);
-    let stop = teacher.play();
-    Ok(teacher.finish(stop))
+    teacher.run.stop = teacher.play();
+    Ok(teacher.run)
 }
 
 struct Teacher<'a> {
     recogniser: &'a mut dyn Recogniser,
     protocol: &'a Protocol,
-    seed: u64,
     curriculum: Curriculum,
     open_set: Random,
     n_right: u32,
     n_counted: u32,
-    questions: Vec<Question>,
-    stages: Vec<StageRecord>,
-    stage_accuracies: Vec<f64>,
-    taught: Vec<(u32, u32)>,
+    run: OpenEndedRun,
 }
 
 impl<'a> Teacher<'a> {
@@ -76,27 +72,19 @@ impl<'a> Teacher<'a> {
         Self {
             recogniser,
             protocol,
-            seed,
             curriculum: Curriculum::new(protocol, views, seed),
             open_set: Random::substream(seed, OPEN_SET_STREAM),
             n_right: 0,
             n_counted: 0,
-            questions: Vec::new(),
-            stages: Vec::new(),
-            stage_accuracies: Vec::new(),
-            taught: Vec::new(),
-        }
-    }
-
-    fn finish(self, stop: StopReason) -> OpenEndedRun {
-        OpenEndedRun {
-            seed: self.seed,
-            stop,
-            questions: self.questions,
-            stages: self.stages,
-            stage_accuracies: self.stage_accuracies,
-            taught: self.taught,
-            n_views_at_start: self.protocol.n_views_at_start as u32,
+            run: OpenEndedRun {
+                seed,
+                stop: StopReason::AllLearned,
+                questions: Vec::new(),
+                stages: Vec::new(),
+                stage_accuracies: Vec::new(),
+                taught: Vec::new(),
+                n_views_at_start: protocol.n_views_at_start as u32,
+            },
         }
     }
 
@@ -125,7 +113,7 @@ impl<'a> Teacher<'a> {
         for view in lessons {
             self.recogniser.teach(category, view);
         }
-        self.taught.push((category, n_views as u32));
+        self.run.taught.push((category, n_views as u32));
         true
     }
 
@@ -170,7 +158,7 @@ impl<'a> Teacher<'a> {
 
     fn ask(&mut self, n_categories: usize, view: usize, truth: u32, is_open_set: bool) -> Question {
         Question {
-            iteration: self.questions.len() as u32 + 1,
+            iteration: self.run.questions.len() as u32 + 1,
             n_categories: n_categories as u32,
             view,
             truth,
@@ -183,7 +171,7 @@ impl<'a> Teacher<'a> {
     fn count(&mut self, question: Question) {
         self.n_counted += 1;
         self.n_right += u32::from(question.is_right());
-        self.questions.push(question);
+        self.run.questions.push(question);
     }
 
     /// Corrects a wrong answer at once, before the next question.
@@ -193,7 +181,7 @@ impl<'a> Teacher<'a> {
             LessonSplit::InstanceDisjoint => self.curriculum.next_lesson(place),
         };
         if let Some(view) = view {
-            let (category, n_views) = &mut self.taught[place];
+            let (category, n_views) = &mut self.run.taught[place];
             *n_views += 1;
             self.recogniser.teach(*category, view);
         }
@@ -210,14 +198,14 @@ impl<'a> Teacher<'a> {
             if let Some(view) = self.curriculum.take_for_open_set(place, n_to_leave) {
                 let truth = self.curriculum.category(place);
                 let question = self.ask(n_categories, view, truth, true);
-                self.questions.push(question);
+                self.run.questions.push(question);
             }
         }
     }
 
     fn end_stage(&mut self, n_categories: usize, accuracy: Option<f64>) {
-        self.stage_accuracies.extend(accuracy);
-        self.stages.push(StageRecord {
+        self.run.stage_accuracies.extend(accuracy);
+        self.run.stages.push(StageRecord {
             n_categories: n_categories as u32,
             n_questions: self.n_counted,
             accuracy: f64::from(self.n_right) / f64::from(self.n_counted.max(1)),

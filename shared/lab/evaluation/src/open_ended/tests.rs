@@ -2,6 +2,7 @@ use super::*;
 use crate::novelty_score::NoveltyScore;
 use crate::recogniser::{Answer, LabelledView, Recogniser};
 use random::Random;
+use statistics::spread::MeanAndStd;
 use std::collections::{HashMap, HashSet};
 
 /// Recogniser of fixed accuracy, independent of its training; records lessons and questions.

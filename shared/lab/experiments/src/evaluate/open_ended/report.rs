@@ -6,11 +6,10 @@ use crate::evaluate::recognition::DescriptionSettings;
 use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
 use crate::evaluate::view_table::ViewTable;
 use evaluation::novelty_score::NoveltyScore;
-use evaluation::open_ended::{
-    MeanAndStd, Metrics, MetricsSummary, OpenEndedRun, Protocol, StopReason,
-};
+use evaluation::open_ended::{Metrics, MetricsSummary, OpenEndedRun, Protocol, StopReason};
 use evaluation::recogniser::Answer;
 use serde::Serialize;
+use statistics::spread::MeanAndStd;
 
 /// Report of an open-ended evaluation.
 #[derive(Debug, Serialize)]
