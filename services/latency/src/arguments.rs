@@ -5,12 +5,6 @@ use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, OptionUse, parse_arguments};
 use std::path::{Path, PathBuf};
 
-/// Default number of measured frames.
-const DEFAULT_FRAMES: u64 = 1800;
-/// Default number of frames in the timeline.
-const DEFAULT_TIMELINE: u32 = 100;
-/// Default number of warm-up frames.
-const DEFAULT_WARM_UP: u64 = 90;
 /// Source and number of objects when none is given and no daemon runs.
 const DEFAULT_SOURCE: &str = "simulation:isolated";
 const DEFAULT_OBJECTS: u32 = 10;
@@ -88,11 +82,11 @@ pub(crate) struct MeasureArguments {
     pub(crate) source: SourceArguments,
 
     /// Frames to measure
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
     pub(crate) frames: u64,
 
     /// Number of warm-up frames to leave out at the beginning
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_WARM_UP)]
+    #[arg(long, value_name = "N", default_value_t = 90)]
     pub(crate) warm_up: u64,
 
     /// Folder for the report, the plots, the histograms and the timeline
@@ -100,7 +94,7 @@ pub(crate) struct MeasureArguments {
     pub(crate) out: Option<PathBuf>,
 
     /// Number of newest frames in the timeline, in addition to the ten slowest
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_TIMELINE, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub(crate) timeline: u32,
 
     /// File of limits (TOML); exit code 7 when one is exceeded
@@ -179,12 +173,8 @@ impl LatencyArguments {
     /// If options of a measurement precede a subcommand that does not measure.
     pub(crate) fn checked() -> Result<Self, Failure> {
         let arguments: Self = parse_arguments();
-        let defaults = MeasureArguments::short(SourceArguments::default(), DEFAULT_FRAMES);
-        let defaults = MeasureArguments {
-            timeline: DEFAULT_TIMELINE,
-            ..defaults
-        };
-        if arguments.command.is_some() && arguments.measure != defaults {
+        let defaults = Self::parse_from(["tabula-latency"]);
+        if arguments.command.is_some() && arguments.measure != defaults.measure {
             return Err(Failure::usage(
                 "options before a subcommand are those of a measurement; put the subcommand's own options after it",
             ));
@@ -204,21 +194,6 @@ impl LatencyArguments {
                 | LatencyCommand::Compare { .. }
                 | LatencyCommand::Merge { .. },
             ) => OptionUse::Nothing,
-        }
-    }
-}
-
-impl MeasureArguments {
-    /// Measurement arguments with default warm-up and without output files.
-    pub(crate) fn short(source: SourceArguments, frames: u64) -> Self {
-        Self {
-            source,
-            frames,
-            warm_up: DEFAULT_WARM_UP,
-            out: None,
-            timeline: 0,
-            budget: None,
-            baseline: None,
         }
     }
 }
@@ -252,10 +227,7 @@ impl SourceArguments {
 
     /// `true` if any option of the source is given.
     pub(crate) fn is_given(&self) -> bool {
-        self.source.is_some()
-            || self.objects.is_some()
-            || self.seed.is_some()
-            || self.rate.is_some()
+        *self != Self::default()
     }
 }
 

@@ -1,10 +1,10 @@
 //! `tabula latency compare`: A/B comparison of two latency reports.
 
 use crate::report_text;
-use crate::results::{AcceptanceResult, read_report};
+use crate::results::{AcceptanceResult, exit_code, read_report};
 use command_line::Output;
 use latency_report::compare;
-use service::{Failure, exit_code};
+use service::Failure;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -16,9 +16,5 @@ pub(crate) fn run(before: &Path, now: &Path, output: &Output) -> Result<ExitCode
         violations: None,
         comparisons: Some(comparisons),
     };
-    Ok(if acceptance.is_over() {
-        ExitCode::from(exit_code::OVER_BUDGET)
-    } else {
-        ExitCode::SUCCESS
-    })
+    Ok(exit_code(acceptance.is_over()))
 }

@@ -31,13 +31,9 @@ const CLOCK_DRIFT_MAX_NS: u64 = 5_000_000;
 impl ConditionsMonitor {
     /// Starts monitoring with the processes that have sent traces.
     pub(crate) fn begin(trace_reader: &TraceReader) -> Self {
-        let processes = trace_reader.processes();
         Self {
             machine: Disturbance::begin(),
-            processes: processes
-                .iter()
-                .filter_map(|(process, pid)| ProcessUsage::begin(*process, *pid))
-                .collect(),
+            processes: ProcessUsage::begin_all(trace_reader),
             lost_before: trace_reader.n_lost(),
             clock_offset_before_ns: wall_clock_offset_ns(),
         }
@@ -51,8 +47,7 @@ impl ConditionsMonitor {
         trace_reader: &TraceReader,
     ) -> Conditions {
         let lost_messages = trace_reader.n_lost() - self.lost_before;
-        let memory =
-            SharedMemory::of_domain(domain.name(), MAX_FRAME_POINTS, domain.guest_places());
+        let memory = shared_memory(domain);
         let mut warnings = self.warnings(trace_reader, lost_messages);
         let processes: Vec<_> = self
             .processes
@@ -113,6 +108,11 @@ impl ConditionsMonitor {
             format!("{n_ended} process(es) of the daemon have ended while they were measured")
         })
     }
+}
+
+/// Shared memory of a domain; `None` when it cannot be told.
+pub(crate) fn shared_memory(domain: &Domain) -> Option<SharedMemory> {
+    SharedMemory::of_domain(domain.name(), MAX_FRAME_POINTS, domain.guest_places())
 }
 
 /// Machine conditions as JSON; findings that invalidate figures become warnings. This process is

@@ -6,6 +6,7 @@ use channel::{Domain, DomainName, DomainState, Role, RunFolder};
 use command_line::Output;
 use message::ProcessKind;
 use service::{CommonArguments, Failure};
+use tempfile::TempDir;
 
 /// Daemon under test: one that was running, or one spawned for the measurement.
 #[derive(Debug)]
@@ -28,40 +29,40 @@ impl DaemonUnderTest {
         output: &Output,
     ) -> Result<Self, Failure> {
         let run_folder = RunFolder::of_user();
-        let own = if source.is_given() || !is_running(&common.domain, &run_folder) {
+        if source.is_given() || !is_running(&common.domain, &run_folder) {
             let arguments = source.run_arguments(common.config.as_deref());
             output.print_status(&format!(
                 "starting a daemon: tabula run {}",
                 arguments.join(" ")
             ));
-            Some(MeasuredDaemon::start(
-                MeasuredDaemon::home()?,
-                &arguments,
-                None,
-            )?)
-        } else if common.config.is_some() {
+            return Self::start(MeasuredDaemon::home()?, &arguments, None);
+        }
+        if common.config.is_some() {
             return Err(Failure::usage(format!(
                 "--config has no meaning for the running daemon of the domain {}, which has its own \
                  configuration; leave it out, or name a --source for a daemon with this one",
                 common.domain
             )));
-        } else {
-            output.print_status(&format!(
-                "measuring the daemon of the domain {}",
-                common.domain
-            ));
-            None
-        };
-        let name = own.as_ref().map_or(&common.domain, MeasuredDaemon::domain);
-        let domain = Domain::join(name, &run_folder, Role::Guest)?;
-        Ok(Self { domain, own })
+        }
+        output.print_status(&format!(
+            "measuring the daemon of the domain {}",
+            common.domain
+        ));
+        let domain = Domain::join(&common.domain, &run_folder, Role::Guest)?;
+        Ok(Self { domain, own: None })
     }
 
-    /// Joins the domain of a spawned daemon.
+    /// Starts a daemon in a folder, on the first cores if their number is given, and joins its
+    /// domain.
     ///
     /// # Errors
-    /// If its domain cannot be joined.
-    pub(crate) fn join_spawned(own: MeasuredDaemon) -> Result<Self, Failure> {
+    /// If the daemon cannot be started or its domain cannot be joined.
+    pub(crate) fn start(
+        home: TempDir,
+        run_arguments: &[String],
+        n_cores: Option<usize>,
+    ) -> Result<Self, Failure> {
+        let own = MeasuredDaemon::start(home, run_arguments, n_cores)?;
         let domain = Domain::join(own.domain(), &RunFolder::of_user(), Role::Guest)?;
         Ok(Self {
             domain,

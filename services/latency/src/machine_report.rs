@@ -1,11 +1,11 @@
 //! `tabula latency machine`: system noise of this computer.
 
-use crate::results::not_written;
+use crate::results::write_with_figure;
 use command_line::Output;
 use service::Failure;
 use std::path::Path;
 use std::process::ExitCode;
-use system_noise::{MachineReport, MeasurementPlan, latency_histograms, measure, report};
+use system_noise::{MeasurementPlan, latency_histograms, measure, report};
 
 /// Measures, prints, and writes the report and the histograms.
 pub(crate) fn run(short: bool, out: Option<&Path>, output: &Output) -> Result<ExitCode, Failure> {
@@ -16,16 +16,9 @@ pub(crate) fn run(short: bool, out: Option<&Path>, output: &Output) -> Result<Ex
     };
     let found = measure(&plan, &mut |sentence| output.print_status(sentence));
     if let Some(folder) = out {
-        write(folder, &found)?;
+        let figure = latency_histograms::histograms(&found);
+        write_with_figure(folder, "machine", &found, figure)?;
     }
     output.answer(&found, || report::text(&found));
     Ok(ExitCode::SUCCESS)
-}
-
-fn write(folder: &Path, found: &MachineReport) -> Result<(), Failure> {
-    dataset::create_folder(folder).map_err(not_written)?;
-    let document = serde_json::to_string(found).map_err(not_written)?;
-    dataset::write_atomic(&folder.join("machine.json"), document).map_err(not_written)?;
-    let picture = latency_histograms::histograms(found).map_err(not_written)?;
-    dataset::write_atomic(&folder.join("machine.svg"), picture).map_err(not_written)
 }

@@ -35,25 +35,27 @@ pub(crate) fn run(
     if let Some(folder) = &arguments.out {
         results::write(folder, &report, &recorder)?;
     }
-    let acceptance = criteria.judge(&report);
-    output.answer(&results::ReportDocument::new(&report, &acceptance), || {
+    let acceptance = &criteria.judge(&report);
+    let document = results::ReportDocument {
+        report: &report,
+        acceptance,
+    };
+    output.answer(&document, || {
         let written = arguments.out.as_ref();
         let written = written.map(|folder| format!("\nwritten to {}", folder.display()));
         report_text::text(&report)
-            + &report_text::acceptance(&acceptance)
+            + &report_text::acceptance(acceptance)
             + &written.unwrap_or_default()
     });
-    Ok(exit_code(&report, &acceptance))
+    Ok(exit_code(&report, acceptance))
 }
 
 /// Exit code: failure if the consistency check fails, over budget if a limit is exceeded.
 fn exit_code(report: &LatencyReport, acceptance: &results::AcceptanceResult) -> ExitCode {
-    if !report.sum_check.passes() {
-        ExitCode::from(exit_code::FAILURE)
-    } else if acceptance.is_over() {
-        ExitCode::from(exit_code::OVER_BUDGET)
+    if report.sum_check.passes() {
+        results::exit_code(acceptance.is_over())
     } else {
-        ExitCode::SUCCESS
+        ExitCode::from(exit_code::FAILURE)
     }
 }
 

@@ -62,31 +62,24 @@ fn stages(report: &LatencyReport) -> String {
         times("label of an object", &report.object_label_ms),
         vec![String::new()],
     ];
-    for stage in Stage::ALL
-        .iter()
-        .filter(|stage| stage.scope() == StageScope::Frame)
-    {
-        rows.extend(row(report, *stage, ""));
-        let steps = Stage::ALL
-            .iter()
-            .filter(|step| step.scope() == StageScope::Within(*stage));
-        rows.extend(steps.filter_map(|step| row(report, *step, "  ")));
-        if *stage == Stage::Objects {
-            let links = Stage::ALL
-                .iter()
-                .filter(|link| link.scope() == StageScope::Object);
-            rows.extend(links.filter_map(|link| row(report, *link, "  ")));
+    let of_scope = |scope: StageScope| {
+        let stages = Stage::ALL.iter().copied();
+        stages.filter(move |stage| stage.scope() == scope)
+    };
+    let indented = |scope| of_scope(scope).filter_map(|stage| row(report, stage, "  "));
+    for stage in of_scope(StageScope::Frame) {
+        rows.extend(row(report, stage, ""));
+        rows.extend(indented(StageScope::Within(stage)));
+        if stage == Stage::Objects {
+            rows.extend(indented(StageScope::Object));
         }
     }
     rows.push(vec!["beside".into()]);
-    let beside = Stage::ALL
-        .iter()
-        .filter(|stage| stage.scope() == StageScope::Outside);
-    rows.extend(beside.filter_map(|stage| row(report, *stage, "  ")));
+    rows.extend(indented(StageScope::Outside));
     format_table(&HEADING, &rows)
 }
 
-fn times(name: &str, ms: &DurationPercentiles) -> Vec<String> {
+pub(crate) fn times(name: &str, ms: &DurationPercentiles) -> Vec<String> {
     let mut row = vec![name.to_owned()];
     row.extend(
         DurationPercentiles::NAMED

@@ -6,9 +6,10 @@ use latency_report::{
     LatencyReport, chrome_trace, compare, percentile_figure, time_figure,
 };
 use serde::Serialize;
-use service::Failure;
+use service::{Failure, exit_code};
 use std::fmt::Display;
 use std::path::Path;
+use std::process::ExitCode;
 
 /// Acceptance criteria of a report: budget and baseline.
 pub(crate) struct AcceptanceCriteria {
@@ -17,9 +18,11 @@ pub(crate) struct AcceptanceCriteria {
 }
 
 /// Result of checking budget and baseline.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize)]
 pub(crate) struct AcceptanceResult {
+    #[serde(rename = "over_budget", skip_serializing_if = "Option::is_none")]
     pub(crate) violations: Option<Vec<BudgetViolation>>,
+    #[serde(rename = "comparison", skip_serializing_if = "Option::is_none")]
     pub(crate) comparisons: Option<Vec<Comparison>>,
 }
 
@@ -27,21 +30,9 @@ pub(crate) struct AcceptanceResult {
 #[derive(Serialize)]
 pub(crate) struct ReportDocument<'a> {
     #[serde(flatten)]
-    report: &'a LatencyReport,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    over_budget: Option<&'a [BudgetViolation]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    comparison: Option<&'a [Comparison]>,
-}
-
-impl<'a> ReportDocument<'a> {
-    pub(crate) fn new(report: &'a LatencyReport, acceptance: &'a AcceptanceResult) -> Self {
-        Self {
-            report,
-            over_budget: acceptance.violations.as_deref(),
-            comparison: acceptance.comparisons.as_deref(),
-        }
-    }
+    pub(crate) report: &'a LatencyReport,
+    #[serde(flatten)]
+    pub(crate) acceptance: &'a AcceptanceResult,
 }
 
 impl AcceptanceCriteria {
@@ -106,6 +97,31 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
 /// If it cannot be read or parsed.
 pub(crate) fn read_report(path: &Path) -> Result<LatencyReport, Failure> {
     serde_json::from_str(&read(path)?).map_err(|error| unusable(path, "report", error))
+}
+
+/// Exit code of a measurement: 7 if it is over a limit.
+pub(crate) fn exit_code(is_over: bool) -> ExitCode {
+    if is_over {
+        ExitCode::from(exit_code::OVER_BUDGET)
+    } else {
+        ExitCode::SUCCESS
+    }
+}
+
+/// Writes a JSON document and its figure into a folder, under one name.
+pub(crate) fn write_with_figure(
+    folder: &Path,
+    name: &str,
+    document: &impl Serialize,
+    figure: Result<String, impl Display>,
+) -> Result<(), Failure> {
+    dataset::create_folder(folder).map_err(not_written)?;
+    let put = |ending: &str, text: String| {
+        dataset::write_atomic(&folder.join(format!("{name}.{ending}")), text).map_err(not_written)
+    };
+    let json = serde_json::to_string(document).map_err(not_written)?;
+    put("json", json)?;
+    put("svg", figure.map_err(not_written)?)
 }
 
 /// Writes all results into a folder, which is created if missing.

@@ -1,20 +1,19 @@
 //! `tabula latency soak`: soak test with objects that come and go.
 
 use crate::arguments::{SoakArguments, SourceArguments};
+use crate::conditions::shared_memory;
 use crate::daemon_under_test::DaemonUnderTest;
 use crate::measured_daemon::MeasuredDaemon;
 use crate::process_usage::ProcessUsage;
-use crate::results::not_written;
+use crate::results::{exit_code, not_written, write_with_figure};
 use crate::trace_reader::{ReadEnd, TraceReader, no_frames};
-use channel::topic::MAX_FRAME_POINTS;
-use channel::{Domain, SharedMemory};
 use command_line::{Output, StopSignal, format_table, progress_bar};
 use latency_report::{
     DurationPercentiles, Growth, LatencyRecorder, ProcessReport, SoakWindow, find_growth,
     soak_figure,
 };
 use serde::Serialize;
-use service::{CommonArguments, Failure, exit_code, wall_clock_offset_ns};
+use service::{CommonArguments, Failure, wall_clock_offset_ns};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -57,14 +56,11 @@ pub(crate) fn run(
         windows,
     };
     if let Some(folder) = &arguments.out {
-        write(folder, &document)?;
+        let figure = soak_figure(&document.windows);
+        write_with_figure(folder, "soak", &document, figure)?;
     }
     output.answer(&document, || text(&document));
-    Ok(if document.grown.is_empty() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::from(exit_code::OVER_BUDGET)
-    })
+    Ok(exit_code(!document.grown.is_empty()))
 }
 
 /// Spawns a daemon on a table with blocks that come and go.
@@ -87,8 +83,7 @@ fn start(
         dataset::write_atomic(&little, CONFIG).map_err(not_written)?;
     }
     let run_arguments = source.run_arguments(Some(config.unwrap_or(&little)));
-    let own = MeasuredDaemon::start(home, &run_arguments, None)?;
-    DaemonUnderTest::join_spawned(own)
+    DaemonUnderTest::start(home, &run_arguments, None)
 }
 
 /// Measures window by window; returns the windows and the number of lost messages.
@@ -105,33 +100,21 @@ fn soak(
     let mut windows = Vec::new();
     let mut n_frames = 0;
     while n_frames < arguments.frames && !stop.is_raised() {
-        let usages = usages(&trace_reader);
+        let usages = ProcessUsage::begin_all(&trace_reader);
         let recorder = measure_window(&mut trace_reader, window_frames, stop)?;
         n_frames += recorder.n_frames() as u64;
         progress.set_position(n_frames);
         windows.push(SoakWindow {
             at_s: begun.elapsed().as_secs_f64(),
             clock_drift_ns: wall_clock_offset_ns() - offset_ns,
-            shared_memory_bytes: used_bytes(&daemon.domain),
+            shared_memory_bytes: shared_memory(&daemon.domain)
+                .map_or(0, |memory| memory.used_by_domain),
             processes: usages.iter().filter_map(ProcessUsage::report).collect(),
             ..window(&recorder)
         });
     }
     progress.finish_and_clear();
     Ok((windows, trace_reader.n_lost()))
-}
-
-fn used_bytes(domain: &Domain) -> u64 {
-    let places = domain.guest_places();
-    let memory = SharedMemory::of_domain(domain.name(), MAX_FRAME_POINTS, places);
-    memory.map_or(0, |memory| memory.used_by_domain)
-}
-
-fn usages(trace_reader: &TraceReader) -> Vec<ProcessUsage> {
-    let processes = trace_reader.processes().into_iter();
-    processes
-        .filter_map(|(process, pid)| ProcessUsage::begin(process, pid))
-        .collect()
 }
 
 fn measure_window(
@@ -161,14 +144,6 @@ fn window(recorder: &LatencyRecorder) -> SoakWindow {
         end_to_end_ms: DurationPercentiles::of(&mut recorder.end_to_end_ns(&missed)),
         ..SoakWindow::default()
     }
-}
-
-fn write(folder: &Path, document: &SoakDocument) -> Result<(), Failure> {
-    dataset::create_folder(folder).map_err(not_written)?;
-    let json = serde_json::to_string(document).map_err(not_written)?;
-    dataset::write_atomic(&folder.join("soak.json"), json).map_err(not_written)?;
-    let picture = soak_figure(&document.windows).map_err(not_written)?;
-    dataset::write_atomic(&folder.join("soak.svg"), picture).map_err(not_written)
 }
 
 fn text(document: &SoakDocument) -> String {

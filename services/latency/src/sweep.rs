@@ -4,14 +4,15 @@ mod box_scene;
 mod operating_point;
 mod stored_views;
 
-use crate::arguments::{MeasureArguments, SourceArguments, SweepArguments};
+use crate::arguments::{LatencyArguments, MeasureArguments, SourceArguments, SweepArguments};
 use crate::daemon_under_test::DaemonUnderTest;
 use crate::measure::measure;
 use crate::measured_daemon::MeasuredDaemon;
-use crate::results::not_written;
+use crate::results::{not_written, write_with_figure};
 use crate::sweep_axis::SweepAxis;
-use channel::Subscriber;
 use channel::topic::Scene;
+use channel::{SharedMessage, Subscriber};
+use clap::Parser;
 use command_line::{Output, StopSignal, format_table};
 use latency_report::{SweepRow, sweep_figure};
 use operating_point::{OperatingPoint, operating_points};
@@ -52,12 +53,8 @@ pub(crate) fn run(
         }
     }
     if let Some(folder) = &arguments.out {
-        dataset::create_folder(folder).map_err(not_written)?;
-        let picture = sweep_figure(axis.title(), &rows).map_err(not_written)?;
-        let file = |kind: &str| folder.join(format!("sweep-{}.{kind}", axis.word()));
-        dataset::write_atomic(&file("svg"), picture).map_err(not_written)?;
-        let document = serde_json::to_string(&rows).map_err(not_written)?;
-        dataset::write_atomic(&file("json"), document).map_err(not_written)?;
+        let figure = sweep_figure(axis.title(), &rows);
+        write_with_figure(folder, &format!("sweep-{}", axis.word()), &rows, figure)?;
     }
     let document = SweepDocument {
         axis: axis.title(),
@@ -76,13 +73,17 @@ fn measure_at(
 ) -> Result<SweepRow, Failure> {
     let home = MeasuredDaemon::home()?;
     let (source, n_views) = prepare(point, &home)?;
-    let own = MeasuredDaemon::start(home, &source.run_arguments(config), point.n_cores)?;
-    let daemon = DaemonUnderTest::join_spawned(own)?;
+    let daemon = DaemonUnderTest::start(home, &source.run_arguments(config), point.n_cores)?;
     wait_until_known(&daemon, n_views, stop)?;
-    let plan = MeasureArguments::short(source, arguments.frames);
+    let plan = MeasureArguments {
+        source,
+        frames: arguments.frames,
+        timeline: 0,
+        ..LatencyArguments::parse_from(["tabula-latency"]).measure
+    };
     let (report, _) = measure(&daemon, &plan, stop, output)?;
     let value = match arguments.axis {
-        SweepAxis::Points => mean_points(&daemon)?,
+        SweepAxis::Points => mean_points(&daemon, stop)?.unwrap_or(point.value),
         _ => point.value,
     };
     Ok(SweepRow::new(value, &report))
@@ -103,51 +104,54 @@ fn prepare(point: &OperatingPoint, home: &TempDir) -> Result<(SourceArguments, u
     Ok((source, sequence))
 }
 
+/// First value that a scene of the daemon gives; `None` when a stop is requested before.
+fn first_in_scenes<T>(
+    daemon: &DaemonUnderTest,
+    stop: &StopSignal,
+    missing: &str,
+    value: impl Fn(&SharedMessage<Scene>) -> Option<T>,
+) -> Result<Option<T>, Failure> {
+    let mut scenes = Subscriber::<Scene>::polled(&daemon.domain)?;
+    let deadline = Instant::now() + KNOWN_TIMEOUT;
+    loop {
+        let found = scenes.latest()?.as_ref().and_then(&value);
+        if found.is_some() || stop.is_raised() {
+            return Ok(found);
+        }
+        if Instant::now() > deadline {
+            return Err(Failure::new(exit_code::TIMED_OUT, missing));
+        }
+        stop.sleep(POLL_PERIOD);
+    }
+}
+
 /// Waits until objects are compared with all taught views.
 fn wait_until_known(
     daemon: &DaemonUnderTest,
     sequence: u64,
     stop: &StopSignal,
 ) -> Result<(), Failure> {
-    let mut scenes = Subscriber::<Scene>::polled(&daemon.domain)?;
-    let deadline = Instant::now() + KNOWN_TIMEOUT;
-    while !stop.is_raised() {
-        let scene = scenes.latest()?;
-        let knows = |scene: &channel::SharedMessage<Scene>| {
-            let mut objects = scene.items().iter();
-            objects.any(|object| object.memory_sequence >= sequence)
-        };
-        if scene.as_ref().is_some_and(knows) {
-            return Ok(());
-        }
-        if Instant::now() > deadline {
-            return Err(Failure::new(
-                exit_code::TIMED_OUT,
-                "the daemon reports no objects compared with the taught views",
-            ));
-        }
-        stop.sleep(POLL_PERIOD);
-    }
+    let missing = "the daemon reports no objects compared with the taught views";
+    first_in_scenes(daemon, stop, missing, |scene| {
+        let mut objects = scene.items().iter();
+        objects
+            .find(|object| object.memory_sequence >= sequence)
+            .map(|_| ())
+    })?;
     Ok(())
 }
 
 /// Mean number of points per object in the newest scene.
-fn mean_points(daemon: &DaemonUnderTest) -> Result<f64, Failure> {
-    let mut scenes = Subscriber::<Scene>::polled(&daemon.domain)?;
-    let deadline = Instant::now() + KNOWN_TIMEOUT;
-    loop {
-        if let Some(scene) = scenes.latest()?
-            && !scene.items().is_empty()
-        {
-            let points = scene.items().iter().map(|object| object.n_points);
-            return Ok(points.map(f64::from).sum::<f64>() / scene.items().len() as f64);
-        }
-        if Instant::now() > deadline {
-            let sentence = "the daemon has published no scene with objects";
-            return Err(Failure::new(exit_code::TIMED_OUT, sentence));
-        }
-        std::thread::sleep(POLL_PERIOD);
-    }
+fn mean_points(daemon: &DaemonUnderTest, stop: &StopSignal) -> Result<Option<f64>, Failure> {
+    let missing = "the daemon has published no scene with objects";
+    first_in_scenes(daemon, stop, missing, |scene| {
+        let points = scene
+            .items()
+            .iter()
+            .map(|object| f64::from(object.n_points));
+        let n = scene.items().len();
+        (n > 0).then(|| points.sum::<f64>() / n as f64)
+    })
 }
 
 fn text(axis: SweepAxis, rows: &[SweepRow]) -> String {

@@ -28,8 +28,12 @@ impl DurationPercentiles {
     /// durations.
     pub fn of(durations_ns: &mut [u64]) -> Self {
         durations_ns.sort_unstable();
-        let at =
-            |share: f64| nearest_rank(durations_ns, share).map_or(0.0, |ns| ns as f64 / NS_PER_MS);
+        Self::of_quantiles(|share| nearest_rank(durations_ns, share).unwrap_or(0))
+    }
+
+    /// Percentiles by a function from a share, 0 to 1, to nanoseconds.
+    pub(crate) fn of_quantiles(at_ns: impl Fn(f64) -> u64) -> Self {
+        let at = |share: f64| at_ns(share) as f64 / NS_PER_MS;
         Self {
             p50: at(0.5),
             p90: at(0.9),

@@ -1,6 +1,7 @@
 //! Mergeable histogram files: the interval log of `HdrHistogram` (version 1.3), one tag per
 //! stage, readable by its tools in other languages. Values are nanoseconds.
 
+use crate::duration_percentiles::DurationPercentiles;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use hdrhistogram::Histogram;
@@ -70,12 +71,12 @@ impl Histograms {
         Ok(())
     }
 
-    /// Stage name, number of durations and quantile function (share 0 to 1 to nanoseconds) of
-    /// each histogram.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, u64, impl Fn(f64) -> u64)> {
+    /// Stage name, number of durations and percentiles of each histogram.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, u64, DurationPercentiles)> {
         self.0.iter().map(|(word, histogram)| {
             let at = |share: f64| histogram.value_at_quantile(share);
-            (word.as_str(), histogram.len(), at)
+            let ms = DurationPercentiles::of_quantiles(at);
+            (word.as_str(), histogram.len(), ms)
         })
     }
 
@@ -145,7 +146,9 @@ mod tests {
 
     fn median_ns(histograms: &Histograms, word: &str) -> u64 {
         let found = histograms.iter().find(|(name, ..)| *name == word);
-        found.map(|(_, _, at)| at(0.5)).unwrap()
+        found
+            .map(|(_, _, ms)| (ms.p50 * 1e6).round() as u64)
+            .unwrap()
     }
 
     #[test]

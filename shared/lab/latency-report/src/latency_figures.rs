@@ -55,12 +55,7 @@ fn percentile_curve(name: &str, index: usize, mut durations_ns: Vec<u64>) -> Cur
         let duration_ns = durations_ns.get(rank.min(n.checked_sub(1)?))?;
         Some((one_in, (*duration_ns as f64 / 1e6).max(DRAWN_MS_MIN)))
     });
-    Curve {
-        name,
-        color: Color::of_series(index),
-        points: points.collect(),
-        is_marked: false,
-    }
+    Curve::line(name, Color::of_series(index), points)
 }
 
 /// Smallest duration drawn, milliseconds.
@@ -95,12 +90,7 @@ pub fn time_figure(recorder: &LatencyRecorder) -> Result<String, DrawingError> {
     let mut curves: Vec<Curve<'_>> = ["longest", "99 of 100", "median"]
         .into_iter()
         .enumerate()
-        .map(|(index, name)| Curve {
-            name,
-            color: Color::of_series(index),
-            points: Vec::new(),
-            is_marked: false,
-        })
+        .map(|(index, name)| Curve::line(name, Color::of_series(index), []))
         .collect();
     for (window, samples) in recorder.end_to_end.chunks(n_frames).enumerate() {
         let mut durations_ns: Vec<u64> = samples.iter().map(|sample| sample.ns).collect();

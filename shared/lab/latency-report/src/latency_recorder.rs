@@ -17,7 +17,7 @@ pub(crate) struct StageSamples {
 }
 
 /// Recorder of end-to-end and stage durations, resource usage, and selected whole frames.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct LatencyRecorder {
     n_kept: usize,
     kept: VecDeque<FrameTimeline>,
@@ -36,15 +36,7 @@ impl LatencyRecorder {
     pub fn new(n_kept: usize) -> Self {
         Self {
             n_kept,
-            kept: VecDeque::new(),
-            frames: Vec::new(),
-            end_to_end: Vec::new(),
-            labels: Vec::new(),
-            stages: BTreeMap::new(),
-            check: SumCheck::default(),
-            slowest: SlowestFrames::default(),
-            n_objects: 0,
-            n_objects_max: 0,
+            ..Self::default()
         }
     }
 

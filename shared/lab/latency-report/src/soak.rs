@@ -166,12 +166,11 @@ fn over_time<'a>(
     figure: impl Fn(&SoakWindow) -> Option<f64>,
 ) -> Curve<'a> {
     let point = |window: &SoakWindow| Some((window.at_s / 60.0, figure(window)?));
-    Curve {
+    Curve::line(
         name,
-        color: Color::of_series(index),
-        points: windows.iter().filter_map(point).collect(),
-        is_marked: false,
-    }
+        Color::of_series(index),
+        windows.iter().filter_map(point),
+    )
 }
 
 fn diagram<'a>(title: &'a str, unit: &'a str, curves: Vec<Curve<'a>>) -> Diagram<'a> {

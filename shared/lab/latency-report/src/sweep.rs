@@ -95,12 +95,7 @@ fn matters(stage: Stage, rows: &[SweepRow]) -> bool {
 }
 
 fn curve(name: &str, index: usize, points: Vec<(f64, f64)>) -> Curve<'_> {
-    Curve {
-        name,
-        color: Color::of_series(index),
-        points,
-        is_marked: true,
-    }
+    Curve::marked(name, Color::of_series(index), points)
 }
 
 fn diagram<'a>(title: &'a str, axis: &'a str, curves: Vec<Curve<'a>>) -> Diagram<'a> {

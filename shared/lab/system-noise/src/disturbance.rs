@@ -3,8 +3,9 @@
 mod kernel_counters;
 
 use crate::fingerprint::{frequencies_khz, n_frequency_changes};
+use crate::process_counters::ProcessCounters;
 use crate::system_files::SystemFiles;
-use kernel_counters::{CpuTime, ProcessTime};
+use kernel_counters::CpuTime;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -39,15 +40,9 @@ pub struct DisturbanceMonitor {
     files: SystemFiles,
     began: Instant,
     cpu_time: Option<CpuTime>,
-    processes: BTreeMap<u32, ProcessSample>,
+    processes: BTreeMap<u32, ProcessCounters>,
     n_frequency_changes: Option<u64>,
     frequencies_khz: Vec<u64>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct ProcessSample {
-    time: ProcessTime,
-    involuntary_switches: u64,
 }
 
 impl Disturbance {
@@ -63,7 +58,7 @@ impl DisturbanceMonitor {
         let pids = names.filter_map(|name| name.parse().ok());
         Self {
             processes: pids
-                .filter_map(|pid| Some((pid, process(&files, pid)?)))
+                .filter_map(|pid| Some((pid, ProcessCounters::read_from(&files, pid)?)))
                 .collect(),
             cpu_time: cpu_time(&files),
             n_frequency_changes: n_frequency_changes(&files),
@@ -79,15 +74,15 @@ impl DisturbanceMonitor {
         let mut pids = own_pids.to_vec();
         pids.sort_unstable();
         pids.dedup();
-        let own: Vec<(u32, Option<ProcessSample>)> = pids
+        let own: Vec<(u32, Option<ProcessCounters>)> = pids
             .iter()
             .map(|&pid| (pid, self.work_since(pid)))
             .collect();
         let known = || own.iter().filter_map(|(_, work)| *work);
-        let own_ticks = known().map(|work| work.time.busy).sum();
+        let own_ticks = known().map(|work| work.busy_ticks()).sum();
         let spent = self.cpu_time.zip(cpu_time(&self.files)).map(spent);
         let is_any_known = known().next().is_some();
-        let sum = |of: fn(ProcessSample) -> u64| is_any_known.then(|| known().map(of).sum());
+        let sum = |of: fn(ProcessCounters) -> u64| is_any_known.then(|| known().map(of).sum());
         Disturbance {
             duration_s,
             steal_share: spent.and_then(steal_share),
@@ -96,7 +91,7 @@ impl DisturbanceMonitor {
                 .files
                 .text("proc/pressure/cpu")
                 .and_then(|pressure| kernel_counters::pressure_share(&pressure)),
-            major_faults: sum(|work| work.time.major_faults),
+            major_faults: sum(|work| work.major_faults),
             involuntary_switches: sum(|work| work.involuntary_switches),
             frequency_changes: n_frequency_changes(&self.files)
                 .zip(self.n_frequency_changes)
@@ -114,21 +109,11 @@ impl DisturbanceMonitor {
     }
 
     /// Counters of a process since the start of monitoring, or since its own start.
-    fn work_since(&self, pid: u32) -> Option<ProcessSample> {
-        let now = process(&self.files, pid)?;
+    fn work_since(&self, pid: u32) -> Option<ProcessCounters> {
+        let now = ProcessCounters::read_from(&self.files, pid)?;
         let before = self.processes.get(&pid);
-        let Some(before) = before.filter(|before| before.time.start == now.time.start) else {
-            return Some(now);
-        };
-        let since = |now: u64, before: u64| now.saturating_sub(before);
-        Some(ProcessSample {
-            time: ProcessTime {
-                start: now.time.start,
-                busy: since(now.time.busy, before.time.busy),
-                major_faults: since(now.time.major_faults, before.time.major_faults),
-            },
-            involuntary_switches: since(now.involuntary_switches, before.involuntary_switches),
-        })
+        let before = before.filter(|before| before.start == now.start);
+        Some(before.map_or(now, |before| now.since(before)))
     }
 }
 
@@ -138,19 +123,6 @@ fn cpu_time(files: &SystemFiles) -> Option<CpuTime> {
 
 fn present_frequencies_khz(files: &SystemFiles) -> Vec<u64> {
     frequencies_khz(files, &files.text("proc/cpuinfo").unwrap_or_default())
-}
-
-fn process(files: &SystemFiles, pid: u32) -> Option<ProcessSample> {
-    let time = kernel_counters::process_time(&files.text(&format!("proc/{pid}/stat"))?)?;
-    let tasks = format!("proc/{pid}/task");
-    let switches = files.names_in(&tasks).into_iter().filter_map(|task| {
-        let status = files.text(&format!("{tasks}/{task}/status"))?;
-        kernel_counters::involuntary_switches(&status)
-    });
-    Some(ProcessSample {
-        time,
-        involuntary_switches: switches.sum(),
-    })
 }
 
 fn spent((before, now): (CpuTime, CpuTime)) -> CpuTime {
@@ -197,7 +169,7 @@ mod tests {
     }
 
     fn write_process(root: &Path, pid: u32, start: u64, busy: u64) {
-        let stat = format!("{pid} (x) S 1 1 1 0 -1 0 0 0 3 0 {busy} 0 0 0 20 0 1 0 {start} 1");
+        let stat = format!("{pid} (x) S 1 1 1 0 -1 0 0 0 3 0 {busy} 0 0 0 20 0 1 0 {start} 1 1");
         write(root, &format!("proc/{pid}/stat"), &stat);
         let status = "nonvoluntary_ctxt_switches:\t5\n";
         write(root, &format!("proc/{pid}/task/{pid}/status"), status);
@@ -218,7 +190,7 @@ mod tests {
         write_process(root, 8, 90, 4);
         let own_ticks: u64 = [7, 8]
             .iter()
-            .map(|pid| watch.work_since(*pid).unwrap().time.busy)
+            .map(|pid| watch.work_since(*pid).unwrap().busy_ticks())
             .sum();
         assert_eq!(own_ticks, 34);
         let found = watch.end(&[8, 7, 7, 9]);

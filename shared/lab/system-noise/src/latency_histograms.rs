@@ -35,12 +35,10 @@ fn diagram<'a>(title: &'a str, series: &[(&'a str, &BTreeMap<u64, u64>)]) -> Dia
     let counts = || series.iter().flat_map(|(_, counts)| counts.iter());
     let longest = counts().map(|(us, _)| *us).max().unwrap_or(1);
     let highest = counts().map(|(_, n)| *n).max().unwrap_or(1);
-    let curves = series.iter().zip(0..).map(|((name, counts), index)| Curve {
-        name,
-        color: Color::of_series(index),
-        points: steps(counts),
-        is_marked: false,
-    });
+    let curves = series
+        .iter()
+        .zip(0..)
+        .map(|((name, counts), index)| Curve::line(name, Color::of_series(index), steps(counts)));
     Diagram {
         title,
         x: Axis::logarithmic("µs", 1.0..2.0 * longest as f64),

@@ -2,10 +2,9 @@
 
 mod environment;
 
-use crate::disturbance::Disturbance;
-use crate::fingerprint::Fingerprint;
 use crate::measurement::MachineReport;
 use command_line::format_table;
+use environment::{of_disturbance, of_fingerprint};
 use std::fmt::Write as _;
 
 /// Whole report for a terminal: environment, disturbance, warnings, noise. Times are in µs.
@@ -17,8 +16,8 @@ pub fn text(report: &MachineReport) -> String {
             let _ = writeln!(text, "{title}\n{}\n", indented(body));
         }
     };
-    section("Environment", &environment(&report.fingerprint));
-    section("Meanwhile", &disturbance(&report.disturbance));
+    section("Environment", &of_fingerprint(&report.fingerprint));
+    section("Meanwhile", &of_disturbance(&report.disturbance));
     section("What makes these figures untrue", &warnings(report));
     section("Timer latency, µs", &timers(report));
     section("Interruptions of a spinning thread", &interruptions(report));
@@ -27,16 +26,6 @@ pub fn text(report: &MachineReport) -> String {
     text.truncate(text.trim_end().len());
     text.push('\n');
     text
-}
-
-/// Environment section, one line per reported value.
-pub fn environment(fingerprint: &Fingerprint) -> String {
-    environment::of_fingerprint(fingerprint)
-}
-
-/// Disturbance section, one line per reported value.
-pub fn disturbance(disturbance: &Disturbance) -> String {
-    environment::of_disturbance(disturbance)
 }
 
 fn indented(body: &str) -> String {

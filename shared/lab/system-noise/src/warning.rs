@@ -59,135 +59,125 @@ pub fn warnings(fingerprint: &Fingerprint, disturbance: &Disturbance) -> Vec<War
         .collect()
 }
 
-fn warning(finding: String, remedy: &str) -> Warning {
-    Warning {
-        finding,
+fn warn_if(is_so: bool, finding: impl Into<String>, remedy: &str) -> Option<Warning> {
+    is_so.then(|| Warning {
+        finding: finding.into(),
         remedy: remedy.to_owned(),
-    }
+    })
 }
 
 fn debug_build(fingerprint: &Fingerprint) -> Option<Warning> {
-    (fingerprint.build_profile == BuildProfile::Debug).then(|| {
-        warning(
-            "This is a debug build: its checks make everything slower.".to_owned(),
-            "Build with `cargo build --release`.",
-        )
-    })
+    warn_if(
+        fingerprint.build_profile == BuildProfile::Debug,
+        "This is a debug build: its checks make everything slower.",
+        "Build with `cargo build --release`.",
+    )
 }
 
 fn slow_clock(fingerprint: &Fingerprint) -> Option<Warning> {
     let source = fingerprint.clock_source.as_deref()?;
     let is_fast = FAST_CLOCK_SOURCES.contains(&source);
-    (!is_fast).then(|| {
-        warning(
-            format!(
-                "The clock source is {source}: every reading of the clock is a call into the \
-                 kernel, and is in each latency."
-            ),
-            "Write tsc into /sys/devices/system/clocksource/clocksource0/current_clocksource \
-             where available_clocksource offers it.",
-        )
-    })
+    warn_if(
+        !is_fast,
+        format!(
+            "The clock source is {source}: every reading of the clock is a call into the \
+             kernel, and is in each latency."
+        ),
+        "Write tsc into /sys/devices/system/clocksource/clocksource0/current_clocksource \
+         where available_clocksource offers it.",
+    )
 }
 
 fn governor(fingerprint: &Fingerprint) -> Option<Warning> {
     let governors = fingerprint.governors.as_ref()?;
     let other = governors.iter().find(|name| *name != "performance")?;
-    Some(warning(
+    warn_if(
+        true,
         format!(
             "The frequency governor is {other}: after each pause a core is slow at first, so \
              latencies at 30 frames a second are longer than under load."
         ),
         "Run `cpupower frequency-set -g performance`.",
-    ))
+    )
 }
 
 fn no_real_time(fingerprint: &Fingerprint) -> Option<Warning> {
-    (fingerprint.may_use_fifo == Some(false)).then(|| {
-        warning(
-            "This process may not use SCHED_FIFO: any busy process delays it by whole time \
-             slices, and what SCHED_FIFO would bring cannot be measured."
-                .to_owned(),
-            "Give it LimitRTPRIO=80 in its systemd unit, or `rtprio 80` in \
-             /etc/security/limits.conf.",
-        )
-    })
+    warn_if(
+        fingerprint.may_use_fifo == Some(false),
+        "This process may not use SCHED_FIFO: any busy process delays it by whole time \
+         slices, and what SCHED_FIFO would bring cannot be measured.",
+        "Give it LimitRTPRIO=80 in its systemd unit, or `rtprio 80` in \
+         /etc/security/limits.conf.",
+    )
 }
 
 fn one_core(fingerprint: &Fingerprint) -> Option<Warning> {
     let cores = fingerprint.usable_cores.as_ref()?;
-    (cores.len() == 1).then(|| {
-        warning(
-            "This process may use one core only: sender and receiver take turns, and each hop \
-             has a change of threads in it."
-                .to_owned(),
-            "Give it two cores or more.",
-        )
-    })
+    warn_if(
+        cores.len() == 1,
+        "This process may use one core only: sender and receiver take turns, and each hop \
+         has a change of threads in it.",
+        "Give it two cores or more.",
+    )
 }
 
 fn steal(disturbance: &Disturbance) -> Option<Warning> {
     let share = disturbance.steal_share?;
-    (share > STEAL_SHARE_MAX).then(|| {
-        warning(
-            format!(
-                "The hypervisor took {:.1} % of the time of all cores: the slow end of every \
-                 latency is its doing.",
-                100.0 * share
-            ),
-            "Measure on hardware, or when the host's other guests are idle.",
-        )
-    })
+    warn_if(
+        share > STEAL_SHARE_MAX,
+        format!(
+            "The hypervisor took {:.1} % of the time of all cores: the slow end of every \
+             latency is its doing.",
+            100.0 * share
+        ),
+        "Measure on hardware, or when the host's other guests are idle.",
+    )
 }
 
 fn other_load(disturbance: &Disturbance) -> Option<Warning> {
     let cores = disturbance.other_load_cores?;
-    (cores > OTHER_LOAD_CORES_MAX).then(|| {
-        warning(
-            format!(
-                "Other processes and interrupts worked for {:.0} % of a core meanwhile: their \
-                 turns are in the latencies.",
-                100.0 * cores
-            ),
-            "Stop them, see `top`, and measure again.",
-        )
-    })
+    warn_if(
+        cores > OTHER_LOAD_CORES_MAX,
+        format!(
+            "Other processes and interrupts worked for {:.0} % of a core meanwhile: their \
+             turns are in the latencies.",
+            100.0 * cores
+        ),
+        "Stop them, see `top`, and measure again.",
+    )
 }
 
 fn major_faults(disturbance: &Disturbance) -> Option<Warning> {
     let n_faults = disturbance.major_faults?;
-    (n_faults > 0).then(|| {
-        warning(
-            format!(
-                "{n_faults} page faults of ours had to wait for a disk, for milliseconds each."
-            ),
-            "Measure again now that the pages are in memory; lock the memory of what must not wait.",
-        )
-    })
+    warn_if(
+        n_faults > 0,
+        format!("{n_faults} page faults of ours had to wait for a disk, for milliseconds each."),
+        "Measure again now that the pages are in memory; lock the memory of what must not wait.",
+    )
 }
 
 fn frequency(disturbance: &Disturbance) -> Option<Warning> {
     let share = disturbance.frequency_drift_share?;
-    (share > FREQUENCY_DRIFT_SHARE_MAX).then(|| {
-        warning(
-            format!(
-                "A core's frequency changed by {:.0} % meanwhile: the same work took different \
-                 times.",
-                100.0 * share
-            ),
-            "Set the governor to performance and switch turbo off while you compare.",
-        )
-    })
+    warn_if(
+        share > FREQUENCY_DRIFT_SHARE_MAX,
+        format!(
+            "A core's frequency changed by {:.0} % meanwhile: the same work took different \
+             times.",
+            100.0 * share
+        ),
+        "Set the governor to performance and switch turbo off while you compare.",
+    )
 }
 
 fn ended(disturbance: &Disturbance) -> Option<Warning> {
     let pids = &disturbance.ended_pids;
-    (!pids.is_empty()).then(|| {
-        warning(
-            format!("Processes {pids:?} ended before the measurement did: their work counts as that of others."),
-            "Look into the log why they ended.",
-        )
-    })
+    warn_if(
+        !pids.is_empty(),
+        format!(
+            "Processes {pids:?} ended before the measurement did: their work counts as that of others."
+        ),
+        "Look into the log why they ended.",
+    )
 }
 
 #[cfg(test)]

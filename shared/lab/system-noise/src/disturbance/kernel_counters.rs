@@ -41,37 +41,6 @@ pub(crate) fn cpu_time(stat: &str) -> Option<CpuTime> {
     })
 }
 
-/// Counters of `/proc/PID/stat`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct ProcessTime {
-    /// Start time, clock ticks since boot; distinguishes processes that reuse an id.
-    pub(crate) start: u64,
-    /// User and kernel time of the process and of its children that have ended, clock ticks.
-    pub(crate) busy: u64,
-    /// Major page faults (disk access).
-    pub(crate) major_faults: u64,
-}
-
-/// Parses `/proc/PID/stat`; the process name may contain blanks and parentheses.
-pub(crate) fn process_time(stat: &str) -> Option<ProcessTime> {
-    let (_, after_name) = stat.rsplit_once(')')?;
-    let fields: Vec<&str> = after_name.split_whitespace().collect();
-    // The first field here is field 3 of proc(5).
-    let number = |field: usize| fields.get(field - 3)?.parse::<u64>().ok();
-    Some(ProcessTime {
-        start: number(22)?,
-        busy: (14..=17).try_fold(0_u64, |sum, field| Some(sum.saturating_add(number(field)?)))?,
-        major_faults: number(12)?,
-    })
-}
-
-/// Involuntary context switches of a thread, from its `status` file.
-pub(crate) fn involuntary_switches(status: &str) -> Option<u64> {
-    let mut lines = status.lines();
-    let value = lines.find_map(|line| line.strip_prefix("nonvoluntary_ctxt_switches:"))?;
-    value.trim().parse().ok()
-}
-
 /// CPU pressure of the last 10 s as a share, 0 to 1, from `/proc/pressure/cpu`.
 pub(crate) fn pressure_share(pressure: &str) -> Option<f64> {
     let line = pressure.lines().find(|line| line.starts_with("some "))?;
@@ -98,18 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_with_parentheses_does_not_shift_the_fields() {
-        let stat = "42 (a) b (c) S 1 42 42 0 -1 4194560 900 0 7 0 20 12 9 1 20 0 4 0 5555 1 2";
-        let time = process_time(stat).unwrap();
-        assert_eq!((time.start, time.busy, time.major_faults), (5555, 42, 7));
-        assert_eq!(process_time("42 (a) S 1"), None);
-        assert_eq!(process_time(""), None);
-    }
-
-    #[test]
-    fn switches_and_pressure_are_read() {
-        let status = "Name:\tx\nvoluntary_ctxt_switches:\t9\nnonvoluntary_ctxt_switches:\t12\n";
-        assert_eq!(involuntary_switches(status), Some(12));
+    fn pressure_is_read() {
         let pressure = "some avg10=9.61 avg60=5.56 avg300=2.81 total=19993298\nfull avg10=0.00";
         assert!((pressure_share(pressure).unwrap() - 0.0961).abs() < 1e-12);
         assert_eq!(pressure_share("some avg10=NaN"), None);
@@ -118,9 +76,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn malformed_text_is_survived(text in "\\PC{0,200}|(cpu |some avg10=|1 \\(x\\) )?[0-9 .-]{0,80}") {
+        fn malformed_text_is_survived(text in "\\PC{0,200}|(cpu |some avg10=)?[0-9 .-]{0,80}") {
             let _ = cpu_time(&text).map(CpuTime::total);
-            let _ = (process_time(&text), involuntary_switches(&text), pressure_share(&text));
+            let _ = pressure_share(&text);
         }
     }
 }
