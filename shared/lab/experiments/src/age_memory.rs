@@ -69,9 +69,11 @@ pub fn run(arguments: &AgeMemoryArguments, output: &Output) -> Result<ExitCode, 
     let workload = workload.map_err(Failure::general)?;
     let mut ageing = Ageing::new(folder, arguments.limits(), workload);
     let mut report = AgeingReport::default();
-    let last = arguments.changes.iter().max().copied().unwrap_or(0);
+    let mut changes = arguments.changes.clone();
+    changes.sort_unstable();
+    let last = changes.last().copied().unwrap_or(0);
     let bar = progress_bar(last, "changes", output);
-    for n_changes in sorted(&arguments.changes) {
+    for n_changes in changes {
         let row = ageing.row_at(n_changes, &bar)?;
         report.push(row);
         // Written after every row: a long run that is stopped has what it did.
@@ -80,12 +82,6 @@ pub fn run(arguments: &AgeMemoryArguments, output: &Output) -> Result<ExitCode, 
     bar.finish_and_clear();
     output.answer(&report, || report.text());
     Ok(ExitCode::SUCCESS)
-}
-
-fn sorted(changes: &[u64]) -> Vec<u64> {
-    let mut sorted = changes.to_vec();
-    sorted.sort_unstable();
-    sorted
 }
 
 /// Store that ages, closed between two measurements.

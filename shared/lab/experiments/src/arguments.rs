@@ -12,10 +12,11 @@ pub use recognition::{
     ViewProtocol,
 };
 
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use perceptual_memory::{HistoryLimits, RetentionLimits};
 use simulated_world::{Lighting, ModelImport, ModelSource, ModelUnit, ModelUp};
-use std::path::{Path, PathBuf};
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
 
 /// Subcommands of `tabula-lab simulate`.
 #[derive(Debug, Subcommand)]
@@ -46,8 +47,8 @@ pub struct SceneArguments {
     #[arg(long, value_name = "N")]
     pub(crate) objects: Option<usize>,
     /// Folder of PLY, OBJ, STL and DAE models, or `generated` [default: generated]
-    #[arg(long, value_name = "DIR")]
-    pub(crate) models: Option<PathBuf>,
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) models: Option<ModelSource>,
     /// Random seed; the same seed gives the same files [default: 1, or the file's]
     #[arg(long, value_name = "S")]
     pub(crate) seed: Option<u64>,
@@ -66,8 +67,8 @@ pub struct SceneArguments {
 #[derive(Debug, Args)]
 pub struct ViewsArguments {
     /// Folder of PLY, OBJ, STL and DAE models, or `generated`
-    #[arg(long, value_name = "DIR", default_value = "generated")]
-    pub(crate) models: PathBuf,
+    #[arg(long, value_name = "DIR", default_value = "generated", value_hint = ValueHint::DirPath)]
+    pub(crate) models: ModelSource,
     /// Unit of the models [default: that of the file (DAE), or guessed from the size of each, and
     /// told]
     #[arg(long, value_name = "UNIT", value_enum)]
@@ -155,13 +156,13 @@ pub struct RegistrationArguments {
     #[arg(value_name = "PAIRS", conflicts_with = "models")]
     pub(crate) pairs: Option<PathBuf>,
     /// In place of pairs: folder of models, or `generated`, of which views are simulated
-    #[arg(long, value_name = "DIR")]
-    pub(crate) models: Option<PathBuf>,
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) models: Option<ModelSource>,
     /// Number of models, spread over the categories
     #[arg(long, value_name = "N", default_value_t = 20, requires = "models", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) objects: u32,
     /// Angle between the two simulated views, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 30.0, requires = "models", value_parser = view_angle)]
+    #[arg(long, value_name = "DEG", default_value_t = 30.0, requires = "models", value_parser = within(0.0..=180.0))]
     pub(crate) angle: f64,
     /// Random directions of each rotation with each translation
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -201,8 +202,8 @@ pub struct FindArguments {
 #[derive(Debug, Args)]
 pub struct LightingArguments {
     /// Folder of models of objects with colours, or `generated`
-    #[arg(long, value_name = "DIR", default_value = "generated")]
-    pub(crate) models: PathBuf,
+    #[arg(long, value_name = "DIR", default_value = "generated", value_hint = ValueHint::DirPath)]
+    pub(crate) models: ModelSource,
     /// Number of objects, spread over the categories
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub(crate) objects: u32,
@@ -266,45 +267,7 @@ pub struct TrackingArguments {
     pub(crate) hidden_people: bool,
 }
 
-impl SceneArguments {
-    /// Source of the object models.
-    pub(crate) fn models(&self) -> ModelSource {
-        self.models
-            .as_deref()
-            .map_or(ModelSource::Generated, model_source)
-    }
-}
-
-fn view_angle(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|angle| (0.0..=180.0).contains(angle));
-    number.ok_or_else(|| "choose from 0 to 180".to_owned())
-}
-
-impl RegistrationArguments {
-    /// Source of the object models.
-    pub(crate) fn models(&self) -> ModelSource {
-        self.models
-            .as_deref()
-            .map_or(ModelSource::Generated, model_source)
-    }
-}
-
-impl LightingArguments {
-    /// Source of the object models.
-    pub(crate) fn models(&self) -> ModelSource {
-        model_source(&self.models)
-    }
-}
-
 impl ViewsArguments {
-    /// Source of the object models.
-    pub(crate) fn models(&self) -> ModelSource {
-        model_source(&self.models)
-    }
-
     /// Unit and upward axis of the models.
     pub(crate) fn import(&self) -> ModelImport {
         ModelImport {
@@ -315,6 +278,14 @@ impl ViewsArguments {
                 ModelAxis::Z => ModelUp::Z,
             }),
         }
+    }
+}
+
+/// Parser of a number in a range.
+fn within(range: RangeInclusive<f64>) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|number| range.contains(number));
+        number.ok_or_else(|| format!("choose from {} to {}", range.start(), range.end()))
     }
 }
 
@@ -351,14 +322,6 @@ pub enum ModelAxis {
     Y,
     /// The z axis
     Z,
-}
-
-fn model_source(path: &Path) -> ModelSource {
-    if path == Path::new("generated") {
-        ModelSource::Generated
-    } else {
-        ModelSource::Folder(path.to_owned())
-    }
 }
 
 /// Evaluation whose scores a sweep compares.

@@ -1,8 +1,17 @@
 //! Detection of single frames: without priors, as if nothing was seen before.
 
 use detection::{Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect};
-use nalgebra::UnitVector3;
+use geometry::RigidTransform;
+use nalgebra::{Unit, UnitVector3};
 use point_cloud::OrganizedCloud;
+
+/// Up direction of the world, camera frame.
+pub(crate) fn up_in_camera(
+    world_from_camera: &RigidTransform,
+    up_in_world: &UnitVector3<f64>,
+) -> UnitVector3<f64> {
+    Unit::new_normalize(world_from_camera.rotation.inverse() * up_in_world.into_inner())
+}
 
 /// Detector of single frames with its buffers.
 #[derive(Debug, Default)]

@@ -1,7 +1,26 @@
 //! Parallel map over independent jobs, with per-worker scratch memory and a progress bar.
 
+use command_line::{Output, progress_bar};
 use indicatif::ProgressBar;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use service::Failure;
+
+/// Results of `n_jobs` jobs in the order of the jobs, with a progress bar of its own that counts
+/// in `unit`.
+///
+/// # Errors
+/// The failure of the first job in order that fails.
+pub(crate) fn try_map<T: Send>(
+    n_jobs: usize,
+    unit: &'static str,
+    output: &Output,
+    work: impl Fn(usize) -> Result<T, Failure> + Sync + Send,
+) -> Result<Vec<T>, Failure> {
+    let bar = progress_bar(n_jobs as u64, unit, output);
+    let results = map(n_jobs, &bar, || (), |(), job| work(job));
+    bar.finish_and_clear();
+    results.into_iter().collect()
+}
 
 /// Results of `n_jobs` jobs in the order of the jobs, computed on all cores.
 ///

@@ -2,8 +2,9 @@
 
 use crate::scene_object::{ObjectState, SimulatedObject};
 use geometry::RigidTransform;
-use nalgebra::Vector3;
-use serde::Serialize;
+use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Instance-mask value of the arm.
 pub const ARM_ID: u16 = u16::MAX;
@@ -55,25 +56,26 @@ impl ObjectTruth {
 }
 
 /// JSON document of a frame's ground truth.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct TruthDocument<'a> {
     frame: u64,
     time_s: f64,
     objects: Vec<ObjectDocument<'a>>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct ObjectDocument<'a> {
     id: u16,
-    name: &'a str,
-    category: &'a str,
-    state: &'static str,
+    name: Cow<'a, str>,
+    category: Cow<'a, str>,
+    state: Cow<'a, str>,
     position_m: [f64; 3],
     orientation_xyzw: [f64; 4],
     size_m: [f64; 3],
     velocity_m_s: [f64; 3],
     visible_px: u32,
     unoccluded_px: u32,
+    #[serde(skip_deserializing)]
     visible_fraction: f64,
 }
 
@@ -81,9 +83,9 @@ struct ObjectDocument<'a> {
 pub fn truth_json(frame: u64, time_s: f64, objects: &[ObjectTruth]) -> String {
     let objects = objects.iter().map(|object| ObjectDocument {
         id: object.id,
-        name: &object.name,
-        category: &object.category,
-        state: object.state.word(),
+        name: object.name.as_str().into(),
+        category: object.category.as_str().into(),
+        state: object.state.word().into(),
         position_m: object.world_from_object.translation.vector.into(),
         orientation_xyzw: object.world_from_object.rotation.coords.into(),
         size_m: object.size_m.into(),
@@ -99,4 +101,82 @@ pub fn truth_json(frame: u64, time_s: f64, objects: &[ObjectTruth]) -> String {
     };
     // Plain numbers and strings: JSON can represent all of them.
     serde_json::to_string_pretty(&document).unwrap_or_default()
+}
+
+impl TryFrom<ObjectDocument<'_>> for ObjectTruth {
+    type Error = String;
+
+    fn try_from(raw: ObjectDocument<'_>) -> Result<Self, String> {
+        let rotation = Quaternion::from(raw.orientation_xyzw);
+        if !(0.99..1.01).contains(&rotation.norm()) {
+            return Err(format!(
+                "the orientation of object {} is no unit quaternion",
+                raw.id
+            ));
+        }
+        let rotation = UnitQuaternion::new_normalize(rotation);
+        let mut states = ObjectState::ALL.into_iter();
+        let state = states.find(|state| state.word() == raw.state);
+        Ok(Self {
+            id: raw.id,
+            name: raw.name.into_owned(),
+            category: raw.category.into_owned(),
+            world_from_object: RigidTransform::from_parts(
+                Translation3::from(Vector3::from(raw.position_m)),
+                rotation,
+            ),
+            size_m: raw.size_m.into(),
+            velocity_m_s: raw.velocity_m_s.into(),
+            state: state.unwrap_or(ObjectState::Moving),
+            visible_px: raw.visible_px,
+            unoccluded_px: raw.unoccluded_px,
+        })
+    }
+}
+
+/// Reads the ground truth of a frame from its JSON text.
+///
+/// # Errors
+/// A sentence about what is wrong with the text.
+pub fn truth_from_json(json: &[u8]) -> Result<Vec<ObjectTruth>, String> {
+    let document: TruthDocument<'_> =
+        serde_json::from_slice(json).map_err(|error| error.to_string())?;
+    let objects = document.objects.into_iter();
+    objects.map(TryInto::try_into).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ground_truth_files_are_read_back_and_validated() {
+        let object = ObjectTruth {
+            id: 3,
+            name: "mug-7".into(),
+            category: "mug".into(),
+            world_from_object: RigidTransform::new(Vector3::new(0.1, 0.2, 0.7), Vector3::z()),
+            size_m: Vector3::new(0.1, 0.08, 0.09),
+            velocity_m_s: Vector3::zeros(),
+            state: ObjectState::HeldByPerson,
+            visible_px: 900,
+            unoccluded_px: 1000,
+        };
+        let text = truth_json(4, 0.5, std::slice::from_ref(&object));
+        let read = truth_from_json(text.as_bytes()).unwrap();
+        assert_eq!(
+            (read[0].id, &read[0].name, read[0].state),
+            (3, &object.name, object.state)
+        );
+        let apart = read[0].world_from_object.inverse() * object.world_from_object;
+        assert!(apart.translation.vector.norm() < 1e-12 && apart.rotation.angle() < 1e-7);
+        let w = object.world_from_object.rotation.w;
+        let broken = text.replace(&format!("{w}"), "9.0");
+        assert!(
+            truth_from_json(broken.as_bytes())
+                .unwrap_err()
+                .contains("object 3")
+        );
+        assert!(truth_from_json(b"{}").is_err());
+    }
 }

@@ -1,6 +1,11 @@
 //! Object models by source: generated instances and model files.
 
-use std::path::PathBuf;
+use std::ffi::OsString;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Word of the generated objects where a folder of models is named.
+const GENERATED: &str = "generated";
 
 /// Source of object models.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -10,6 +15,26 @@ pub enum ModelSource {
     Generated,
     /// PLY, OBJ, STL and DAE files of a folder.
     Folder(PathBuf),
+}
+
+impl From<OsString> for ModelSource {
+    fn from(name: OsString) -> Self {
+        let path = PathBuf::from(name);
+        if path == Path::new(GENERATED) {
+            Self::Generated
+        } else {
+            Self::Folder(path)
+        }
+    }
+}
+
+impl fmt::Display for ModelSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Generated => f.write_str(GENERATED),
+            Self::Folder(folder) => folder.display().fmt(f),
+        }
+    }
 }
 
 /// Choice of an object model.

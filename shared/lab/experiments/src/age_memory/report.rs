@@ -1,9 +1,9 @@
 //! Report of an ageing: table, JSON document, and plots against the number of changes.
 
 use super::opening::Opening;
-use crate::output_files::write;
+use crate::output_files::{write, write_figure};
 use command_line::format_table;
-use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};
+use plot::diagram::{Axis, Color, Curve, Diagram, DrawingError, Legend, side_by_side};
 use serde::Serialize;
 use service::Failure;
 use std::path::Path;
@@ -37,7 +37,7 @@ impl AgeingReport {
     pub(super) fn write(&self, out: &Path) -> Result<(), Failure> {
         let json = serde_json::to_vec_pretty(self).map_err(Failure::general)?;
         write(&out.join("ageing.json"), &json)?;
-        write(&out.join("ageing.svg"), self.figure()?.as_bytes())
+        write_figure(out, "ageing.svg", self.figure())
     }
 
     pub(super) fn text(&self) -> String {
@@ -60,7 +60,7 @@ impl AgeingReport {
     }
 
     /// Opening time, peak memory and disk space against the number of changes.
-    fn figure(&self) -> Result<String, Failure> {
+    fn figure(&self) -> Result<String, DrawingError> {
         let diagrams = [
             self.diagram("Opening time", "s", |row| row.opening.opening_s),
             self.diagram("Peak memory of the opening", "MB", |row| {
@@ -68,7 +68,7 @@ impl AgeingReport {
             }),
             self.diagram("Disk space", "MB", |row| row.disk_mb),
         ];
-        side_by_side(&diagrams).map_err(Failure::general)
+        side_by_side(&diagrams)
     }
 
     fn diagram<'a>(
@@ -88,12 +88,7 @@ impl AgeingReport {
             title,
             x: Axis::linear("changes made", 0.0..1.05 * n_most),
             y: Axis::linear(unit, 0.0..1.1 * most),
-            curves: vec![Curve {
-                name: title,
-                color: Color::BLUE,
-                points,
-                is_marked: true,
-            }],
+            curves: vec![Curve::marked(title, Color::BLUE, points)],
             legend: Legend::LowerLeft,
         }
     }

@@ -1,7 +1,7 @@
 //! Arguments of the evaluation of the next best view.
 
-use super::model_source;
-use clap::Args;
+use super::within;
+use clap::{Args, ValueHint};
 use simulated_world::ModelSource;
 use std::path::PathBuf;
 
@@ -31,17 +31,17 @@ pub struct NextBestViewArguments {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub(crate) starts: u32,
     /// Folder of models of objects, or `generated`
-    #[arg(long, value_name = "DIR", default_value = "generated")]
-    pub(crate) models: PathBuf,
+    #[arg(long, value_name = "DIR", default_value = "generated", value_hint = ValueHint::DirPath)]
+    pub(crate) models: ModelSource,
     /// Deviation of the weight by distance, in diameters of the candidates
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = sigma_share)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = within(0.01..=1000.0))]
     pub(crate) sigma_share: f64,
     /// Deviation of the penalty near visited views, in diameters of the candidates; 0 excludes
     /// the views only
-    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = planner_weight)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.1, value_parser = within(0.0..=1000.0))]
     pub(crate) visited_share: f64,
     /// Weight of the information gain against the entropy
-    #[arg(long, value_name = "W", default_value_t = 3.0, value_parser = planner_weight)]
+    #[arg(long, value_name = "W", default_value_t = 3.0, value_parser = within(0.0..=1000.0))]
     pub(crate) gain_weight: f64,
     /// Scenes of each kind of the paper's statistic: 15 coffee cups, 5 juice boxes; 0 leaves it out
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=100))]
@@ -64,27 +64,4 @@ pub struct NextBestViewArguments {
     /// Folder for the figures, the page and the pictures
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-}
-
-fn sigma_share(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|share| (0.01..=1000.0).contains(share));
-    number.ok_or_else(|| "choose from 0.01 to 1000".to_owned())
-}
-
-fn planner_weight(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|weight| (0.0..=1000.0).contains(weight));
-    number.ok_or_else(|| "choose from 0 to 1000".to_owned())
-}
-
-impl NextBestViewArguments {
-    /// Source of the object models.
-    pub(crate) fn models(&self) -> ModelSource {
-        model_source(&self.models)
-    }
 }

@@ -1,7 +1,6 @@
 //! Arguments of `evaluate model`.
 
-use super::model_source;
-use clap::Args;
+use clap::{Args, ValueHint};
 use simulated_world::ModelSource;
 use std::path::PathBuf;
 
@@ -9,8 +8,8 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct ModelArguments {
     /// Folder of models, or `generated`
-    #[arg(long, value_name = "DIR", default_value = "generated")]
-    pub(crate) models: PathBuf,
+    #[arg(long, value_name = "DIR", default_value = "generated", value_hint = ValueHint::DirPath)]
+    pub(crate) models: ModelSource,
     /// Number of models, spread over the categories
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) objects: u32,
@@ -34,13 +33,6 @@ pub struct ModelArguments {
     /// [default: none are written]
     #[arg(long, value_name = "DIR", conflicts_with = "sequence")]
     pub(crate) export: Option<PathBuf>,
-}
-
-impl ModelArguments {
-    /// Source of the object models.
-    pub(crate) fn models(&self) -> ModelSource {
-        model_source(&self.models)
-    }
 }
 
 /// Noise of a camera pose: millimetres and degrees.

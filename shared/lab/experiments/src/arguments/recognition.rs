@@ -1,6 +1,6 @@
 //! Arguments of the recognition experiments.
 
-use super::UnitName;
+use super::{UnitName, within};
 use clap::{Args, ValueEnum};
 use learning::Metric;
 use nalgebra::{UnitVector3, Vector3};
@@ -219,7 +219,7 @@ pub struct CrossValidationArguments {
     #[arg(long, value_name = "NAME", value_enum, conflicts_with = "contiguous")]
     pub(crate) protocol: Option<FoldProtocol>,
     /// Share of the categories that each fold withholds from training and asks about, 0 to 0.9
-    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = open_set_share)]
+    #[arg(long, value_name = "P", default_value_t = 0.0, value_parser = within(0.0..=0.9))]
     pub(crate) open_set_share: f64,
     /// Number of views of different sides of an object that are asked together, as from a track
     #[arg(long, value_name = "N", default_value_t = 1, conflicts_with = "scenes",
@@ -260,14 +260,6 @@ impl DescriptionArguments {
 fn bins(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|n| (2..=64).contains(n));
     number.ok_or_else(|| "choose from 2 to 64, 15 usually".to_owned())
-}
-
-fn open_set_share(text: &str) -> Result<f64, String> {
-    let number = text
-        .parse()
-        .ok()
-        .filter(|share| (0.0..=0.9).contains(share));
-    number.ok_or_else(|| "choose from 0 to 0.9".to_owned())
 }
 
 fn threshold(text: &str) -> Result<f32, String> {

@@ -13,7 +13,7 @@ use crate::arguments::{AblationArguments, AblationVariant};
 use crate::output_files::create_folder;
 use crate::parallel;
 use clap::ValueEnum;
-use command_line::{Output, progress_bar};
+use command_line::Output;
 use evaluation::open_ended::{self as teacher, Metrics, Protocol};
 use report::AblationReport;
 use service::Failure;
@@ -52,8 +52,7 @@ pub(super) fn run(arguments: &AblationArguments, output: &Output) -> Result<Exit
     let played: Vec<VariantRuns> = of_variants
         .map(|(variant, runs)| VariantRuns { variant, runs })
         .collect();
-    write_all(arguments, &protocol, &views, &played, output)?;
-    Ok(ExitCode::SUCCESS)
+    write_all(arguments, &protocol, &views, &played, output)
 }
 
 /// Selected variants in the order of their declaration: all if none are named; always with the
@@ -76,20 +75,12 @@ fn play_all(
 ) -> Result<Vec<Vec<Metrics>>, Failure> {
     let n_runs = arguments.runs as usize;
     let n_jobs = factories.len() * n_runs;
-    let bar = progress_bar(n_jobs as u64, "runs", output);
-    let played = parallel::map(
-        n_jobs,
-        &bar,
-        || (),
-        |(), job| {
-            let mut recogniser = factories[job / n_runs].recogniser();
-            let seed = arguments.lessons.seed.wrapping_add((job % n_runs) as u64);
-            let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
-            run.map(|run| run.metrics()).map_err(Failure::general)
-        },
-    );
-    bar.finish_and_clear();
-    let metrics: Vec<Metrics> = played.into_iter().collect::<Result<_, _>>()?;
+    let metrics = parallel::try_map(n_jobs, "runs", output, |job| {
+        let mut recogniser = factories[job / n_runs].recogniser();
+        let seed = arguments.lessons.seed.wrapping_add((job % n_runs) as u64);
+        let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
+        run.map(|run| run.metrics()).map_err(Failure::general)
+    })?;
     Ok(metrics.chunks(n_runs).map(<[Metrics]>::to_vec).collect())
 }
 
@@ -99,7 +90,7 @@ fn write_all(
     views: &ViewTable,
     played: &[VariantRuns],
     output: &Output,
-) -> Result<(), Failure> {
+) -> Result<ExitCode, Failure> {
     let document = AblationReport::of(arguments, protocol, views, played);
     let rows = report_page::figure_rows(&document);
     let words = (
@@ -108,9 +99,7 @@ fn write_all(
     );
     let figure = forest_figure(&arguments.lessons.out, "gca.svg", words, &rows)?;
     let page = report_page::page(&document, figure);
-    page.write(&arguments.lessons.out, "ablation.json", &document)?;
-    output.answer(&document, || page.text());
-    Ok(())
+    page.publish(&arguments.lessons.out, "ablation.json", &document, output)
 }
 
 #[cfg(test)]

@@ -9,9 +9,9 @@ mod report_page;
 
 use super::scene_views;
 use crate::arguments::CrossValidationArguments;
-use crate::output_files::{create_folder, write};
+use crate::output_files::{create_folder, write, write_figure};
 use crate::parallel;
-use command_line::{Output, progress_bar};
+use command_line::Output;
 use evaluation::cross_validation::{ConfusionMatrix, confusion_matrix_svg};
 use fold_data::FoldData;
 use fold_result::{FoldResult, run_fold};
@@ -29,16 +29,10 @@ pub(super) fn run(
         create_folder(&arguments.out.join(scene_views::PICTURES))?;
     }
     let data = FoldData::of(arguments, output)?;
-    let bar = progress_bar(arguments.folds.into(), "folds", output);
-    let results = parallel::map(
-        data.folds.n_folds as usize,
-        &bar,
-        || (),
-        |(), fold| run_fold(&data, fold as u32, arguments),
-    );
-    bar.finish_and_clear();
-    write_all(arguments, &data, &results, output)?;
-    Ok(ExitCode::SUCCESS)
+    let results = parallel::try_map(data.folds.n_folds as usize, "folds", output, |fold| {
+        Ok(run_fold(&data, fold as u32, arguments))
+    })?;
+    write_all(arguments, &data, &results, output)
 }
 
 fn write_all(
@@ -46,23 +40,20 @@ fn write_all(
     data: &FoldData,
     results: &[FoldResult],
     output: &Output,
-) -> Result<(), Failure> {
+) -> Result<ExitCode, Failure> {
     let (views, out) = (&data.views, &arguments.out);
     let mut confusion = ConfusionMatrix::new(views.categories.len());
     for (view, answer) in results.iter().flat_map(|result| &result.answers) {
         confusion.count(views.labels[*view].category, answer.category);
     }
-    let svg = confusion_matrix_svg(&confusion, &views.categories).map_err(Failure::general)?;
-    write(&out.join("confusion.svg"), svg.as_bytes())?;
+    let svg = confusion_matrix_svg(&confusion, &views.categories);
+    write_figure(out, "confusion.svg", svg)?;
     if let Some(path) = &arguments.log {
         write(path, question_log::csv(results, data).as_bytes())?;
     }
     let document = CrossValidationReport::of(arguments, data, results, &confusion)
         .ok_or_else(|| Failure::general("no view of a taught category was asked"))?;
-    let page = report_page::page(&document, data);
-    page.write(out, "cross-validation.json", &document)?;
-    output.answer(&document, || page.text());
-    Ok(())
+    report_page::page(&document, data).publish(out, "cross-validation.json", &document, output)
 }
 
 #[cfg(test)]

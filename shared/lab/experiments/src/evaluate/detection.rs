@@ -20,6 +20,7 @@ use point_cloud::OrganizedCloud;
 use report::DetectionReport;
 use scene_result::{PsiScores, SceneResult, SkippedScene};
 use service::Failure;
+use statistics::percentiles::Percentiles;
 use std::convert::Infallible;
 use std::hint::black_box;
 use std::process::ExitCode;
@@ -79,9 +80,7 @@ pub(super) fn run(arguments: &DetectionArguments, output: &Output) -> Result<Exi
         return Err(nothing_scored(arguments, &skipped));
     };
     let page = report_page::page(&document, arguments.labels.as_deref());
-    page.write(&arguments.out, "detection.json", &document)?;
-    output.answer(&document, || page.text());
-    Ok(ExitCode::SUCCESS)
+    page.publish(&arguments.out, "detection.json", &document, output)
 }
 
 fn nothing_scored(arguments: &DetectionArguments, skipped: &[SkippedScene]) -> Failure {
@@ -145,7 +144,7 @@ impl<'a> SceneEvaluator<'a> {
         let scores = PsiScores::of(&found, &scene.labels).ok_or_else(no_object)?;
         self.write_labels(&entry.name, &found, &scene)?;
         let picture = self.draw(&entry.name, &scene, &found)?;
-        let [detection_ms, pass_ms] = self.measure(&frame)?;
+        let [durations_ms, pass_ms] = self.measure(&frame)?;
         Ok(SceneResult {
             name: entry.name.clone(),
             group: entry.group.clone(),
@@ -155,7 +154,8 @@ impl<'a> SceneEvaluator<'a> {
             n_points: scene.points.len(),
             scores,
             whole_objects,
-            detection_ms,
+            detection_ms: Percentiles::of(durations_ms.clone()).unwrap_or_default(),
+            durations_ms,
             pass_ms,
             picture,
         })

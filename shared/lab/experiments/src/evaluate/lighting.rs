@@ -19,7 +19,7 @@ use std::process::ExitCode;
 /// Runs the evaluation and writes its figures.
 pub(super) fn run(arguments: &LightingArguments, output: &Output) -> Result<ExitCode, Failure> {
     create_folder(&arguments.out)?;
-    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
+    let library = ModelLibrary::open(&arguments.models).map_err(Failure::usage)?;
     let models = library.choose(arguments.objects as usize, arguments.seed);
     let n_jobs = models.len() * (1 + ROOMS.len());
     let turntables = Turntables {
@@ -44,8 +44,7 @@ pub(super) fn run(arguments: &LightingArguments, output: &Output) -> Result<Exit
         rooms.push(RoomFigures::of(room, &shares, arguments.seed));
     }
     turntables.bar.finish_and_clear();
-    write_all(&LightingReport::of(arguments, rooms), arguments, output)?;
-    Ok(ExitCode::SUCCESS)
+    write_all(&LightingReport::of(arguments, rooms), arguments, output)
 }
 
 /// Category name of an object: each object is taught as itself.
@@ -93,15 +92,12 @@ fn write_all(
     document: &LightingReport,
     arguments: &LightingArguments,
     output: &Output,
-) -> Result<(), Failure> {
+) -> Result<ExitCode, Failure> {
     let out = &arguments.out;
     let caption = "Accuracy in each room with its 95 % interval";
     let rows = report_page::figure_rows(document);
     let figure = forest_figure(out, "accuracy.svg", (caption, "accuracy"), &rows)?;
-    let page = report_page::page(document, figure);
-    page.write(out, "lighting.json", document)?;
-    output.answer(document, || page.text());
-    Ok(())
+    report_page::page(document, figure).publish(out, "lighting.json", document, output)
 }
 
 #[cfg(test)]

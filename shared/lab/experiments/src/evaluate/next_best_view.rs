@@ -33,16 +33,14 @@ mod statistic_report;
 mod view_pictures;
 
 use crate::arguments::NextBestViewArguments;
-use crate::output_files::{create_folder, write};
+use crate::output_files::{create_folder, write, write_figure};
 use crate::parallel;
 use bin_picking_twin::TwinKind;
-use command_line::{Output, progress_bar};
+use command_line::Output;
 use report::NextBestViewReport;
-use scene_result::SceneResult;
 use service::Failure;
 use simulated_world::ModelLibrary;
-use statistic_report::KindScenes;
-use std::path::Path;
+use statistic_report::{KindScenes, STATISTIC};
 use std::process::ExitCode;
 use view_planning::PlanSettings;
 
@@ -52,32 +50,33 @@ pub(super) fn run(arguments: &NextBestViewArguments, output: &Output) -> Result<
     if let (Some(folder), Some(models)) = (&arguments.bop, &arguments.bop_models) {
         return bop_statistic::run(arguments, folder, models, output);
     }
-    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
+    let library = ModelLibrary::open(&arguments.models).map_err(Failure::usage)?;
     let settings = PlanSettings {
         sigma_share: arguments.sigma_share,
         visited_share: arguments.visited_share,
         gain_weight: arguments.gain_weight,
         ..PlanSettings::default()
     };
-    let bar = progress_bar(u64::from(arguments.scenes), "scenes", output);
-    let scenes = parallel::map(
-        arguments.scenes as usize,
-        &bar,
-        || (),
-        |(), number| scene_result::run(number, arguments, &settings, &library),
-    );
-    bar.finish_and_clear();
-    let scenes = scenes.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let scenes = parallel::try_map(arguments.scenes as usize, "scenes", output, |number| {
+        scene_result::run(number, arguments, &settings, &library)
+    })?;
     let twins = twins(arguments, output)?;
     let report = NextBestViewReport::of(arguments, &settings, &scenes, &twins);
-    let mut figures = figures::all(&report, &scenes)?;
+    let mut figures = Vec::from(figures::all(&report, &scenes));
     if arguments.twin_scenes > 0 {
-        let svg = statistic_report::figure(&twins).map_err(Failure::general)?;
-        figures.push((statistic_report::STATISTIC, svg));
+        figures.push((STATISTIC, statistic_report::figure(&twins)));
     }
-    write_all(&report, figures, &scenes, &arguments.out)?;
-    output.answer(&report, || report_page::page(&report, &[]).text());
-    Ok(ExitCode::SUCCESS)
+    let mut pictures = Vec::new();
+    for (name, svg) in figures {
+        write_figure(&arguments.out, name, svg)?;
+        pictures.push(name.to_owned());
+    }
+    for (name, png) in scenes.iter().flat_map(|scene| &scene.pictures) {
+        write(&arguments.out.join(name), png)?;
+        pictures.push(name.clone());
+    }
+    let page = report_page::page(&report, &pictures);
+    page.publish(&arguments.out, "next-best-view.json", &report, output)
 }
 
 /// Published statistic on twins of the paper's scenes.
@@ -87,47 +86,19 @@ fn twins(arguments: &NextBestViewArguments, output: &Output) -> Result<Vec<KindS
         .into_iter()
         .flat_map(|kind| (0..n_scenes).map(move |number| (kind, number)))
         .collect();
-    let bar = progress_bar(jobs.len() as u64, "twins", output);
-    let results = parallel::map(
-        jobs.len(),
-        &bar,
-        || (),
-        |(), job| {
-            let (kind, number) = jobs[job];
-            let seed = scene_result::scene_seed(arguments.seed, number);
-            bin_picking_twin::run(kind, seed, arguments.twin_views)
-        },
-    );
-    bar.finish_and_clear();
+    let results = parallel::try_map(jobs.len(), "twins", output, |job| {
+        let (kind, number) = jobs[job];
+        let seed = scene_result::scene_seed(arguments.seed, number);
+        bin_picking_twin::run(kind, seed, arguments.twin_views)
+    })?;
     let mut results = results.into_iter();
-    let of_kind = |kind: TwinKind| {
-        let scenes = results.by_ref().take(n_scenes);
-        Ok(KindScenes {
-            kind: kind.word(),
-            paper: Some(kind.paper()),
-            scenes: scenes.collect::<Result<_, Failure>>()?,
-        })
+    let of_kind = |kind: TwinKind| KindScenes {
+        kind: kind.word(),
+        paper: Some(kind.paper()),
+        scenes: results.by_ref().take(n_scenes).collect(),
     };
     let kinds = TwinKind::ALL.into_iter().filter(|_| n_scenes > 0);
-    kinds.map(of_kind).collect()
-}
-
-fn write_all(
-    report: &NextBestViewReport,
-    figures: Vec<(&'static str, String)>,
-    scenes: &[SceneResult],
-    out: &Path,
-) -> Result<(), Failure> {
-    let mut pictures = Vec::new();
-    for (name, svg) in figures {
-        write(&out.join(name), svg.as_bytes())?;
-        pictures.push(name.to_owned());
-    }
-    for (name, png) in scenes.iter().flat_map(|scene| &scene.pictures) {
-        write(&out.join(name), png)?;
-        pictures.push(name.clone());
-    }
-    report_page::page(report, &pictures).write(out, "next-best-view.json", report)
+    Ok(kinds.map(of_kind).collect())
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ mod true_surface;
 mod view_export;
 
 use crate::arguments::ModelArguments;
-use crate::output_files::{create_folder, write};
+use crate::output_files::{create_folder, write, write_figure};
 use command_line::Output;
 use mesh::TriangleMesh;
 use object_trials::{ObjectTrials, noises, recorded_trials, simulated_trials};
@@ -54,8 +54,7 @@ pub(super) fn run(arguments: &ModelArguments, output: &Output) -> Result<ExitCod
     };
     let page = report_page::page(&report);
     if let Some(out) = &arguments.out {
-        let svg = report_page::figure(&report).map_err(Failure::general)?;
-        write(&out.join(FIGURE), svg.as_bytes())?;
+        write_figure(out, FIGURE, report_page::figure(&report))?;
         page.write(out, "models.json", &report)?;
     }
     output.answer(&report, || page.text());

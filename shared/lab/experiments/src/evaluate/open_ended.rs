@@ -8,9 +8,9 @@ use super::recognition::RecogniserFactory;
 use super::view_selection::read_and_describe;
 use crate::arguments::{OpenEndedArguments, ViewProtocol};
 use crate::evaluate::view_table::ViewTable;
-use crate::output_files::{create_folder, write};
+use crate::output_files::{create_folder, write, write_figure};
 use crate::parallel;
-use command_line::{Output, progress_bar};
+use command_line::Output;
 use evaluation::open_ended::{
     self as teacher, LessonSplit, OpenEndedRun, Protocol, overview_svg, run_svg,
 };
@@ -48,9 +48,7 @@ pub(super) fn run(arguments: &OpenEndedArguments, output: &Output) -> Result<Exi
     }
     let document = OpenEndedReport::of(arguments, &protocol, &views, &runs, ask_ms);
     let page = report_page::page(&document);
-    page.write(&arguments.lessons.out, "open-ended.json", &document)?;
-    output.answer(&document, || page.text());
-    Ok(ExitCode::SUCCESS)
+    page.publish(&arguments.lessons.out, "open-ended.json", &document, output)
 }
 
 fn protocol(arguments: &OpenEndedArguments, views: &ViewTable) -> Protocol {
@@ -122,24 +120,15 @@ fn play_all(
     factory: &dyn RecogniserFactory,
     output: &Output,
 ) -> Result<Vec<TimedRun>, Failure> {
-    let bar = progress_bar(arguments.runs, "runs", output);
-    let n_runs = arguments.runs as usize;
-    let played = parallel::map(
-        n_runs,
-        &bar,
-        || (),
-        |(), index| {
-            let begin = Instant::now();
-            let seed = arguments.lessons.seed.wrapping_add(index as u64);
-            let mut recogniser = factory.recogniser();
-            let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
-            let play_ms = begin.elapsed().as_secs_f64() * 1e3;
-            run.map(|run| TimedRun { run, play_ms })
-                .map_err(Failure::general)
-        },
-    );
-    bar.finish_and_clear();
-    played.into_iter().collect()
+    parallel::try_map(arguments.runs as usize, "runs", output, |index| {
+        let begin = Instant::now();
+        let seed = arguments.lessons.seed.wrapping_add(index as u64);
+        let mut recogniser = factory.recogniser();
+        let run = teacher::run(recogniser.as_mut(), &views.labels, protocol, seed);
+        let play_ms = begin.elapsed().as_secs_f64() * 1e3;
+        run.map(|run| TimedRun { run, play_ms })
+            .map_err(Failure::general)
+    })
 }
 
 /// Draws the overview figure and one figure for each run.
@@ -149,19 +138,12 @@ fn draw(
     views: &ViewTable,
     runs: &[OpenEndedRun],
 ) -> Result<(), Failure> {
-    let overview = overview_svg(runs).map_err(Failure::general)?;
-    write(
-        &arguments.lessons.out.join("overview.svg"),
-        overview.as_bytes(),
-    )?;
-    for run in runs {
-        let svg = run_svg(run, &views.categories, protocol.tau).map_err(Failure::general)?;
-        write(
-            &arguments.lessons.out.join(picture(run.seed)),
-            svg.as_bytes(),
-        )?;
-    }
-    Ok(())
+    let out = &arguments.lessons.out;
+    write_figure(out, "overview.svg", overview_svg(runs))?;
+    runs.iter().try_for_each(|run| {
+        let svg = run_svg(run, &views.categories, protocol.tau);
+        write_figure(out, &picture(run.seed), svg)
+    })
 }
 
 /// Path of a run's figure, relative to the output folder.

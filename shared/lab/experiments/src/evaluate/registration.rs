@@ -20,7 +20,7 @@ use trials::{ROTATIONS_DEG, TRANSLATIONS_CM};
 pub(super) fn run(arguments: &RegistrationArguments, output: &Output) -> Result<ExitCode, Failure> {
     let pairs = match (&arguments.pairs, &arguments.models) {
         (Some(folder), _) => pair_files::read(folder)?,
-        (None, Some(_)) => simulated_pairs::simulate(arguments, output)?,
+        (None, Some(models)) => simulated_pairs::simulate(models, arguments, output)?,
         (None, None) => {
             let sentence = "there are no views to register; name a folder of pairs, or models \
                             with --models";

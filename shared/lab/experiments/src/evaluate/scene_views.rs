@@ -5,7 +5,7 @@ mod scene_describer;
 mod scene_sampler;
 
 use super::recognition::{HypothesisDescriptors, RecognitionMethod};
-use super::view_table::{Omissions, ViewTable};
+use super::view_table::ViewTable;
 use crate::parallel;
 use command_line::{Output, progress_bar};
 use evaluation::recogniser::LabelledView;
@@ -15,7 +15,25 @@ use scene_sampler::SceneSampler;
 use service::Failure;
 use std::path::Path;
 
+/// Statistics of detection in the simulated scenes.
+#[derive(Default)]
+pub(super) struct SceneStatistics {
+    pub(super) n_scenes: usize,
+    /// Fold of each false candidate (no object, or a smaller part of one); the descriptions follow
+    /// those of the views, in the same order.
+    pub(super) folds_of_clutter: Vec<u32>,
+    /// Number of false candidates that are parts of an object, by category.
+    pub(super) n_parts: Vec<u32>,
+    /// Number of objects that show a pixel with depth, by category.
+    pub(super) n_visible: Vec<u32>,
+    /// Number of objects without a pixel with depth.
+    pub(super) n_hidden: u32,
+    /// Names and paths of the drawn scenes.
+    pub(super) pictures: Vec<(String, String)>,
+}
+
 /// Detected objects and false candidates of all scenes.
+#[derive(Default)]
 pub(super) struct SceneViews {
     /// Table of the detected objects, scene by scene.
     pub(super) table: ViewTable,
@@ -23,18 +41,12 @@ pub(super) struct SceneViews {
     pub(super) scenes: Vec<usize>,
     /// Scene of each false candidate: no object, or a smaller part of one.
     pub(super) scenes_of_clutter: Vec<usize>,
-    /// Number of false candidates that are parts of an object, by category.
-    pub(super) n_parts: Vec<u32>,
     /// Descriptors of the objects, then of the false candidates.
     pub(super) descriptions: Vec<HypothesisDescriptors>,
     /// Kind of each scene: object set and camera height as one number.
     pub(super) kinds: Vec<u32>,
-    /// Number of objects that show a pixel with depth, by category.
-    pub(super) n_visible: Vec<u32>,
-    /// Number of objects without a pixel with depth.
-    pub(super) n_hidden: u32,
-    /// Names and paths of the drawn scenes, relative to the output folder.
-    pub(super) pictures: Vec<(String, String)>,
+    /// Statistics without the folds, which are not assigned yet.
+    pub(super) statistics: SceneStatistics,
 }
 
 /// Simulates scenes on all cores, detects and describes their objects, and draws the first scene of
@@ -60,35 +72,31 @@ pub(super) fn simulate(
 
 fn collected(sampler: &SceneSampler, scenes: Vec<DescribedScene>) -> SceneViews {
     let categories: Vec<String> = sampler.categories().iter().map(|&n| n.to_owned()).collect();
-    let mut views = SceneViews {
-        n_visible: vec![0; categories.len()],
+    let mut statistics = SceneStatistics {
+        n_scenes: scenes.len(),
         n_parts: vec![0; categories.len()],
+        n_visible: vec![0; categories.len()],
+        ..SceneStatistics::default()
+    };
+    let mut views = SceneViews {
         table: ViewTable {
             categories,
-            labels: Vec::new(),
-            files: Vec::new(),
-            omissions: Omissions::default(),
             is_up_known: true,
-            describe_ms: 0.0,
+            ..ViewTable::default()
         },
-        scenes: Vec::new(),
-        scenes_of_clutter: Vec::new(),
-        descriptions: Vec::new(),
-        kinds: Vec::new(),
-        n_hidden: 0,
-        pictures: Vec::new(),
+        ..SceneViews::default()
     };
     let (mut of_clutter, mut sum_ms) = (Vec::new(), 0.0);
     for (number, scene) in scenes.into_iter().enumerate() {
         views.kinds.push(SceneSampler::kind_of(number) as u32);
-        views.n_hidden += scene.n_hidden;
-        views.pictures.extend(scene.picture);
+        statistics.n_hidden += scene.n_hidden;
+        statistics.pictures.extend(scene.picture);
         sum_ms += scene.describe_ms;
         for category in scene.visible {
-            views.n_visible[category as usize] += 1;
+            statistics.n_visible[category as usize] += 1;
         }
         for category in scene.parts {
-            views.n_parts[category as usize] += 1;
+            statistics.n_parts[category as usize] += 1;
         }
         for (category, descriptors) in scene.found {
             views.table.labels.push(LabelledView {
@@ -110,7 +118,10 @@ fn collected(sampler: &SceneSampler, scenes: Vec<DescribedScene>) -> SceneViews 
     }
     views.descriptions.extend(of_clutter);
     views.table.describe_ms = sum_ms / views.descriptions.len().max(1) as f64;
-    views
+    SceneViews {
+        statistics,
+        ..views
+    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,14 @@
 //! Report of an experiment as text, HTML page and JSON file, from one description of its tables.
 
-use crate::output_files::write;
-use command_line::format_table;
+use crate::output_files::{write, write_figure};
+use command_line::{Output, format_table};
 use plot::figure_page::{PageFigure, PageTable, html};
 use plot::forest_plot::{self, ForestPlotRow};
 use serde::Serialize;
 use service::Failure;
 use statistics::bootstrap::Estimate;
 use std::path::Path;
+use std::process::ExitCode;
 
 /// Heading and cells of a table's column, from the item of each row.
 pub(super) type Column<'c, T> = (&'static str, &'c dyn Fn(&T) -> String);
@@ -116,6 +117,19 @@ impl TabularReport<'_> {
         write(&out.join(name), json.as_bytes())?;
         write(&out.join("index.html"), self.html().as_bytes())
     }
+
+    /// Writes the page and the document, and answers with the document or the text.
+    pub(super) fn publish(
+        &self,
+        out: &Path,
+        name: &str,
+        document: &impl Serialize,
+        output: &Output,
+    ) -> Result<ExitCode, Failure> {
+        self.write(out, name, document)?;
+        output.answer(document, || self.text());
+        Ok(ExitCode::SUCCESS)
+    }
 }
 
 /// Figure of a page, with its caption.
@@ -133,8 +147,7 @@ pub(super) fn forest_figure(
     (caption, axis): (&str, &str),
     rows: &[ForestPlotRow],
 ) -> Result<PageFigure, Failure> {
-    let svg = forest_plot::svg(caption, axis, rows).map_err(Failure::general)?;
-    write(&out.join(picture), svg.as_bytes())?;
+    write_figure(out, picture, forest_plot::svg(caption, axis, rows))?;
     Ok(figure(picture, caption))
 }
 

@@ -15,12 +15,11 @@ pub(super) mod tracking_pipeline;
 mod tracking_run;
 
 use crate::arguments::TrackingArguments;
-use crate::output_files::{create_folder, write};
+use crate::output_files::{create_folder, write_figure};
 use crate::parallel;
 use command_line::{Output, progress_bar};
 use evaluation::track_figure;
 use evaluation::tracking_score::TrackingScore;
-use indicatif::ProgressBar;
 use recorded_sequence::RecordedSequence;
 use report::TrackingReport;
 use scenario::Scenario;
@@ -62,10 +61,12 @@ fn run_scenarios(
         .iter()
         .flat_map(|scenario| seeds.clone().map(move |seed| (scenario, seed)))
         .collect();
-    let bar = progress_bar(jobs.len() as u64, "runs", output);
-    let runs = play_all(&jobs, arguments, &bar);
-    bar.finish_and_clear();
-    finish(&runs?, arguments, output)
+    let runs = parallel::try_map(jobs.len(), "runs", output, |job| {
+        let (scenario, seed) = jobs[job];
+        let sequence = simulated_sequence::play(scenario, seed, arguments.hidden_people)?;
+        scored(scenario.name.clone(), Some(seed), sequence, arguments)
+    })?;
+    finish(&runs, arguments, output)
 }
 
 fn run_recording(
@@ -96,29 +97,7 @@ fn finish(
     output: &Output,
 ) -> Result<ExitCode, Failure> {
     let document = TrackingReport::of(runs, arguments);
-    let page = report_page::page(&document);
-    page.write(&arguments.out, "tracking.json", &document)?;
-    output.answer(&document, || page.text());
-    Ok(ExitCode::SUCCESS)
-}
-
-/// Plays and scores all jobs in parallel; results are in the order of the jobs.
-fn play_all(
-    jobs: &[(&Scenario, u64)],
-    arguments: &TrackingArguments,
-    bar: &ProgressBar,
-) -> Result<Vec<TrackingRun>, Failure> {
-    let runs = parallel::map(
-        jobs.len(),
-        bar,
-        || (),
-        |(), job| {
-            let (scenario, seed) = jobs[job];
-            let sequence = simulated_sequence::play(scenario, seed, arguments.hidden_people)?;
-            scored(scenario.name.clone(), Some(seed), sequence, arguments)
-        },
-    );
-    runs.into_iter().collect()
+    report_page::page(&document).publish(&arguments.out, "tracking.json", &document, output)
 }
 
 /// Scores one tracked sequence and draws its figure.
@@ -136,8 +115,7 @@ fn scored(
     let picture = format!("{PICTURES}/{stem}.svg");
     let figure =
         track_figure::figure_with_ground_truth(&title, &sequence.frames, &matches, &sequence.names);
-    let svg = figure.svg().map_err(Failure::general)?;
-    write(&arguments.out.join(&picture), svg.as_bytes())?;
+    write_figure(&arguments.out, &picture, figure.svg())?;
     Ok(TrackingRun {
         scene,
         seed,

@@ -6,7 +6,7 @@ use evaluation::recogniser::LabelledView;
 const MOST_SENTENCES: usize = 20;
 
 /// Labels and files of the described views.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct ViewTable {
     /// Category names by number; each category has a view.
     pub(super) categories: Vec<String>,

@@ -103,7 +103,8 @@ fn generated(
 ) -> Result<(Scene, ModelLibrary), Failure> {
     let kind = kind.map_or(Ok(SceneKind::Isolated), str::parse);
     let kind: SceneKind = kind.map_err(Failure::usage)?;
-    let mut library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
+    let source = arguments.models.clone().unwrap_or_default();
+    let mut library = ModelLibrary::open(&source).map_err(Failure::usage)?;
     let n_objects = arguments.objects.unwrap_or(kind.default_n_objects());
     let seed = arguments.seed.unwrap_or(1);
     let scene = Scene::generate(kind, n_objects, seed, &mut library).map_err(Failure::usage)?;

@@ -55,7 +55,7 @@ struct ViewsReport {
 
 /// Renders, segments and writes the views of all objects, on all cores.
 pub(super) fn run(arguments: &ViewsArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
+    let library = ModelLibrary::open(&arguments.models).map_err(Failure::usage)?;
     let mut library = library.with_import(arguments.import());
     let notes = library.take_notes();
     let jobs = jobs(arguments, &library)?;

@@ -5,7 +5,7 @@
 //! and 60 degrees, here from 0.7 to 1.3 m. All sensor errors are on. The distance, and unless a
 //! lighting is given the colour and strength of the lamps, are drawn for every view.
 
-use crate::frame_detector::FrameDetector;
+use crate::frame_detector::{FrameDetector, up_in_camera};
 use description::{LightColor, WhiteBalance};
 use detection::Candidate;
 use geometry::PinholeCamera;
@@ -161,9 +161,10 @@ impl Turntable {
     ) -> Result<Option<SegmentedView<'_>>, Error> {
         self.world.set_camera(mount);
         self.kinect.look(&self.world, frame, &mut self.points)?;
-        let up_in_camera = self.up_in_camera();
+        let world_from_camera = self.world.world_from_camera();
+        let up_in_camera = up_in_camera(&world_from_camera, &Vector3::z_axis());
         self.detect(up_in_camera, frame);
-        let centre_in_camera = self.world.world_from_camera().inverse() * self.centre();
+        let centre_in_camera = world_from_camera.inverse() * self.centre();
         let detection = self.detector.detection();
         let Some(found) = candidate_at_centre(&detection.candidates, &centre_in_camera) else {
             return Ok(None);
@@ -172,7 +173,7 @@ impl Turntable {
         Ok(Some(SegmentedView {
             cloud: &self.points,
             up_in_camera,
-            world_from_camera: self.world.world_from_camera(),
+            world_from_camera,
             overlap: overlap(point_indices, self.kinect.mask(), &self.points),
             point_indices,
         }))
@@ -189,11 +190,6 @@ impl Turntable {
             || self.world.scene().table.middle(),
             |object| object.world_from_object.translation.vector.into(),
         )
-    }
-
-    fn up_in_camera(&self) -> Unit<Vector3<f64>> {
-        let rotation = self.world.world_from_camera().rotation;
-        Unit::new_normalize(rotation.inverse() * Vector3::z())
     }
 
     fn detect(&mut self, up_in_camera: Unit<Vector3<f64>>, seed: u64) {

@@ -1,7 +1,7 @@
 //! End-to-end score of detection and recognition in scenes.
 
-use super::fold_data::SceneStatistics;
 use super::fold_result::FoldResult;
+use crate::evaluate::scene_views::SceneStatistics;
 use evaluation::cross_validation::ConfusionMatrix;
 use serde::Serialize;
 

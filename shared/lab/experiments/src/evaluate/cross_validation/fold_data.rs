@@ -2,7 +2,7 @@
 
 use crate::arguments::{CrossValidationArguments, FoldProtocol};
 use crate::evaluate::recognition::{RecogniserFactory, RecognitionMethod};
-use crate::evaluate::scene_views::{self, SceneViews};
+use crate::evaluate::scene_views::{self, SceneStatistics, SceneViews};
 use crate::evaluate::view_selection::read_and_describe;
 use crate::evaluate::view_table::ViewTable;
 use command_line::Output;
@@ -20,22 +20,6 @@ pub(super) struct FoldData {
     /// Name of the rule that assigned views to folds.
     pub(super) fold_assignment: &'static str,
     pub(super) scenes: Option<SceneStatistics>,
-}
-
-/// Statistics of detection in the simulated scenes.
-pub(super) struct SceneStatistics {
-    pub(super) n_scenes: usize,
-    /// Fold of each false candidate (no object, or a smaller part of one); the descriptions follow
-    /// those of the views, in the same order.
-    pub(super) folds_of_clutter: Vec<u32>,
-    /// Number of false candidates that are parts of an object, by category.
-    pub(super) n_parts: Vec<u32>,
-    /// Number of objects that show a pixel with depth, by category.
-    pub(super) n_visible: Vec<u32>,
-    /// Number of objects without a pixel with depth.
-    pub(super) n_hidden: u32,
-    /// Names and paths of the drawn scenes.
-    pub(super) pictures: Vec<(String, String)>,
 }
 
 impl FoldData {
@@ -97,12 +81,9 @@ impl FoldData {
             table,
             scenes,
             scenes_of_clutter,
-            n_parts,
             descriptions,
             kinds,
-            n_visible,
-            n_hidden,
-            pictures,
+            statistics,
         } = scene_views::simulate(n_scenes, seed, method, out, output)?;
         let kind = |&category: &u32| LabelledView {
             category,
@@ -126,12 +107,8 @@ impl FoldData {
             views: table,
             fold_assignment: "scene",
             scenes: Some(SceneStatistics {
-                n_scenes: n_scenes as usize,
                 folds_of_clutter: fold_of(&scenes_of_clutter),
-                n_parts,
-                n_visible,
-                n_hidden,
-                pictures,
+                ..statistics
             }),
         })
     }

@@ -28,7 +28,7 @@ pub(super) struct DetectionReport<'a> {
     pub(super) ns_per_point: f64,
     pub(super) pass_over_cloud_ms: f64,
     pub(super) ratio_to_pass: f64,
-    pub(super) per_scene: Vec<SceneScores<'a>>,
+    pub(super) per_scene: &'a [SceneResult],
     pub(super) skipped: &'a [SkippedScene],
     pub(super) settings: Settings,
     pub(super) assumptions: Vec<String>,
@@ -64,20 +64,6 @@ pub(super) struct SceneGroup {
     pub(super) detection_ms: Percentiles,
 }
 
-/// Scores and timing of one scene.
-#[derive(Debug, Serialize)]
-pub(super) struct SceneScores<'a> {
-    pub(super) name: &'a str,
-    pub(super) group: &'a str,
-    n_points: usize,
-    #[serde(flatten)]
-    pub(super) scores: PsiScores,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    whole_objects: Option<PsiScores>,
-    pub(super) detection_ms: Percentiles,
-    pub(super) picture: &'a str,
-}
-
 /// Percentiles of a value over all repetitions of the scenes; `None` without values.
 fn percentiles<'r>(
     results: impl IntoIterator<Item = &'r SceneResult>,
@@ -94,27 +80,12 @@ impl SceneGroup {
         let whole_objects = wanted
             .iter()
             .filter_map(|result| result.whole_objects.as_ref());
-        let detection_ms = |result: &SceneResult| result.detection_ms.clone();
+        let detection_ms = |result: &SceneResult| result.durations_ms.clone();
         Some(Self {
             n_scenes: wanted.len(),
             scores: PsiScores::mean(wanted.iter().map(|result| &result.scores))?,
             whole_objects: PsiScores::mean(whole_objects),
             detection_ms: percentiles(wanted.iter().copied(), detection_ms)?,
-        })
-    }
-}
-
-impl<'a> SceneScores<'a> {
-    fn of(result: &'a SceneResult) -> Option<Self> {
-        let detection_ms = |result: &SceneResult| result.detection_ms.clone();
-        Some(Self {
-            name: &result.name,
-            group: &result.group,
-            n_points: result.n_points,
-            scores: result.scores,
-            whole_objects: result.whole_objects,
-            detection_ms: percentiles([result], detection_ms)?,
-            picture: &result.picture,
         })
     }
 }
@@ -134,7 +105,7 @@ impl<'a> DetectionReport<'a> {
         let ns_per_point = |result: &SceneResult| {
             let n_points = result.n_points.max(1) as f64;
             let ns_per_point = |ms| ms * 1e6 / n_points;
-            result.detection_ms.iter().map(ns_per_point).collect()
+            result.durations_ms.iter().map(ns_per_point).collect()
         };
         let pass_ms = percentiles(results, |result| result.pass_ms.clone())?.p50;
         Some(Self {
@@ -153,7 +124,7 @@ impl<'a> DetectionReport<'a> {
             ns_per_point: percentiles(results, ns_per_point)?.p50,
             pass_over_cloud_ms: pass_ms,
             ratio_to_pass: all.detection_ms.p50 / pass_ms,
-            per_scene: results.iter().filter_map(SceneScores::of).collect(),
+            per_scene: results,
             skipped,
             settings: Settings {
                 detection: "default",

@@ -1,7 +1,7 @@
 //! Tables and pictures of the detection evaluation.
 
-use super::report::{DetectionReport, Halves, SceneGroup, SceneScores};
-use super::scene_result::{PsiScores, SkippedScene};
+use super::report::{DetectionReport, Halves, SceneGroup};
+use super::scene_result::{PsiScores, SceneResult, SkippedScene};
 use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number, percent};
 use evaluation::segmentation_score::{MEASURE_MEANINGS, MEASURE_NAMES, SegmentationScore};
 use plot::figure_page::PageFigure;
@@ -93,7 +93,7 @@ fn groups<'d>(document: &'d DetectionReport<'_>) -> Vec<(&'d str, &'d SceneGroup
 
 fn worst(document: &DetectionReport<'_>) -> ReportTable {
     let rows = document.per_scene.iter().take(N_WORST).map(|scene| {
-        let names = [scene.name.to_owned(), scene.group.to_owned()];
+        let names = [scene.name.clone(), scene.group.clone()];
         row(names, &scene.scores.before_psi, scene.detection_ms.p50)
     });
     ReportTable::new("Worst scenes", heads(["worst", "group"]), rows.collect())
@@ -117,7 +117,7 @@ fn row(names: [String; 2], score: &SegmentationScore, ms: f64) -> Vec<String> {
     cells.chain([number(ms, 2)]).collect()
 }
 
-fn picture(scene: &SceneScores<'_>) -> PageFigure {
+fn picture(scene: &SceneResult) -> PageFigure {
     let score = &scene.scores.before_psi;
     let measures = MEASURE_NAMES.iter().zip(score.values());
     let measures = measures.map(|(name, value)| format!("{name} {}", percent(value)));
@@ -130,7 +130,7 @@ fn picture(scene: &SceneScores<'_>) -> PageFigure {
         score.n_objects,
         scene.detection_ms.p50
     );
-    figure(scene.picture, caption)
+    figure(&scene.picture, caption)
 }
 
 /// Sentences about detection time and assumptions.

@@ -4,22 +4,33 @@ use constraint::Assumptions;
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::segmentation_score::{Overlaps, SegmentationScore, score};
 use serde::Serialize;
+use statistics::percentiles::Percentiles;
 
 /// Detection result of one scene.
+#[derive(Debug, Serialize)]
 pub(super) struct SceneResult {
     pub(super) name: String,
     pub(super) group: String,
+    #[serde(skip)]
     pub(super) is_odd: bool,
+    #[serde(skip)]
     pub(super) has_up: bool,
+    #[serde(skip)]
     pub(super) assumptions: Assumptions,
     pub(super) n_points: usize,
     /// Scores against the labels as they are: of parts, where these have labels of their own.
+    #[serde(flatten)]
     pub(super) scores: PsiScores,
     /// Scores of objects against labels whose parts are joined; `None` without labels of parts.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) whole_objects: Option<PsiScores>,
+    /// Percentiles of the detection times, milliseconds.
+    pub(super) detection_ms: Percentiles,
     /// Detection times, milliseconds, one for each repetition.
-    pub(super) detection_ms: Vec<f64>,
+    #[serde(skip)]
+    pub(super) durations_ms: Vec<f64>,
     /// Times of reading the cloud's bytes once, milliseconds: the memory bandwidth floor.
+    #[serde(skip)]
     pub(super) pass_ms: Vec<f64>,
     /// Path of the picture, relative to the output folder.
     pub(super) picture: String,

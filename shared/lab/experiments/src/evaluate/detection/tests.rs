@@ -235,7 +235,8 @@ fn report_lists_groups_halves_and_worst_scenes() {
         n_points: 1000,
         scores: scores(wov),
         whole_objects: Some(scores(0.125)),
-        detection_ms: vec![2.0, 4.0],
+        detection_ms: Percentiles { p50: 2.0, p99: 4.0 },
+        durations_ms: vec![2.0, 4.0],
         pass_ms: vec![0.1],
         picture: format!("scenes/{name}.png"),
     };

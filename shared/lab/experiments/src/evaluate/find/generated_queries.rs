@@ -321,18 +321,13 @@ fn lessons(scene: &QueryScene) -> Vec<TrueQuery> {
 /// Queries by words that are more general than the taught names.
 fn kinds_of_things(scene: &QueryScene) -> Vec<TrueQuery> {
     let is_fruit = |object: &TrueObject| FRUIT.contains(&object.category.as_str());
-    match scene
-        .objects
-        .iter()
-        .filter(|object| is_fruit(object))
-        .count()
-    {
-        0 => Vec::new(),
-        1 => query(scene, "the fruit".to_owned(), is_fruit)
-            .into_iter()
-            .collect(),
-        _ => query(scene, "all fruits".to_owned(), is_fruit)
-            .into_iter()
-            .collect(),
-    }
+    let n_fruits = scene.objects.iter().filter(|object| is_fruit(object));
+    let words = match n_fruits.count() {
+        0 => return Vec::new(),
+        1 => "the fruit",
+        _ => "all fruits",
+    };
+    query(scene, words.to_owned(), is_fruit)
+        .into_iter()
+        .collect()
 }

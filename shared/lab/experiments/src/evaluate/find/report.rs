@@ -17,7 +17,7 @@ pub(super) enum QuerySource {
 }
 
 /// Report of queries in words.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct FindReport {
     pub(super) n_scenes: u64,
     pub(super) seed: u64,
@@ -121,13 +121,7 @@ impl FindReport {
             n_scenes: arguments.scenes,
             seed: arguments.seed,
             has_wordnet,
-            generated: QueryCounts::default(),
-            from_file: QueryCounts::default(),
-            p50_ms: None,
-            p99_ms: None,
-            max_ms: None,
-            queries: Vec::new(),
-            scenes: Vec::new(),
+            ..Self::default()
         }
     }
 

@@ -1,11 +1,12 @@
 use super::*;
 use crate::arguments::LightingArguments;
+use simulated_world::ModelSource;
 
 #[test]
 fn lighting_report_has_all_rooms_and_white_balance_helps_under_a_bulb() {
     let out = tempfile::tempdir().unwrap();
     let arguments = LightingArguments {
-        models: "generated".into(),
+        models: ModelSource::Generated,
         objects: 8,
         views: 3,
         seed: 2,

@@ -5,7 +5,7 @@ use super::published_statistic::SceneStatistic;
 use super::statistic_report::{self, KindReport, KindScenes, STATISTIC};
 use crate::arguments::NextBestViewArguments;
 use crate::evaluate::tabular_report::{TabularReport, figure};
-use crate::output_files::write;
+use crate::output_files::write_figure;
 use command_line::Output;
 use serde::Serialize;
 use service::Failure;
@@ -42,8 +42,7 @@ pub(super) fn run(
         bop_models: models.display().to_string(),
         published_statistic: vec![KindReport::of(&kind)],
     };
-    let svg = statistic_report::figure(&[kind]).map_err(Failure::general)?;
-    write(&arguments.out.join(STATISTIC), svg.as_bytes())?;
+    write_figure(&arguments.out, STATISTIC, statistic_report::figure(&[kind]))?;
     let page = TabularReport {
         title: "Next best view of a BOP scene",
         tables: vec![statistic_report::table(&report.published_statistic)],
@@ -51,9 +50,7 @@ pub(super) fn run(
         figures: vec![figure(STATISTIC, statistic_report::CAPTION)],
         ..TabularReport::default()
     };
-    page.write(&arguments.out, "next-best-view.json", &report)?;
-    output.answer(&report, || page.text());
-    Ok(ExitCode::SUCCESS)
+    page.publish(&arguments.out, "next-best-view.json", &report, output)
 }
 
 fn notes(report: &BopReport) -> Vec<String> {

@@ -4,6 +4,7 @@ use super::bin_scene::BinScene;
 use super::scene_planner::{ScenePlanner, ViewPlans};
 use super::segment_matching::{MatchedSegments, SegmentMatcher};
 use super::simulated_bin::SimulatedBin;
+use crate::frame_detector::up_in_camera;
 use geometry::{PinholeCamera, RigidTransform};
 use nalgebra::{Unit, Vector3};
 use next_best_view::{TotalArea, view_entropy};
@@ -100,7 +101,7 @@ pub(super) fn capture_all(
         let image = LabelledImage {
             camera: CAMERA,
             world_from_camera,
-            up_in_camera: Some(up_in_camera(&world_from_camera)),
+            up_in_camera: Some(up_in_camera(&world_from_camera, &Vector3::z_axis())),
             points: &points,
             depth_m: kinect.image().depth_m(),
             mask: kinect.mask(),
@@ -113,11 +114,6 @@ pub(super) fn capture_all(
         views.push(view);
     }
     Ok(views)
-}
-
-/// Direction against gravity in a camera.
-pub(super) fn up_in_camera(world_from_camera: &RigidTransform) -> Unit<Vector3<f64>> {
-    Unit::new_normalize(world_from_camera.rotation.inverse() * Vector3::z())
 }
 
 /// Visible area of each object, and of all else in the space around them, square metres, by the true

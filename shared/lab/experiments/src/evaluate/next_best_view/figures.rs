@@ -1,7 +1,6 @@
 //! Figures of the next best view: entropy against F1, prediction against truth, and the closed
 //! loops.
 
-use super::captured_view::CAMERA;
 use super::closed_loop::N_VIEWS_MAX;
 use super::loop_method::Method;
 use super::method_report::found_within;
@@ -9,7 +8,6 @@ use super::report::NextBestViewReport;
 use super::scene_result::SceneResult;
 use plot::DrawingError;
 use plot::diagram::{Axis, Color, Curve, Diagram, Legend, side_by_side};
-use service::Failure;
 
 /// Figure of entropy and F1 over the views.
 pub(super) const ENTROPY: &str = "entropy-f1.svg";
@@ -27,23 +25,17 @@ const TRAVEL_STEP_M: f64 = 0.25;
 pub(super) fn all(
     report: &NextBestViewReport,
     scenes: &[SceneResult],
-) -> Result<Vec<(&'static str, String)>, Failure> {
-    let drawn = |svg: Result<String, DrawingError>| svg.map_err(Failure::general);
-    Ok(vec![
-        (ENTROPY, drawn(entropy_and_f1(scenes))?),
-        (PREDICTION, drawn(prediction(scenes))?),
-        (LOOPS, drawn(closed_loops(report, scenes))?),
-    ])
+) -> [(&'static str, Result<String, DrawingError>); 3] {
+    [
+        (ENTROPY, entropy_and_f1(scenes)),
+        (PREDICTION, prediction(scenes)),
+        (LOOPS, closed_loops(report, scenes)),
+    ]
 }
 
 /// Points in one colour: each is a curve of its own, so that no lines join them.
 fn points(points: impl Iterator<Item = (f64, f64)>, scene: usize) -> Vec<Curve<'static>> {
-    let point = |point| Curve {
-        name: "",
-        color: Color::of_series(scene),
-        points: vec![point],
-        is_marked: true,
-    };
+    let point = |point| Curve::marked("", Color::of_series(scene), [point]);
     points.map(point).collect()
 }
 
@@ -88,12 +80,11 @@ fn prediction(scenes: &[SceneResult]) -> Result<String, DrawingError> {
         .collect();
     let ends = scenes.iter().flat_map(|scene| &scene.pairs);
     let greatest = ends.map(|pair| pair.0.max(pair.1)).fold(1.0, f64::max) * 1.05;
-    curves.push(Curve {
-        name: "",
-        color: Color::GREY,
-        points: vec![(0.0, 0.0), (greatest, greatest)],
-        is_marked: false,
-    });
+    curves.push(Curve::line(
+        "",
+        Color::GREY,
+        [(0.0, 0.0), (greatest, greatest)],
+    ));
     side_by_side(&[Diagram {
         title: "Entropy from noisy hypotheses and true entropy",
         x: Axis::linear("predicted entropy, bit", 0.0..greatest),
@@ -107,11 +98,8 @@ fn closed_loops(
     report: &NextBestViewReport,
     scenes: &[SceneResult],
 ) -> Result<String, DrawingError> {
-    let curve = |(index, method): (usize, Method), points: Vec<(f64, f64)>| Curve {
-        name: method.word(),
-        color: Color::of_series(index),
-        points,
-        is_marked: false,
+    let curve = |(index, method): (usize, Method), points: Vec<(f64, f64)>| {
+        Curve::line(method.word(), Color::of_series(index), points)
     };
     let by_views = Method::ALL.into_iter().enumerate().map(|(index, method)| {
         let found = report.methods.get(method.word());
@@ -153,9 +141,4 @@ fn closed_loops(
             legend: Legend::Outside,
         },
     ])
-}
-
-/// Size of a picture of a view, pixels.
-pub(super) fn picture_size() -> (usize, usize) {
-    (CAMERA.width as usize, CAMERA.height as usize)
 }

@@ -4,7 +4,9 @@
 use super::captured_view::CapturedView;
 use super::entropy_prediction::{self, PredictedPairs, PredictionScore};
 use super::prediction_source::PredictionSource;
+use plot::box_plot::BoxGroup;
 use serde::Serialize;
+use statistics::spread::MeanAndStd;
 
 /// Number of predictions of a view that are kept (Kasaei et al. 2018).
 const N_BEST: usize = 10;
@@ -18,15 +20,6 @@ pub(super) struct PaperFigures {
     pub(super) sd: f64,
     /// Mean squared error over the ten best predictions, in a unit that is not given.
     pub(super) mse: f64,
-}
-
-/// View with the predictions of its entropy that are nearest the truth.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct ReferenceView {
-    /// True entropy, bit.
-    pub(super) entropy: f64,
-    /// The ten best predictions, the best first, bit.
-    pub(super) best: Vec<f64>,
 }
 
 /// Statistic of the predictions from one source of hypotheses.
@@ -48,7 +41,7 @@ pub(super) struct SceneStatistic {
     pub(super) n_views: usize,
     pub(super) sources: Vec<(PredictionSource, SourceStatistic)>,
     /// Views with their best predictions from the source that is drawn.
-    pub(super) drawn: Vec<ReferenceView>,
+    pub(super) drawn: Vec<BoxGroup>,
 }
 
 impl SceneStatistic {
@@ -59,8 +52,8 @@ impl SceneStatistic {
             let predicted = entropy_prediction::of_all(views, source);
             let references = reference_views(&predicted);
             let statistic = SourceStatistic {
-                best_ten_sd: mean(&references, |view| spread(&view.best)),
-                best_ten_mse: mean(&references, ReferenceView::mse),
+                best_ten_sd: mean(&references, |view| spread(&view.values)),
+                best_ten_mse: mean(&references, mse),
                 score: entropy_prediction::score(&predicted),
             };
             sources.push((source, statistic));
@@ -77,16 +70,16 @@ impl SceneStatistic {
     }
 }
 
-impl ReferenceView {
-    fn mse(&self) -> f64 {
-        let squares = self.best.iter().map(|best| (best - self.entropy).powi(2));
-        squares.sum::<f64>() / self.best.len().max(1) as f64
-    }
+/// Mean squared error of the best predictions of a view.
+fn mse(view: &BoxGroup) -> f64 {
+    let squares = view.values.iter();
+    let squares = squares.map(|best| (best - view.reference).powi(2));
+    squares.sum::<f64>() / view.values.len().max(1) as f64
 }
 
 /// The ten best predictions of each view, from the predictions of each current view for all
 /// others in their order.
-fn reference_views(predicted: &[PredictedPairs]) -> Vec<ReferenceView> {
+fn reference_views(predicted: &[PredictedPairs]) -> Vec<BoxGroup> {
     let reference = |candidate: usize| {
         let of_current = predicted.iter().enumerate().filter_map(|(current, pairs)| {
             // A view does not predict itself.
@@ -99,24 +92,22 @@ fn reference_views(predicted: &[PredictedPairs]) -> Vec<ReferenceView> {
         });
         let mut pairs: Vec<(f64, f64)> = of_current.collect();
         pairs.sort_by(|a, b| (a.0 - a.1).abs().total_cmp(&(b.0 - b.1).abs()));
-        ReferenceView {
-            entropy: pairs.first().map_or(0.0, |pair| pair.1),
-            best: pairs.iter().take(N_BEST).map(|pair| pair.0).collect(),
+        BoxGroup {
+            reference: pairs.first().map_or(0.0, |pair| pair.1),
+            values: pairs.iter().take(N_BEST).map(|pair| pair.0).collect(),
         }
     };
     (0..predicted.len()).map(reference).collect()
 }
 
-fn mean(views: &[ReferenceView], value: impl Fn(&ReferenceView) -> f64) -> f64 {
+fn mean(views: &[BoxGroup], value: impl Fn(&BoxGroup) -> f64) -> f64 {
     views.iter().map(value).sum::<f64>() / views.len().max(1) as f64
 }
 
 /// Standard deviation of a sample; 0 for fewer than two values.
 pub(super) fn spread(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n.max(1.0);
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (squares / (n - 1.0).max(1.0)).sqrt()
+    let deviation = MeanAndStd::of(values).and_then(|spread| spread.std);
+    deviation.unwrap_or(0.0)
 }
 
 #[cfg(test)]
@@ -134,11 +125,11 @@ mod tests {
                 .collect()
         };
         let views = reference_views(&[from(0), from(1), from(2)]);
-        let best: Vec<Vec<f64>> = views.iter().map(|view| view.best.clone()).collect();
+        let best: Vec<Vec<f64>> = views.iter().map(|view| view.values.clone()).collect();
         assert_eq!(best, [[11.0, 21.0], [2.0, 22.0], [3.0, 13.0]]);
-        let entropies: Vec<f64> = views.iter().map(|view| view.entropy).collect();
+        let entropies: Vec<f64> = views.iter().map(|view| view.reference).collect();
         assert_eq!(entropies, truth);
-        assert_eq!(views[0].mse(), 250.0);
+        assert_eq!(mse(&views[0]), 250.0);
     }
 
     #[test]
@@ -151,13 +142,13 @@ mod tests {
         let predicted: Vec<PredictedPairs> = (0..30).map(from).collect();
         let views = reference_views(&predicted);
         // Those of views 0 to 9, without the view itself.
-        let greatest = |view: &ReferenceView| view.best.iter().copied().fold(0.0, f64::max);
+        let greatest = |view: &BoxGroup| view.values.iter().copied().fold(0.0, f64::max);
         assert!((greatest(&views[20]) - 2.9).abs() < 1e-12);
         assert!((greatest(&views[4]) - 3.0).abs() < 1e-12);
-        assert!(views.iter().all(|view| view.best.len() == 10));
+        assert!(views.iter().all(|view| view.values.len() == 10));
         // 0 to 9 have a deviation of the square root of 55 / 6.
-        assert!((spread(&views[20].best) - 0.1 * (55.0_f64 / 6.0).sqrt()).abs() < 1e-12);
-        assert!((views[20].mse() - 0.01 * 28.5).abs() < 1e-12);
+        assert!((spread(&views[20].values) - 0.1 * (55.0_f64 / 6.0).sqrt()).abs() < 1e-12);
+        assert!((mse(&views[20]) - 0.01 * 28.5).abs() < 1e-12);
     }
 
     #[test]

@@ -7,7 +7,6 @@ use super::method_report::{self, MethodReport};
 use super::pose_accuracy::PoseCounts;
 use super::prediction_source::PredictionSource;
 use super::scene_result::{SceneResult, ViewFigures};
-use super::simulated_bin::N_OBJECTS;
 use super::statistic_report::{KindReport, KindScenes};
 use crate::arguments::NextBestViewArguments;
 use serde::Serialize;
@@ -100,7 +99,7 @@ impl NextBestViewReport {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             seed: arguments.seed,
-            models: arguments.models.display().to_string(),
+            models: arguments.models.to_string(),
             n_scenes: scenes.len(),
             n_views: arguments.views,
             n_starts: arguments.starts,
@@ -122,11 +121,6 @@ impl NextBestViewReport {
             methods,
             scenes: scenes.iter().map(SceneReport::of).collect(),
         }
-    }
-
-    /// Number of objects thrown into the bin.
-    pub(super) fn n_thrown() -> usize {
-        N_OBJECTS
     }
 }
 

@@ -5,6 +5,7 @@ use super::figures::{ENTROPY, LOOPS, PREDICTION};
 use super::loop_method::Method;
 use super::prediction_source::PredictionSource;
 use super::report::NextBestViewReport;
+use super::simulated_bin::N_OBJECTS;
 use super::statistic_report::{self, CAPTION, STATISTIC};
 use crate::evaluate::tabular_report::{
     ReportTable, TabularReport, figure, interval, number, percent,
@@ -117,11 +118,10 @@ fn notes(report: &NextBestViewReport) -> Vec<String> {
         seed,
         ..
     } = report;
-    let n_thrown = NextBestViewReport::n_thrown();
     let intervals = &report.intervals;
     let mut notes = vec![
         format!(
-            "{n_scenes} scenes of {n_thrown} models ({}) thrown into a bin, {n_views} views over \
+            "{n_scenes} scenes of {N_OBJECTS} models ({}) thrown into a bin, {n_views} views over \
              the upper hemisphere, {n_starts} first views for each method; seed {seed}",
             report.models
         ),

@@ -220,14 +220,7 @@ pub(super) fn figure(kinds: &[KindScenes]) -> Result<String, DrawingError> {
 
 fn panel(kind: &KindScenes) -> Option<(String, Vec<BoxGroup>)> {
     let scene = kind.scenes.first()?;
-    let mut groups: Vec<BoxGroup> = scene
-        .drawn
-        .iter()
-        .map(|view| BoxGroup {
-            reference: view.entropy,
-            values: view.best.clone(),
-        })
-        .collect();
+    let mut groups = scene.drawn.clone();
     groups.sort_by(|a, b| a.reference.total_cmp(&b.reference));
     let title = format!(
         "Entropy of the views of {} {}, hypotheses: {}",

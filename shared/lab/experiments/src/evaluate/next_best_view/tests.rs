@@ -7,6 +7,7 @@ use super::scene_planner::ScenePlanner;
 use super::simulated_bin::SimulatedBin;
 use super::*;
 use nalgebra::Point3;
+use simulated_world::ModelSource;
 use std::path::PathBuf;
 
 pub(super) fn arguments(out: PathBuf) -> NextBestViewArguments {
@@ -14,7 +15,7 @@ pub(super) fn arguments(out: PathBuf) -> NextBestViewArguments {
         scenes: 1,
         views: 4,
         starts: 1,
-        models: "generated".into(),
+        models: ModelSource::Generated,
         sigma_share: 0.35,
         visited_share: 0.1,
         gain_weight: 1.0,
@@ -80,7 +81,7 @@ fn report_holds_the_figures_of_a_small_run() {
     assert_eq!(kinds.len(), 2);
     for file in [
         "index.html",
-        statistic_report::STATISTIC,
+        STATISTIC,
         figures::ENTROPY,
         figures::PREDICTION,
         figures::LOOPS,

@@ -1,8 +1,7 @@
 //! Pictures of the views that a method chose, side by side.
 
-use super::captured_view::CapturedView;
+use super::captured_view::{CAMERA, CapturedView};
 use super::closed_loop::LoopCourse;
-use super::figures::picture_size;
 use super::loop_method::Method;
 use evaluation::scene_picture::encode;
 use service::Failure;
@@ -39,7 +38,7 @@ pub(super) fn draw(
 
 /// Image of some views in one row, its width and height.
 fn beside_each_other(views: &[&CapturedView]) -> (Vec<u8>, usize, usize) {
-    let (width, height) = picture_size();
+    let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
     let row_bytes = width * BYTES_PER_PIXEL;
     let mut image = Vec::new();
     for row in (0..height).step_by(STRIDE) {

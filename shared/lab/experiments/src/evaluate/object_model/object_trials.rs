@@ -8,7 +8,7 @@ use super::true_surface::TrueSurface;
 use super::{recorded_views, view_export};
 use crate::arguments::ModelArguments;
 use crate::parallel;
-use command_line::{Output, progress_bar};
+use command_line::Output;
 use mesh::TriangleMesh;
 use nalgebra::{Isometry3, Point3};
 use service::Failure;
@@ -32,17 +32,11 @@ pub(super) fn simulated_trials(
     arguments: &ModelArguments,
     output: &Output,
 ) -> Result<Vec<ObjectTrials>, Failure> {
-    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
+    let library = ModelLibrary::open(&arguments.models).map_err(Failure::usage)?;
     let models = library.choose(arguments.objects as usize, arguments.seed);
-    let bar = progress_bar(models.len() as u64, "objects", output);
-    let objects = parallel::map(
-        models.len(),
-        &bar,
-        || (),
-        |(), object| object_trials(&models[object], &library, object, arguments),
-    );
-    bar.finish_and_clear();
-    objects.into_iter().collect()
+    parallel::try_map(models.len(), "objects", output, |object| {
+        object_trials(&models[object], &library, object, arguments)
+    })
 }
 
 /// Trials of the objects of a recorded sequence.
@@ -57,7 +51,6 @@ pub(super) fn recorded_trials(
                         one with a camera that moves around the table";
         return Err(Failure::general(sentence));
     }
-    let bar = progress_bar(orbits.len() as u64, "objects", output);
     let trials = |orbit: &Orbit, object: usize| {
         let object_from_world = orbit.world_from_object.inverse();
         let in_object = |view: &OrbitView| -> Vec<Point3<f64>> {
@@ -77,14 +70,9 @@ pub(super) fn recorded_trials(
             described: None,
         }
     };
-    let trials = parallel::map(
-        orbits.len(),
-        &bar,
-        || (),
-        |(), object| trials(&orbits[object], object),
-    );
-    bar.finish_and_clear();
-    Ok(trials)
+    parallel::try_map(orbits.len(), "objects", output, |object| {
+        Ok(trials(&orbits[object], object))
+    })
 }
 
 fn trial_seed(seed: u64, object: usize, level: usize) -> u64 {

@@ -2,9 +2,10 @@
 
 use super::orbit::{Orbit, OrbitView};
 use super::trial::FusedView;
+use crate::frame_detector::up_in_camera;
 use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
 use learning::{CategoryIndex, CategoryName, ViewId};
-use nalgebra::{UnitVector3, Vector3};
+use nalgebra::Vector3;
 use serde::Serialize;
 use service::Failure;
 
@@ -89,8 +90,7 @@ fn azimuth(orbit: &Orbit, view: &OrbitView) -> Vector3<f64> {
 }
 
 fn describe(descriptor: &mut AppearanceDescriptor, view: &OrbitView) -> Option<ViewDescriptors> {
-    let up = view.world_from_camera.rotation.inverse() * Vector3::z();
-    let up = UnitVector3::new_normalize(up);
+    let up = up_in_camera(&view.world_from_camera, &Vector3::z_axis());
     let found = descriptor
         .describe(ObjectPoints::all(&view.points), Some(&up))
         .ok()?;

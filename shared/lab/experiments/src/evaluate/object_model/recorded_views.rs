@@ -1,11 +1,11 @@
 //! Views of the objects of a recorded sequence with camera poses.
 
 use super::orbit::{Orbit, OrbitView, Path};
-use crate::frame_detector::FrameDetector;
+use crate::frame_detector::{FrameDetector, up_in_camera};
 use command_line::{Output, progress_bar};
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use detection::{Candidate, Detection};
-use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use service::Failure;
 
@@ -68,9 +68,7 @@ pub(super) fn read(
             continue;
         };
         let gravity = sequence.gravity_in_world();
-        let up = gravity.map(|down| {
-            Unit::new_normalize(world_from_camera.rotation.inverse() * -down.into_inner())
-        });
+        let up = gravity.map(|down| up_in_camera(&world_from_camera, &-down));
         let cloud = OrganizedCloud::new(&points, camera.width as usize, camera.height as usize)
             .map_err(Failure::general)?;
         let detection = detector.detect(cloud, up, index as u64);

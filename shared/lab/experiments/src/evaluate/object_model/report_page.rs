@@ -145,15 +145,15 @@ fn diagram<'a>(
     levels: &[&LevelReport],
     (names, degrees): (&'a [String], &[f64]),
 ) -> Diagram<'a> {
-    let curve = |(index, (name, deg)): (usize, (&'a String, &f64))| Curve {
-        name,
-        color: Color::of_series(index),
-        points: levels
-            .iter()
-            .filter(|level| level.sigma_rotation_deg == *deg)
-            .map(|level| (level.sigma_translation_mm, value(level)))
-            .collect(),
-        is_marked: true,
+    let curve = |(index, (name, deg)): (usize, (&'a String, &f64))| {
+        Curve::marked(
+            name,
+            Color::of_series(index),
+            levels
+                .iter()
+                .filter(|level| level.sigma_rotation_deg == *deg)
+                .map(|level| (level.sigma_translation_mm, value(level))),
+        )
     };
     let curves: Vec<Curve<'a>> = names.iter().zip(degrees).enumerate().map(curve).collect();
     let values = curves

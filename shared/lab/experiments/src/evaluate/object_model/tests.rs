@@ -1,10 +1,11 @@
 use super::true_surface::TrueSurface;
 use super::*;
 use nalgebra::Point3;
+use simulated_world::ModelSource;
 
 fn arguments(objects: u32, views: u32) -> ModelArguments {
     ModelArguments {
-        models: "generated".into(),
+        models: ModelSource::Generated,
         objects,
         views,
         sequence: None,

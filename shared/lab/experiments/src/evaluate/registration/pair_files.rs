@@ -14,19 +14,8 @@ const TARGET: &str = "_tgt.f32";
 
 /// Reads all pairs of a folder, ordered by name. Both views of a pair are in one frame, metres.
 pub(super) fn read(folder: &Path) -> Result<Vec<ViewPair>, Failure> {
-    let unreadable = |error: std::io::Error| {
-        Failure::usage(format!(
-            "the folder {} cannot be read: {error}",
-            folder.display()
-        ))
-    };
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
-        let file = entry.map_err(unreadable)?.file_name();
-        if let Some(name) = file.to_str().and_then(|file| file.strip_suffix(SOURCE)) {
-            names.push(name.to_owned());
-        }
-    }
+    let is_source = |name: &str| name.ends_with(SOURCE);
+    let mut names = file_access::file_names(folder, is_source).map_err(Failure::usage)?;
     if names.is_empty() {
         return Err(Failure::usage(format!(
             "the folder {} has no pairs of views, which are files NAME{SOURCE} and NAME{TARGET}",
@@ -34,7 +23,8 @@ pub(super) fn read(folder: &Path) -> Result<Vec<ViewPair>, Failure> {
         )));
     }
     names.sort_unstable();
-    let pair = |name: String| {
+    let pair = |file: String| {
+        let name = file.trim_end_matches(SOURCE).to_owned();
         Ok(ViewPair {
             target: points(&folder.join(format!("{name}{TARGET}")))?,
             source: points(&folder.join(format!("{name}{SOURCE}")))?,

@@ -4,11 +4,11 @@ use super::trials::ViewPair;
 use crate::arguments::RegistrationArguments;
 use crate::parallel;
 use crate::simulate::turntable::{SegmentedView, Turntable, TurntableRoom};
-use command_line::{Output, progress_bar};
+use command_line::Output;
 use dataset::washington::CAMERA;
 use nalgebra::Point3;
 use service::Failure;
-use simulated_world::{ModelChoice, ModelLibrary};
+use simulated_world::{ModelChoice, ModelLibrary, ModelSource};
 
 /// Height of the camera, as an index of the turntable's elevations: 30°.
 const HEIGHT: usize = 0;
@@ -19,21 +19,16 @@ type WorldView = (Vec<[f32; 3]>, Point3<f64>);
 /// Simulates a pair of views of each object. Objects that detection does not find in both views
 /// are left out.
 pub(super) fn simulate(
+    models: &ModelSource,
     arguments: &RegistrationArguments,
     output: &Output,
 ) -> Result<Vec<ViewPair>, Failure> {
-    let library = ModelLibrary::open(&arguments.models()).map_err(Failure::usage)?;
+    let library = ModelLibrary::open(models).map_err(Failure::usage)?;
     let models = library.choose(arguments.objects as usize, arguments.seed);
-    let bar = progress_bar(models.len() as u64, "objects", output);
-    let pairs = parallel::map(
-        models.len(),
-        &bar,
-        || (),
-        |(), object| pair(&models[object], &library, object, arguments),
-    );
-    bar.finish_and_clear();
-    let pairs: Result<Vec<Option<ViewPair>>, Failure> = pairs.into_iter().collect();
-    let pairs: Vec<ViewPair> = pairs?.into_iter().flatten().collect();
+    let pairs = parallel::try_map(models.len(), "objects", output, |object| {
+        pair(&models[object], &library, object, arguments)
+    })?;
+    let pairs: Vec<ViewPair> = pairs.into_iter().flatten().collect();
     if pairs.is_empty() {
         let sentence = "detection found none of the objects in both views; choose other models";
         return Err(Failure::general(sentence));

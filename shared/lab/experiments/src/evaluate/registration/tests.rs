@@ -1,7 +1,8 @@
 use super::*;
+use simulated_world::ModelSource;
 use std::path::PathBuf;
 
-fn arguments(pairs: Option<PathBuf>, models: Option<PathBuf>) -> RegistrationArguments {
+fn arguments(pairs: Option<PathBuf>, models: Option<ModelSource>) -> RegistrationArguments {
     RegistrationArguments {
         pairs,
         models,
@@ -46,11 +47,9 @@ fn corner_is_registered_with_itself_from_all_starts() {
 
 #[test]
 fn simulated_pairs_show_one_object_and_are_read_back() {
-    let pairs = simulated_pairs::simulate(
-        &arguments(None, Some("generated".into())),
-        &Output::new(true),
-    )
-    .unwrap();
+    let models = ModelSource::Generated;
+    let arguments = arguments(None, Some(models.clone()));
+    let pairs = simulated_pairs::simulate(&models, &arguments, &Output::new(true)).unwrap();
     assert!(!pairs.is_empty());
     for pair in &pairs {
         let [at_target, at_source] = pair.viewpoints.unwrap();

@@ -3,21 +3,20 @@
 use super::candidate_label::{CandidateLabel, label, visible_pixels};
 use super::scene_sampler::SceneSampler;
 use crate::evaluate::recognition::{HypothesisDescriptors, ViewDescriber};
+use crate::frame_detector::{FrameDetector, up_in_camera};
 use crate::output_files::write;
 use constraint::Ternary;
 use description::ObjectPoints;
-use detection::{
-    Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace, detect,
-};
+use detection::Candidate;
 use evaluation::hypothesis_image::HypothesisImages;
 use evaluation::labelled_scenes::LabelledScene;
 use evaluation::scene_picture;
 use evaluation::segmentation_score::{FIRST_OBJECT_LABEL, Overlaps};
 use geometry::PinholeCamera;
-use nalgebra::{Unit, Vector3};
+use nalgebra::{UnitVector3, Vector3};
 use point_cloud::{OrganizedCloud, Point};
 use service::Failure;
-use simulated_world::{ObjectTruth, SimulatedKinect, World};
+use simulated_world::{ObjectTruth, SimulatedKinect};
 use std::path::Path;
 use std::time::Instant;
 
@@ -52,9 +51,7 @@ pub(super) struct DescribedScene {
 /// Simulator, detector and describer of one worker, with buffers reused from scene to scene.
 pub(super) struct SceneDescriber {
     describer: ViewDescriber,
-    config: Config,
-    workspace: Workspace,
-    detection: Detection,
+    detector: FrameDetector,
     points: Vec<Point>,
 }
 
@@ -66,16 +63,14 @@ struct LabelledFrame<'a> {
     categories: Vec<u32>,
     /// Number of pixels with depth, by object number.
     visible: Vec<usize>,
-    up_in_camera: Unit<Vector3<f64>>,
+    up_in_camera: UnitVector3<f64>,
 }
 
 impl SceneDescriber {
     pub(super) fn new(describer: ViewDescriber) -> Self {
         Self {
             describer,
-            config: Config::default(),
-            workspace: Workspace::default(),
-            detection: Detection::default(),
+            detector: FrameDetector::default(),
             points: vec![Point::default(); CAMERA.n_pixels()],
         }
     }
@@ -100,9 +95,12 @@ impl SceneDescriber {
             mask: kinect.mask(),
             categories: categories(sampler, &objects)?,
             visible: visible_pixels(kinect.mask(), &self.points, objects.len()),
-            up_in_camera: up_in_camera(&world),
+            up_in_camera: up_in_camera(&world.world_from_camera(), &Vector3::z_axis()),
         };
-        self.detect(&frame_truth)?;
+        let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
+        let cloud = OrganizedCloud::new(&self.points, width, height).map_err(Failure::general)?;
+        let up = Some(frame_truth.up_in_camera);
+        self.detector.detect(cloud, up, number as u64);
         let mut described = self.label_and_describe(&frame_truth);
         if let Some(name) = SceneSampler::name_if_first(number) {
             let place = format!("{PICTURES}/{name}.png");
@@ -110,30 +108,6 @@ impl SceneDescriber {
             described.picture = Some((name, place));
         }
         Ok(described)
-    }
-
-    /// Runs detection. A refused frame has no candidates, so all of its objects are missed.
-    fn detect(&mut self, frame_truth: &LabelledFrame<'_>) -> Result<(), Failure> {
-        let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
-        let frame = DetectionInput {
-            cloud: OrganizedCloud::new(&self.points, width, height).map_err(Failure::general)?,
-            up_in_camera: Some(frame_truth.up_in_camera),
-            seed: frame_truth.number as u64,
-            priors: ScenePriors::default(),
-        };
-        let (config, workspace) = (&self.config, &mut self.workspace);
-        if detect(
-            &frame,
-            config,
-            workspace,
-            &mut self.detection,
-            Execution::default(),
-        )
-        .is_err()
-        {
-            self.detection = Detection::default();
-        }
-        Ok(())
     }
 
     /// Labels and describes the candidates that fulfil the object rule, upright on the table.
@@ -146,14 +120,12 @@ impl SceneDescriber {
                 scene.n_hidden += 1;
             }
         }
-        let table = self.detection.table.as_ref();
-        let up = table.map(|table| {
-            let normal = table.table_from_camera.rotation.inverse() * Vector3::z();
-            Unit::new_normalize(normal)
-        });
+        let detection = self.detector.detection();
+        let table = detection.table.as_ref();
+        let up = table.map(|table| up_in_camera(&table.table_from_camera, &Vector3::z_axis()));
         let is_object = |candidate: &&Candidate| candidate.verdict == Ternary::True;
-        for candidate in self.detection.candidates.iter().filter(is_object) {
-            let indices = self.detection.points_of(candidate);
+        for candidate in detection.candidates.iter().filter(is_object) {
+            let indices = detection.points_of(candidate);
             let begin = Instant::now();
             let descriptors = ObjectPoints::selected(&self.points, indices)
                 .and_then(|points| self.describer.describe(points, up.as_ref()));
@@ -183,7 +155,7 @@ impl SceneDescriber {
 
     /// Draws colour, truth and result in one picture.
     fn draw(&self, frame_truth: &LabelledFrame<'_>, path: &Path) -> Result<(), Failure> {
-        let n_objects = frame_truth.categories.len();
+        let (n_objects, detection) = (frame_truth.categories.len(), self.detector.detection());
         let label_of = |(&id, point): (&u16, &Point)| match usize::from(id) {
             _ if !point.is_finite() => 0,
             1.. if usize::from(id) <= n_objects => FIRST_OBJECT_LABEL * id,
@@ -202,11 +174,11 @@ impl SceneDescriber {
             height: CAMERA.height as usize,
             up_in_camera: Some(frame_truth.up_in_camera),
         };
-        let found = HypothesisImages::of(&self.detection, self.points.len()).ok_or_else(|| {
+        let found = HypothesisImages::of(detection, self.points.len()).ok_or_else(|| {
             Failure::general("detection finds more objects than 16 bits can number")
         })?;
         let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
-        let image = scene_picture::draw(&scene, self.detection.table.as_ref(), &found, &overlaps);
+        let image = scene_picture::draw(&scene, detection.table.as_ref(), &found, &overlaps);
         write(path, &image.map_err(Failure::general)?)
     }
 }
@@ -217,8 +189,4 @@ fn categories(sampler: &SceneSampler, objects: &[ObjectTruth]) -> Result<Vec<u32
         number.ok_or_else(|| Failure::general(format!("no set has a category {}", object.category)))
     };
     objects.iter().map(number_of).collect()
-}
-
-fn up_in_camera(world: &World) -> Unit<Vector3<f64>> {
-    Unit::new_normalize(world.world_from_camera().rotation.inverse() * Vector3::z())
 }

@@ -10,8 +10,8 @@ fn scene_views_find_most_objects_and_are_reproducible() {
     let output = Output::new(true);
     let simulated = || simulate(12, 4, method, folder.path(), &output).unwrap();
     let views = simulated();
-    let n_visible: u32 = views.n_visible.iter().sum();
-    assert_eq!(n_visible + views.n_hidden, 2 * 41);
+    let n_visible: u32 = views.statistics.n_visible.iter().sum();
+    assert_eq!(n_visible + views.statistics.n_hidden, 2 * 41);
     let n_found = views.table.labels.len();
     assert!(
         n_found > 60 && n_found <= n_visible as usize,
@@ -20,10 +20,10 @@ fn scene_views_find_most_objects_and_are_reproducible() {
     let n_clutter = views.scenes_of_clutter.len();
     assert_eq!(views.descriptions.len(), n_found + n_clutter);
     assert_eq!(views.kinds, (0..12).collect::<Vec<_>>());
-    for (_, place) in &views.pictures {
+    for (_, place) in &views.statistics.pictures {
         assert!(folder.path().join(place).is_file(), "{place}");
     }
-    assert_eq!(views.pictures.len(), 12);
+    assert_eq!(views.statistics.pictures.len(), 12);
     let again = simulated();
     assert_eq!(again.table.labels, views.table.labels);
     assert_eq!(again.descriptions, views.descriptions);

@@ -8,7 +8,7 @@ use super::small_text_file;
 use crate::arguments::TrackingArguments;
 use crate::evaluate::report_parts::ReportFiles;
 use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number};
-use crate::output_files::{create_folder, write};
+use crate::output_files::{create_folder, write, write_figure};
 use command_line::{Output, progress_bar};
 use evaluation::box_picture::{self, NumberedBox};
 use evaluation::resting_objects::RestingObjects;
@@ -87,16 +87,13 @@ pub(super) fn run(
         &recording.up_in_world(),
     );
     let picture = format!("{PICTURES}/{}.svg", recording.name);
-    let svg = figure.svg().map_err(Failure::general)?;
-    write(&arguments.out.join(&picture), svg.as_bytes())?;
+    write_figure(&arguments.out, &picture, figure.svg())?;
     let spans = track_spans(&sequence.frames);
     let mut document = document(&spans, sequence.frames.len(), labels.as_ref(), arguments);
     document.truth = marks.map(|marks| RestingReport::of(&sequence.frames, marks));
     let title = format!("Tracks in {}", recording.name);
     let page = page(&document, &title, &picture);
-    page.write(&arguments.out, "tracking.json", &document)?;
-    output.answer(&document, || page.text());
-    Ok(ExitCode::SUCCESS)
+    page.publish(&arguments.out, "tracking.json", &document, output)
 }
 
 /// Picture of a frame with the boxes of its visible tracks.

@@ -2,16 +2,17 @@
 
 use super::RATE_HZ;
 use super::ground_truth::{GroundTruth, LabelledDepthImage};
-use super::tracking_pipeline::{TrackerInput, TrackingPipeline};
+use super::tracking_pipeline::TrackingPipeline;
 use super::tracking_run::TrackedSequence;
+use crate::frame_detector::up_in_camera;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use evaluation::tracked_frame::{GroundTruthObject, TrackState, TrackedFrame};
 use geometry::{PinholeCamera, RigidTransform};
-use nalgebra::{Quaternion, Translation3, Unit, UnitQuaternion, UnitVector3, Vector3};
+use nalgebra::{UnitVector3, Vector3};
+use pipeline::{FramePose, SequentialFrame};
 use point_cloud::{OrganizedCloud, Point};
-use serde::Deserialize;
 use service::Failure;
-use simulated_world::{ObjectState, ObjectTruth};
+use simulated_world::truth_from_json;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -28,67 +29,6 @@ pub(super) struct ProcessedFrame<'a> {
     pub(super) camera: &'a PinholeCamera,
     pub(super) world_from_camera: RigidTransform,
     pub(super) tracks: &'a [TrackState],
-}
-
-/// Ground truth of a frame as written in its file.
-#[derive(Deserialize)]
-struct RawGroundTruth {
-    objects: Vec<RawObject>,
-}
-
-#[derive(Deserialize)]
-struct RawObject {
-    id: u16,
-    name: String,
-    category: String,
-    state: String,
-    position_m: [f64; 3],
-    orientation_xyzw: [f64; 4],
-    size_m: [f64; 3],
-    velocity_m_s: [f64; 3],
-    visible_px: u32,
-    unoccluded_px: u32,
-}
-
-impl TryFrom<RawObject> for ObjectTruth {
-    type Error = String;
-
-    fn try_from(raw: RawObject) -> Result<Self, String> {
-        let rotation = Quaternion::from(raw.orientation_xyzw);
-        if !(0.99..1.01).contains(&rotation.norm()) {
-            return Err(format!(
-                "the orientation of object {} is no unit quaternion",
-                raw.id
-            ));
-        }
-        let rotation = UnitQuaternion::new_normalize(rotation);
-        let state = match raw.state.as_str() {
-            "settled" => ObjectState::Settled,
-            "held-by-person" => ObjectState::HeldByPerson,
-            "held-by-arm" => ObjectState::HeldByArm,
-            "on-floor" => ObjectState::OnFloor,
-            _ => ObjectState::Moving,
-        };
-        Ok(Self {
-            id: raw.id,
-            name: raw.name,
-            category: raw.category,
-            world_from_object: RigidTransform::from_parts(
-                Translation3::from(Vector3::from(raw.position_m)),
-                rotation,
-            ),
-            size_m: raw.size_m.into(),
-            velocity_m_s: raw.velocity_m_s.into(),
-            state,
-            visible_px: raw.visible_px,
-            unoccluded_px: raw.unoccluded_px,
-        })
-    }
-}
-
-fn parse_truth(json: &[u8]) -> Result<Vec<ObjectTruth>, String> {
-    let raw: RawGroundTruth = serde_json::from_slice(json).map_err(|error| error.to_string())?;
-    raw.objects.into_iter().map(TryInto::try_into).collect()
 }
 
 impl RecordedSequence {
@@ -163,20 +103,19 @@ impl RecordedSequence {
         index: usize,
         points: &'a [Point],
         world_from_camera: RigidTransform,
-    ) -> Result<TrackerInput<'a>, Failure> {
+    ) -> Result<SequentialFrame<'a>, Failure> {
         let camera = self.sequence.camera();
         let (width, height) = (camera.width as usize, camera.height as usize);
         let gravity = self.sequence.gravity_in_world();
-        let up_in_camera = gravity.map(|down| {
-            Unit::new_normalize(world_from_camera.rotation.inverse() * -down.into_inner())
-        });
-        Ok(TrackerInput {
-            number: index as u64,
-            capture_ns: ((1.0 + index as f64 / RATE_HZ) * 1e9).round() as u64,
+        Ok(SequentialFrame {
+            pose: FramePose {
+                capture_ns: ((1.0 + index as f64 / RATE_HZ) * 1e9).round() as u64,
+                world_from_camera,
+                up_in_camera: gravity.map(|down| up_in_camera(&world_from_camera, &-down)),
+                camera: Some(*camera),
+            },
             cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
-            camera: *camera,
-            world_from_camera,
-            up_in_camera,
+            seed: index as u64,
             people: None,
             robot: None,
         })
@@ -237,7 +176,7 @@ impl GroundTruthReader {
         if !has_truth || !has_mask.map_err(Failure::general)? {
             return Ok(Vec::new());
         }
-        let objects = parse_truth(&self.text).map_err(|error| {
+        let objects = truth_from_json(&self.text).map_err(|error| {
             let name = sequence.name(index).unwrap_or_default();
             Failure::general(format!("{name}.truth.json is no truth of a frame: {error}"))
         })?;
@@ -257,41 +196,5 @@ impl GroundTruthReader {
             up_in_world,
         };
         Ok(self.truth.of_frame(&view, &objects))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ground_truth_files_are_read_back_and_validated() {
-        let object = ObjectTruth {
-            id: 3,
-            name: "mug-7".into(),
-            category: "mug".into(),
-            world_from_object: RigidTransform::new(Vector3::new(0.1, 0.2, 0.7), Vector3::z()),
-            size_m: Vector3::new(0.1, 0.08, 0.09),
-            velocity_m_s: Vector3::zeros(),
-            state: ObjectState::HeldByPerson,
-            visible_px: 900,
-            unoccluded_px: 1000,
-        };
-        let text = simulated_world::truth_json(4, 0.5, std::slice::from_ref(&object));
-        let read = parse_truth(text.as_bytes()).unwrap();
-        assert_eq!(
-            (read[0].id, &read[0].name, read[0].state),
-            (3, &object.name, object.state)
-        );
-        let apart = read[0].world_from_object.inverse() * object.world_from_object;
-        assert!(apart.translation.vector.norm() < 1e-12 && apart.rotation.angle() < 1e-7);
-        let w = object.world_from_object.rotation.w;
-        let broken = text.replace(&format!("{w}"), "9.0");
-        assert!(
-            parse_truth(broken.as_bytes())
-                .unwrap_err()
-                .contains("object 3")
-        );
-        assert!(parse_truth(b"{}").is_err());
     }
 }

@@ -5,36 +5,22 @@ use service::Failure;
 use simulated_world::{ModelLibrary, Scene};
 use std::path::{Path, PathBuf};
 
+/// Names and texts of scene files of this crate.
+macro_rules! scene_files {
+    ($($name:literal),+) => {
+        [$(($name, include_str!(concat!("../../../scenes/tracking/", $name, ".toml")))),+]
+    };
+}
+
 /// Built-in tracking scenarios: name and scene file.
-const BUILT_IN: [(&str, &str); 7] = [
-    (
-        "static",
-        include_str!("../../../scenes/tracking/static.toml"),
-    ),
-    (
-        "moved-by-hand",
-        include_str!("../../../scenes/tracking/moved-by-hand.toml"),
-    ),
-    (
-        "crossing",
-        include_str!("../../../scenes/tracking/crossing.toml"),
-    ),
-    (
-        "occlusion",
-        include_str!("../../../scenes/tracking/occlusion.toml"),
-    ),
-    (
-        "contact-and-separation",
-        include_str!("../../../scenes/tracking/contact-and-separation.toml"),
-    ),
-    (
-        "camera-moving",
-        include_str!("../../../scenes/tracking/camera-moving.toml"),
-    ),
-    (
-        "removed",
-        include_str!("../../../scenes/tracking/removed.toml"),
-    ),
+const BUILT_IN: [(&str, &str); 7] = scene_files![
+    "static",
+    "moved-by-hand",
+    "crossing",
+    "occlusion",
+    "contact-and-separation",
+    "camera-moving",
+    "removed"
 ];
 
 /// Scene file; each seed plays the same actions with other objects at other places.
@@ -83,18 +69,12 @@ pub(super) fn of_files(path: &Path) -> Result<Vec<Scenario>, Failure> {
     if path.is_file() {
         return Ok(vec![Scenario::open(path)?]);
     }
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(path).map_err(|error| unreadable(path, error))? {
-        let file = entry.map_err(Failure::general)?.path();
-        if file
-            .extension()
-            .is_some_and(|extension| extension == "toml")
-        {
-            files.push(file);
-        }
-    }
-    files.sort();
-    files.iter().map(|file| Scenario::open(file)).collect()
+    let is_scene = |name: &str| Path::new(name).extension().is_some_and(|e| e == "toml");
+    let files = file_access::file_names(path, is_scene);
+    let mut files = files.map_err(|error| unreadable(path, error))?;
+    files.sort_unstable();
+    let files = files.iter();
+    files.map(|file| Scenario::open(&path.join(file))).collect()
 }
 
 /// Scenarios of the given names; all without names.

@@ -4,11 +4,13 @@ use super::RATE_HZ;
 use super::ground_truth::{GroundTruth, LabelledDepthImage};
 use super::person_tracks::tracks_of_people;
 use super::scenario::Scenario;
-use super::tracking_pipeline::{TrackerInput, TrackingPipeline};
+use super::tracking_pipeline::TrackingPipeline;
 use super::tracking_run::TrackedSequence;
+use crate::frame_detector::up_in_camera;
 use evaluation::tracked_frame::TrackedFrame;
-use geometry::PinholeCamera;
-use nalgebra::{Unit, Vector3};
+use geometry::{Capsule, PinholeCamera};
+use nalgebra::Vector3;
+use pipeline::{FramePose, SequentialFrame};
 use point_cloud::{OrganizedCloud, Point};
 use service::Failure;
 use simulated_world::{SimulatedKinect, World};
@@ -91,19 +93,26 @@ pub(in super::super) fn track(
     let camera = PinholeCamera::KINECT_V1;
     let (width, height) = (camera.width as usize, camera.height as usize);
     let world_from_camera = world.world_from_camera();
-    let up_in_camera = world_from_camera.rotation.inverse() * Vector3::z();
-    let (people, arm) = (world.person_capsules(), world.arm_capsules());
-    let seen = TrackerInput {
-        number,
-        capture_ns,
+    let camera_from_world = world_from_camera.inverse();
+    let in_camera = |capsules: Vec<Capsule>| -> Vec<Capsule> {
+        let in_camera = |capsule: &Capsule| capsule.transformed(&camera_from_world);
+        capsules.iter().map(in_camera).collect()
+    };
+    let people = in_camera(world.person_capsules());
+    let arm = in_camera(world.arm_capsules());
+    let frame = SequentialFrame {
+        pose: FramePose {
+            capture_ns,
+            world_from_camera,
+            up_in_camera: Some(up_in_camera(&world_from_camera, &Vector3::z_axis())),
+            camera: Some(camera),
+        },
         cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
-        camera,
-        world_from_camera,
-        up_in_camera: Some(Unit::new_normalize(up_in_camera)),
+        seed: number,
         people: (!hidden_people).then_some(&people[..]),
         robot: (!arm.is_empty()).then_some(&arm[..]),
     };
-    tracker.step(&seen).map_err(Failure::general)
+    tracker.step(&frame).map_err(Failure::general)
 }
 
 #[cfg(test)]
