@@ -140,16 +140,11 @@ fn find_table(
     buffers: &mut OrganizedBuffers,
     execution: &mut Execution<'_>,
 ) -> Option<Table> {
-    let OrganizedBuffers {
-        samples,
-        table: selection,
-        surface,
-        tracer,
-        ..
-    } = buffers;
+    let (samples, surface) = (&mut buffers.samples, &mut buffers.surface);
     samples.refill(&frame.cloud, config);
     execution.end_stage(DetectionStage::Subsampling);
     let mut random = Random::from_seed(frame.seed);
+    let selection = &mut buffers.table;
     let table = select_table(samples, frame.up_in_camera, config, &mut random, selection);
     execution.end_stage(DetectionStage::TablePlane);
     let mut table = table?;
@@ -157,7 +152,7 @@ fn find_table(
     table.noise_ratio = noise_ratio(samples, &table, surface, &config.depth_noise);
     table.depth_noise = config.depth_noise.scaled(table.noise_ratio);
     if surface.differs_from_polygon() {
-        tracer.trace(surface, &mut table.outline);
+        buffers.tracer.trace(surface, &mut table.outline);
     }
     execution.end_stage(DetectionStage::TableSurface);
     Some(table)
@@ -171,20 +166,13 @@ fn list_above_table(
     parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
 ) {
-    let OrganizedBuffers {
-        samples,
-        surface,
-        holes,
-        bands,
-        over_table,
-        ..
-    } = buffers;
     let height = AffineForm::coordinates_of(&table.table_from_camera)[2];
-    holes.find(samples, &height, |z| {
+    buffers.holes.find(&buffers.samples, &height, |z| {
         lowest_m(z, config.height_min_m as f32, &table.depth_noise)
     });
-    let prism = Prism::over(table, config, holes, surface);
-    prism.list_pixels(cloud, parallelism, bands, over_table);
+    let prism = Prism::over(table, config, &buffers.holes, &buffers.surface);
+    let over_table = &mut buffers.over_table;
+    prism.list_pixels(cloud, parallelism, &mut buffers.bands, over_table);
 }
 
 /// Cluster the pixels above the table. Pixels of people and the robot are clustered
@@ -196,30 +184,24 @@ fn cluster_pixels(
     parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
 ) {
-    let OrganizedBuffers {
-        samples,
-        surface,
-        over_table,
-        body_mask,
-        reaching_bodies,
-        masked,
-        masked_clusters,
-        clusters,
-        ..
-    } = buffers;
+    let (over_table, masked) = (&mut buffers.over_table, &mut buffers.masked);
+    let (samples, bodies) = (&buffers.samples, &mut buffers.reaching_bodies);
+    let body_mask = &mut buffers.body_mask;
     body_mask.refill(&frame.priors, table, config);
     let tracks = frame.priors.tracks;
     body_mask.extract(&frame.cloud, tracks, over_table, masked);
     if frame.priors.instructor.is_none() {
-        reaching_bodies.find(frame, samples, table, surface, config);
-        reaching_bodies.extract(&frame.cloud, samples, over_table, masked);
+        bodies.find(frame, samples, table, &buffers.surface, config);
+        bodies.extract(&frame.cloud, samples, over_table, masked);
     } else {
-        reaching_bodies.clear();
+        bodies.clear();
     }
     let n_min = (config.points_min_at_1m / (config.range_max_m * config.range_max_m)) as u32;
+    let clusters = &mut buffers.clusters;
     clusters.label_components(&frame.cloud, parallelism, over_table, n_min);
     if !masked.is_empty() {
-        masked_clusters.label_components(&frame.cloud, parallelism, masked, n_min);
+        let clusters = &mut buffers.masked_clusters;
+        clusters.label_components(&frame.cloud, parallelism, masked, n_min);
     }
 }
 
@@ -283,13 +265,8 @@ pub(crate) fn add_segmentation_examples(
 /// Track-guided regrouping: split clusters shared by several tracked objects and merge
 /// fragments of one tracked object.
 fn regroup_by_tracks(frame: &DetectionInput<'_>, buffers: &mut OrganizedBuffers) {
-    let OrganizedBuffers {
-        clusters,
-        track_claims,
-        ..
-    } = buffers;
-    let tracks = frame.priors.tracks;
-    clusters.split_by_tracks(&frame.cloud, tracks, track_claims);
+    let (tracks, clusters) = (frame.priors.tracks, &mut buffers.clusters);
+    clusters.split_by_tracks(&frame.cloud, tracks, &mut buffers.track_claims);
     clusters.merge_by_tracks(&frame.cloud, tracks);
 }
 
@@ -319,19 +296,11 @@ fn find_hypotheses(
     parallelism: &dyn Parallelism,
     buffers: &mut OrganizedBuffers,
 ) {
-    let OrganizedBuffers {
-        samples,
-        masked,
-        masked_clusters,
-        clusters,
-        found_hypotheses,
-        hypotheses,
-        surface,
-        ..
-    } = buffers;
+    let (clusters, masked_clusters) = (&buffers.clusters, &buffers.masked_clusters);
+    let (found_hypotheses, hypotheses) = (&mut buffers.found_hypotheses, &mut buffers.hypotheses);
     let table_axes = AffineForm::coordinates_of(&table.table_from_camera);
-    let overlap = TableOverlap::new(table, surface);
-    let n_masked = if masked.is_empty() {
+    let overlap = TableOverlap::new(table, &buffers.surface);
+    let n_masked = if buffers.masked.is_empty() {
         0
     } else {
         masked_clusters.len()
@@ -340,11 +309,7 @@ fn find_hypotheses(
     let of_objects = (0..clusters.len() as u32).map(|cluster| (cluster, false));
     let all = of_objects.chain(of_bodies);
     found_hypotheses.for_each(parallelism, all, |found, (cluster, is_masked)| {
-        let own = if is_masked {
-            &*masked_clusters
-        } else {
-            &*clusters
-        };
+        let own = if is_masked { masked_clusters } else { clusters };
         let pixels = own.pixels(cluster as usize);
         if overlap.share(pixels, cloud) >= OVER_TABLE_SHARE_MIN
             && let Some(hypothesis) =
@@ -359,7 +324,7 @@ fn find_hypotheses(
     });
     hypotheses.clear();
     found_hypotheses.gather(hypotheses);
-    find_support_relations(cloud, clusters, table, samples.rays(), hypotheses);
+    find_support_relations(cloud, clusters, table, buffers.samples.rays(), hypotheses);
     let distance = |one: &ClusterHypothesis| one.statistics.centroid.coords.norm_squared();
     hypotheses.sort_unstable_by(|a, b| {
         distance(a)

@@ -1,9 +1,10 @@
-//! RANSAC plane search on the subsampled image.
+//! RANSAC plane search on samples.
 
 use crate::affine_form::AffineForm;
 use crate::samples::Samples;
 use geometry::Plane;
 use nalgebra::{Point3, Unit, Vector3};
+use point_cloud::PrincipalAxes;
 use random::Random;
 
 /// Target number of samples on which a hypothesis is scored.
@@ -17,92 +18,138 @@ const WINDOW: usize = 32;
 /// noise. Chosen.
 const WINDOW_MIN: isize = 5;
 
-/// Greatest number of hypotheses for one plane.
-const N_HYPOTHESES_MAX: usize = 240;
-
 /// Accepted probability of drawing no good hypothesis. Chosen.
 const MISS_CHANCE: f64 = 0.005;
 
-/// Assumed probability that two window neighbours of an inlier are inliers too. Chosen.
-const NEIGHBOURS_AGREE: f64 = 0.3;
+/// Effort of the plane search in an image. Chosen.
+const IMAGE_EFFORT: SearchEffort = SearchEffort {
+    n_hypotheses_max: 240,
+    neighbours_agree: 0.3,
+    n_local_fits: 3,
+    n_fits: 2,
+};
 
-/// Buffers of the plane search.
+/// Effort of a plane search.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SearchEffort {
+    /// Greatest number of hypotheses for one plane.
+    pub(crate) n_hypotheses_max: usize,
+    /// Assumed probability that the points drawn around an inlier make a good hypothesis.
+    pub(crate) neighbours_agree: f64,
+    /// Greatest number of least-squares fits of each new best hypothesis.
+    pub(crate) n_local_fits: usize,
+    /// Greatest number of least-squares fits of the best hypothesis to all samples.
+    pub(crate) n_fits: usize,
+}
+
+impl SearchEffort {
+    /// Adaptive number of RANSAC rounds for the inlier share found so far.
+    fn rounds_needed(&self, n_inliers: u32, n: usize) -> usize {
+        let hit = (self.neighbours_agree * f64::from(n_inliers) / n as f64).clamp(1e-6, 0.99);
+        (MISS_CHANCE.ln() / (1.0 - hit).ln())
+            .ceil()
+            .min(self.n_hypotheses_max as f64) as usize
+    }
+}
+
+/// Buffers of the plane search in an image.
 #[derive(Debug, Default)]
 pub(crate) struct PlaneSearchBuffers {
     free: Vec<u32>,
     counted: Samples,
 }
 
-/// Constraint on the direction of a plane's normal.
+/// Cone of accepted plane normals around up.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct NormalConstraint {
-    /// Up direction, camera frame.
+pub(crate) struct UpCone {
+    /// Up direction, frame of the samples.
     pub(crate) up: Unit<Vector3<f64>>,
     /// Least cosine between the normal, or its opposite, and up.
     pub(crate) cos_min: f64,
 }
 
-impl NormalConstraint {
-    fn allows(&self, plane: &Plane) -> bool {
-        plane.normal.dot(&self.up).abs() >= self.cos_min
+impl UpCone {
+    /// Plane oriented upwards; `None` when its normal is outside of the cone.
+    pub(crate) fn admit(&self, plane: Plane) -> Option<Plane> {
+        let cos = plane.normal.dot(&self.up);
+        let upwards = if cos < 0.0 {
+            Plane {
+                normal: -plane.normal,
+                offset_m: -plane.offset_m,
+            }
+        } else {
+            plane
+        };
+        (cos.abs() >= self.cos_min).then_some(upwards)
     }
 }
 
+/// Largest plane of an image, with three neighbouring samples for each hypothesis. Its
+/// positive side holds the camera.
+pub(crate) fn largest_plane_in_image(
+    samples: &Samples,
+    cone: Option<&UpCone>,
+    n_min: usize,
+    random: &mut Random,
+    buffers: &mut PlaneSearchBuffers,
+) -> Option<Plane> {
+    let PlaneSearchBuffers { free, counted } = buffers;
+    free.clear();
+    free.extend((0..samples.len() as u32).filter(|&i| samples.is_unassigned(i as usize)));
+    let draw = || drawn_neighbours(samples, free, random);
+    let plane = largest_plane(samples, cone, n_min, &IMAGE_EFFORT, draw, counted)?;
+    Some(plane.facing(&Point3::origin()))
+}
+
 /// Largest plane: the plane with the most unassigned samples in its band, refined by least
-/// squares; `None` when no hypothesis has `n_min` inliers. The positive side of the plane
-/// holds the camera.
+/// squares; `None` when no hypothesis has `n_min` inliers. `draw` draws the three samples of a
+/// hypothesis, and gives `None` when it missed.
 ///
 /// RANSAC (Fischler and Bolles 1981) with neighbouring points, local optimisation of each
 /// new best hypothesis (Chum, Matas and Kittler 2003) and an adaptive number of rounds.
 pub(crate) fn largest_plane(
     samples: &Samples,
-    limit: Option<&NormalConstraint>,
+    cone: Option<&UpCone>,
     n_min: usize,
-    random: &mut Random,
-    buffers: &mut PlaneSearchBuffers,
+    effort: &SearchEffort,
+    mut draw: impl FnMut() -> Option<[usize; 3]>,
+    counted: &mut Samples,
 ) -> Option<Plane> {
-    let allowed = |plane: &Plane| limit.is_none_or(|limit| limit.allows(plane));
-    buffers.free.clear();
-    buffers
-        .free
-        .extend((0..samples.len() as u32).filter(|&i| samples.is_unassigned(i as usize)));
-    if buffers.free.len() < n_min.max(3) {
+    let admit = |plane| cone.map_or(Some(plane), |cone| cone.admit(plane));
+    let n_free = samples.n_unassigned();
+    if n_free < n_min.max(3) {
         return None;
     }
-    let step = (buffers.free.len() / N_COUNTED_AIMED).max(1);
-    samples.subsample_into(step, &mut buffers.counted);
-    let counted = &buffers.counted;
-
+    samples.subsample_into((n_free / N_COUNTED_AIMED).max(1), counted);
+    let mut through_drawn = || {
+        let [a, b, c] = draw()?.map(|sample| samples.position(sample));
+        admit(Plane::through_points(&a, &b, &c)?)
+    };
     let mut best: Option<(Plane, u32)> = None;
-    let mut n_rounds = N_HYPOTHESES_MAX;
-    let mut round = 0;
+    let (mut round, mut n_rounds) = (0, effort.n_hypotheses_max);
     while round < n_rounds {
         round += 1;
-        let Some(plane) = hypothesis(samples, &buffers.free, random).filter(&allowed) else {
+        let Some(plane) = through_drawn() else {
             continue;
         };
         let n_inliers = counted.count_inliers(&AffineForm::from(&plane));
         if best.as_ref().is_none_or(|&(_, n_best)| n_inliers > n_best) {
-            let better = locally_optimised(counted, plane, n_inliers, &allowed);
-            n_rounds = rounds_needed(better.1, counted.len());
+            let n_fits = effort.n_local_fits;
+            let better = locally_optimised(counted, plane, n_inliers, n_fits, &admit);
+            n_rounds = effort.rounds_needed(better.1, counted.len());
             best = Some(better);
         }
     }
-    let plane = refined(samples, best?.0, &allowed);
+    let plane = refined(samples, best?.0, effort.n_fits, &admit);
     let n_inliers = samples.count_inliers(&AffineForm::from(&plane)) as usize;
-    (n_inliers >= n_min).then(|| plane.facing(&Point3::origin()))
+    (n_inliers >= n_min).then_some(plane)
 }
 
-/// Plane hypothesis through a random sample and two of its neighbours.
-fn hypothesis(samples: &Samples, free: &[u32], random: &mut Random) -> Option<Plane> {
+/// Random sample and two of its neighbours.
+fn drawn_neighbours(samples: &Samples, free: &[u32], random: &mut Random) -> Option<[usize; 3]> {
     let anchor = free[random.below(free.len())] as usize;
     let second = neighbour(samples, anchor, random)?;
-    let third = neighbour(samples, anchor, random)?;
-    Plane::through_points(
-        &samples.position(anchor),
-        &samples.position(second),
-        &samples.position(third),
-    )
+    Some([anchor, second, neighbour(samples, anchor, random)?])
 }
 
 fn neighbour(samples: &Samples, anchor: usize, random: &mut Random) -> Option<usize> {
@@ -124,10 +171,11 @@ fn locally_optimised(
     counted: &Samples,
     mut plane: Plane,
     mut n_inliers: u32,
-    allowed: &impl Fn(&Plane) -> bool,
+    n_fits: usize,
+    admit: &impl Fn(Plane) -> Option<Plane>,
 ) -> (Plane, u32) {
-    for _ in 0..3 {
-        let Some(fitted) = fitted(counted, &plane).filter(allowed) else {
+    for _ in 0..n_fits {
+        let Some(fitted) = fitted(counted, &plane).and_then(admit) else {
             break;
         };
         let n_fitted = counted.count_inliers(&AffineForm::from(&fitted));
@@ -141,9 +189,14 @@ fn locally_optimised(
 
 /// Least-squares refinement over all samples, repeated because the inliers change with the
 /// plane.
-fn refined(samples: &Samples, mut plane: Plane, allowed: &impl Fn(&Plane) -> bool) -> Plane {
-    for _ in 0..2 {
-        match fitted(samples, &plane).filter(allowed) {
+fn refined(
+    samples: &Samples,
+    mut plane: Plane,
+    n_fits: usize,
+    admit: &impl Fn(Plane) -> Option<Plane>,
+) -> Plane {
+    for _ in 0..n_fits {
+        match fitted(samples, &plane).and_then(admit) {
             Some(better) => plane = better,
             None => break,
         }
@@ -153,17 +206,12 @@ fn refined(samples: &Samples, mut plane: Plane, allowed: &impl Fn(&Plane) -> boo
 
 /// Least-squares plane of the inliers of another plane.
 fn fitted(samples: &Samples, plane: &Plane) -> Option<Plane> {
-    let axes = samples
-        .inlier_moments(&AffineForm::from(plane))
-        .principal_axes()?;
-    let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
-    Some(Plane::through(&axes.centroid, normal))
+    let moments = samples.inlier_moments(&AffineForm::from(plane));
+    least_squares_plane(&moments.principal_axes()?)
 }
 
-/// Adaptive number of RANSAC rounds for the inlier share found so far.
-fn rounds_needed(n_inliers: u32, n: usize) -> usize {
-    let hit = (NEIGHBOURS_AGREE * f64::from(n_inliers) / n as f64).clamp(1e-6, 0.99);
-    (MISS_CHANCE.ln() / (1.0 - hit).ln())
-        .ceil()
-        .min(N_HYPOTHESES_MAX as f64) as usize
+/// Least-squares plane of points with these principal axes, of either orientation.
+pub(crate) fn least_squares_plane(axes: &PrincipalAxes) -> Option<Plane> {
+    let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
+    Some(Plane::through(&axes.centroid, normal))
 }

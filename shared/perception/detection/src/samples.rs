@@ -74,6 +74,25 @@ impl Samples {
         self.rays = RayGrid::fit(self);
     }
 
+    /// Replace the samples by points in one column, all of them assigned until
+    /// [`release`](Self::release).
+    pub(crate) fn refill_column(&mut self, points: impl Iterator<Item = [f32; 3]>) {
+        self.clear();
+        for [x, y, z] in points {
+            self.x.push(x);
+            self.y.push(y);
+            self.z.push(z);
+        }
+        (self.width, self.height) = (1, self.x.len());
+        self.release(NO_BAND);
+    }
+
+    /// Clear the assignment of all samples and set their inlier band, metres.
+    pub(crate) fn release(&mut self, band_m: f32) {
+        self.band.clear();
+        self.band.resize(self.x.len(), band_m);
+    }
+
     fn clear(&mut self) {
         (self.width, self.height) = (0, 0);
         for values in [&mut self.x, &mut self.y, &mut self.z, &mut self.band] {
@@ -143,6 +162,11 @@ impl Samples {
     #[inline]
     pub(crate) fn is_unassigned(&self, sample: usize) -> bool {
         self.band[sample] >= 0.0
+    }
+
+    /// Number of samples in range that are not assigned to a plane.
+    pub(crate) fn n_unassigned(&self) -> usize {
+        self.band.iter().filter(|&&band| band >= 0.0).count()
     }
 
     /// Coordinates of the samples, camera frame, and whether they are in range and not assigned

@@ -3,7 +3,7 @@
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::occluded_table::{OccludedTableBuffers, stands_on};
-use crate::plane_ransac::{NormalConstraint, PlaneSearchBuffers, largest_plane};
+use crate::plane_ransac::{PlaneSearchBuffers, UpCone, largest_plane_in_image};
 use crate::plane_region::{
     PlaneRegionBuffers, RegionFilter, find_region, region_plane, region_polygon,
 };
@@ -99,27 +99,13 @@ pub(crate) fn select_table(
     if choice == TableChoice::Only && !is_all {
         choice = TableChoice::Most;
     }
-    find_wide_region(samples, &chosen.plane, &mut buffers.region);
+    let region = &mut buffers.region;
+    find_region(samples, &chosen.plane, RegionFilter::WideOnly, region);
     if let Some(plane) = find_table_under(samples, &chosen, config, n_min, buffers) {
-        let (plane_from_camera, region) = (plane.plane_from_source(), &mut buffers.region);
-        find_region(
-            samples,
-            &plane,
-            &plane_from_camera,
-            RegionFilter::All,
-            region,
-        );
+        find_region(samples, &plane, RegionFilter::All, &mut buffers.region);
         return outlined_table(samples, plane, TableChoice::Around, buffers);
     }
     outlined_table(samples, chosen.plane, choice, buffers)
-}
-
-/// Find the largest region of a plane that is somewhere wider than a strip; returns its number
-/// of samples.
-fn find_wide_region(samples: &Samples, plane: &Plane, region: &mut PlaneRegionBuffers) -> usize {
-    let plane_from_camera = plane.plane_from_source();
-    let parts = RegionFilter::WideOnly;
-    find_region(samples, plane, &plane_from_camera, parts, region)
 }
 
 /// Plane search: the largest planes of an image, of which the samples stay assigned. `true`
@@ -133,18 +119,15 @@ fn find_planes(
     random: &mut Random,
     buffers: &mut TableSelectionBuffers,
 ) -> bool {
-    let limit = up_in_camera.map(|up| NormalConstraint {
+    let cone = up_in_camera.map(|up| UpCone {
         up,
         cos_min: config.table_tilt_max_rad.cos(),
     });
-    let n_dominant = ((0..samples.len())
-        .filter(|&i| samples.is_unassigned(i))
-        .count() as f64
-        * DOMINANT_SHARE) as usize;
+    let n_dominant = (samples.n_unassigned() as f64 * DOMINANT_SHARE) as usize;
     buffers.found.clear();
     for _ in 0..N_PLANES_MAX {
-        let Some(plane) =
-            largest_plane(samples, limit.as_ref(), n_min, random, &mut buffers.search)
+        let search = &mut buffers.search;
+        let Some(plane) = largest_plane_in_image(samples, cone.as_ref(), n_min, random, search)
         else {
             break;
         };
@@ -191,19 +174,12 @@ fn find_table_under(
             .find(&mut carries);
         let Some(under) = under else { break };
         lowest = under;
-        find_wide_region(samples, &lowest.plane, region);
+        find_region(samples, &lowest.plane, RegionFilter::WideOnly, region);
     }
     if lowest.plane == chosen.plane {
         return None;
     }
-    let lowest_from_camera = lowest.plane.plane_from_source();
-    find_region(
-        samples,
-        &lowest.plane,
-        &lowest_from_camera,
-        RegionFilter::All,
-        region,
-    );
+    find_region(samples, &lowest.plane, RegionFilter::All, region);
     Some(region_plane(samples, region).unwrap_or(lowest.plane))
 }
 
@@ -237,7 +213,7 @@ fn through_largest_region(
     n_min: usize,
     region: &mut PlaneRegionBuffers,
 ) -> PlaneCandidate {
-    let n_samples = find_wide_region(samples, &plane, region);
+    let n_samples = find_region(samples, &plane, RegionFilter::WideOnly, region);
     let plane = region_plane(samples, region).unwrap_or(plane);
     PlaneCandidate {
         plane,

@@ -19,8 +19,6 @@ mod voxel_centroids;
 mod voxel_clusters;
 mod voxel_detection;
 mod voxel_grid;
-mod voxel_plane_ransac;
-mod voxel_plane_region;
 mod voxel_table;
 
 use self::point_labels::PointLabels;

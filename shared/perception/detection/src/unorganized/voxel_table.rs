@@ -2,16 +2,34 @@
 
 use super::voxel_centroids::VoxelCentroids;
 use super::voxel_grid::VoxelGrid;
-use super::voxel_plane_ransac::{UpCone, largest_plane};
-use super::voxel_plane_region::VoxelPlaneRegion;
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::outline::Outline;
+use crate::plane_ransac::{SearchEffort, UpCone, largest_plane, least_squares_plane};
+use crate::plane_region::{
+    CELL_M, PlaneRegionBuffers, RegionFilter, RegionRule, find_region_along, region_axes,
+    region_polygon,
+};
+use crate::samples::Samples;
 use crate::table::{FLOOR_GAP_M, Table, TableChoice};
 use crate::table_surface::TableSurface;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Unit, Vector3};
 use random::Random;
+
+/// Effort of the plane search. Chosen.
+const EFFORT: SearchEffort = SearchEffort {
+    n_hypotheses_max: 800,
+    neighbours_agree: 0.2,
+    n_local_fits: 1,
+    n_fits: 3,
+};
+
+/// Least side of an occupancy cell on a plane, voxels. Chosen.
+const CELL_VOXELS: f32 = 2.5;
+
+/// Greatest number of occupancy cells per side; a larger plane gets larger cells.
+const CELLS_MAX: usize = 512;
 
 /// Greatest number of planes searched per direction.
 const N_PLANES_MAX: usize = 5;
@@ -60,8 +78,8 @@ pub(super) struct VoxelTable {
 #[derive(Debug, Default)]
 pub(super) struct VoxelTableSearch {
     centroids: VoxelCentroids,
-    counted: VoxelCentroids,
-    region: VoxelPlaneRegion,
+    counted: Samples,
+    region: PlaneRegionBuffers,
     found: Vec<VoxelPlaneCandidate>,
 }
 
@@ -136,23 +154,25 @@ impl VoxelTableSearch {
     ) {
         let voxel_m = voxels.size_m();
         let band_m = (config.plane_band_min_m as f32).max(BAND_VOXELS * voxel_m);
-        let n_min = ((SHARE_MIN * self.centroids.len() as f64) as usize).max(N_VOXELS_MIN);
+        let rule = RegionRule {
+            cell_m: CELL_M.max(CELL_VOXELS * voxel_m),
+            n_cells_max: CELLS_MAX,
+            parts: RegionFilter::WideParts,
+        };
+        let n_voxels = self.centroids.samples.len();
+        let n_min = ((SHARE_MIN * n_voxels as f64) as usize).max(N_VOXELS_MIN);
         self.found.clear();
-        self.centroids.reset_assignment();
+        self.centroids.samples.release(band_m);
         for _ in 0..N_PLANES_MAX {
-            let Some(plane) = largest_plane(
-                &self.centroids,
-                cone,
-                band_m,
-                n_min,
-                random,
-                &mut self.counted,
-            ) else {
-                break;
-            };
-            let found = self.outlined(plane, cone, band_m, voxel_m);
-            self.centroids
-                .assign_in_band(&AffineForm::from(&plane), band_m);
+            let Self {
+                centroids, counted, ..
+            } = self;
+            let (samples, draw) = (&centroids.samples, || centroids.draw(random));
+            let plane = largest_plane(samples, Some(cone), n_min, &EFFORT, draw, counted);
+            let Some(plane) = plane else { break };
+            let found = self.outlined(plane, cone, &rule);
+            let samples = &mut self.centroids.samples;
+            samples.assign_inliers(&AffineForm::from(&plane));
             if let Some(mut found) = found.filter(|found| found.n_voxels >= n_min) {
                 found.n_carried = self.count_carried(&found, config, surface);
                 self.found.push(found);
@@ -165,30 +185,25 @@ impl VoxelTableSearch {
         &mut self,
         plane: Plane,
         cone: &UpCone,
-        band_m: f32,
-        voxel_m: f32,
+        rule: &RegionRule,
     ) -> Option<VoxelPlaneCandidate> {
-        let Self {
-            centroids, region, ..
-        } = self;
-        region.find(centroids, &plane.plane_from_source(), band_m, voxel_m);
-        let mut moments = point_cloud::Moments::default();
-        for i in region.members() {
-            moments.add(&centroids.position(i));
-        }
-        let axes = moments.principal_axes()?;
-        let normal = Unit::try_new(axes.axes.column(2).into_owned(), 0.5)?;
-        let plane = cone.admit(Plane::through(&axes.centroid, normal))?;
+        let (samples, region) = (&self.centroids.samples, &mut self.region);
+        let axes = AffineForm::coordinates_of(&plane.plane_from_source());
+        find_region_along(samples, &axes, rule, region);
+        let principal = region_axes(samples, region)?;
+        let plane = cone.admit(least_squares_plane(&principal)?)?;
         let plane_from_cloud = plane.plane_from_source();
-        let n_voxels = region.find(centroids, &plane_from_cloud, band_m, voxel_m);
-        let polygon = region.polygon();
+        let axes = AffineForm::coordinates_of(&plane_from_cloud);
+        let n_voxels = find_region_along(samples, &axes, rule, region);
+        let mut polygon = ConvexPolygon::default();
+        region_polygon(samples, region, &mut polygon);
         (polygon.corners().len() >= 3).then_some(VoxelPlaneCandidate {
             plane,
             plane_from_cloud,
             polygon,
             n_voxels,
             n_carried: 0,
-            scatter_m: axes.variances_m2.min().max(0.0).sqrt(),
+            scatter_m: principal.variances_m2.min().max(0.0).sqrt(),
         })
     }
 
@@ -202,11 +217,11 @@ impl VoxelTableSearch {
         surface.refill_from_polygon(&found.polygon);
         let [u, v, height] = AffineForm::coordinates_of(&found.plane_from_cloud);
         let heights = config.height_min_m as f32 + CARRIED_M..=config.height_max_m as f32;
-        let centroids = &self.centroids;
-        (0..centroids.len())
+        let samples = &self.centroids.samples;
+        (0..samples.len())
             .filter(|&i| {
-                heights.contains(&centroids.coordinate(&height, i))
-                    && surface.is_table(centroids.coordinate(&u, i), centroids.coordinate(&v, i))
+                heights.contains(&samples.coordinate(&height, i))
+                    && surface.is_table(samples.coordinate(&u, i), samples.coordinate(&v, i))
             })
             .count()
     }
