@@ -35,6 +35,11 @@ impl Variation {
         low + (high - low) * self.random.unit_f32()
     }
 
+    /// Uniform random value in `low..high` of each range, in their order.
+    pub(crate) fn each_between<const N: usize>(&mut self, ranges: [(f32, f32); N]) -> [f32; N] {
+        ranges.map(|(low, high)| self.between(low, high))
+    }
+
     /// Uniform random integer in `low..=high`.
     pub fn count(&mut self, low: usize, high: usize) -> usize {
         low + (self.seed() % (high.saturating_sub(low) as u64 + 1)) as usize
@@ -60,6 +65,11 @@ impl Variation {
         let mut by = || self.between(-10.0, 10.0);
         let (common, own) = (by(), [by() * 0.5, by() * 0.5, by() * 0.5]);
         jittered(color, own.map(|own| own + common))
+    }
+
+    /// Random colours, each close to one of its palette, in their order.
+    pub(crate) fn colors<const N: usize>(&mut self, palettes: [&[Rgb]; N]) -> [Rgb; N] {
+        palettes.map(|palette| self.color(palette))
     }
 }
 

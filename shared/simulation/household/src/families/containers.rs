@@ -177,11 +177,7 @@ pub(crate) fn jar(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn shampoo(v: &mut Variation) -> Solid {
-    let (w, d, h) = (
-        v.between(0.03, 0.037),
-        v.between(0.55, 0.72),
-        v.between(0.15, 0.2),
-    );
+    let [w, d, h] = v.each_between([(0.03, 0.037), (0.55, 0.72), (0.15, 0.2)]);
     let (print, cap) = (PrintedLabel::new(v, &PLASTICS), v.color(&PLASTICS));
     let waist = w * v.between(0.85, 1.0);
     let mut profile = polyline(&[(0.0, 0.0), (w * 0.9, 0.0)]);

@@ -85,11 +85,7 @@ pub(crate) fn pan(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn tray(v: &mut Variation) -> Solid {
-    let (x, y, h) = (
-        v.between(0.26, 0.34),
-        v.between(0.18, 0.24),
-        v.between(0.028, 0.042),
-    );
+    let [x, y, h] = v.each_between([(0.26, 0.34), (0.18, 0.24), (0.028, 0.042)]);
     let (wall, is_wood) = (0.009, v.with_probability(0.5));
     let base = if is_wood {
         v.color(&WOODS)
@@ -139,11 +135,7 @@ pub(crate) fn tray(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn rolling_pin(v: &mut Variation) -> Solid {
-    let (r, length, grip) = (
-        v.between(0.021, 0.028),
-        v.between(0.19, 0.23),
-        v.between(0.06, 0.075),
-    );
+    let [r, length, grip] = v.each_between([(0.021, 0.028), (0.19, 0.23), (0.06, 0.075)]);
     let (base, dark, seed) = (v.color(&WOODS), v.with_probability(0.4), v.seed());
     let knob = |x: f32, t: f32| (x * r, length / 2.0 + grip * t);
     let half = [

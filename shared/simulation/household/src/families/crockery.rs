@@ -167,11 +167,7 @@ pub(crate) fn plate(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn goblet(v: &mut Variation) -> Solid {
-    let (foot, r, h) = (
-        v.between(0.03, 0.036),
-        v.between(0.032, 0.04),
-        v.between(0.14, 0.18),
-    );
+    let [foot, r, h] = v.each_between([(0.03, 0.036), (0.032, 0.04), (0.14, 0.18)]);
     let (stem, cup) = (v.between(0.005, 0.008), h * v.between(0.45, 0.55));
     let knob = if v.with_probability(0.5) {
         stem * 2.0

@@ -267,11 +267,7 @@ pub(crate) fn ladle(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn whisk(v: &mut Variation) -> Solid {
-    let (length, balloon, r) = (
-        v.between(0.1, 0.13),
-        v.between(0.12, 0.15),
-        v.between(0.026, 0.034),
-    );
+    let [length, balloon, r] = v.each_between([(0.1, 0.13), (0.12, 0.15), (0.026, 0.034)]);
     let (metal, grip) = (
         v.color(&METALS),
         v.color(&[METALS[2], BLACK, PLASTICS[0], PLASTICS[1], WOODS[1]]),

@@ -23,11 +23,7 @@ fn slab(x: f32, y: f32, z: f32, corner: f32) -> Solid {
 }
 
 pub(crate) fn phone(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.064, 0.078),
-        v.between(0.135, 0.165),
-        v.between(0.008, 0.011),
-    );
+    let [x, y, z] = v.each_between([(0.064, 0.078), (0.135, 0.165), (0.008, 0.011)]);
     let body = v.color(&[BLACK, METALS[0], WHITE, PLASTICS[0], PLASTICS[1], BRASS]);
     let (top, bottom, is_on) = (
         v.color(&PLASTICS),
@@ -63,11 +59,7 @@ pub(crate) fn phone(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn remote_control(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.042, 0.052),
-        v.between(0.15, 0.21),
-        v.between(0.016, 0.022),
-    );
+    let [x, y, z] = v.each_between([(0.042, 0.052), (0.15, 0.21), (0.016, 0.022)]);
     let (body, key) = (v.color(&SHELLS), v.color(&PLASTICS));
     let plain = contrasting(body);
     let plain = mix(plain, body, 0.35);
@@ -112,15 +104,8 @@ pub(crate) fn remote_control(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn computer_mouse(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.028, 0.034),
-        v.between(0.05, 0.06),
-        v.between(0.032, 0.04),
-    );
-    let (body, key) = (
-        v.color(&SHELLS),
-        v.color(&[BLACK, [120, 122, 126], PLASTICS[0], PLASTICS[1]]),
-    );
+    let [x, y, z] = v.each_between([(0.028, 0.034), (0.05, 0.06), (0.032, 0.04)]);
+    let [body, key] = v.colors([&SHELLS, &[BLACK, [120, 122, 126], PLASTICS[0], PLASTICS[1]]]);
     let back = v.between(0.1, 0.35);
     let is_two_tone = v.with_probability(0.4);
     let side = mix(body, key, 0.8);
@@ -156,11 +141,7 @@ pub(crate) fn computer_mouse(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn keyboard(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.28, 0.36),
-        v.between(0.105, 0.13),
-        v.between(0.012, 0.018),
-    );
+    let [x, y, z] = v.each_between([(0.28, 0.36), (0.105, 0.13), (0.012, 0.018)]);
     let (body, key, accent) = (
         v.color(&SHELLS),
         v.color(&[BLACK, WHITE, [70, 72, 78], [214, 212, 202]]),
@@ -201,11 +182,7 @@ pub(crate) fn keyboard(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn lamp(v: &mut Variation) -> Solid {
-    let (r, h, tall) = (
-        v.between(0.05, 0.062),
-        v.between(0.27, 0.36),
-        v.between(0.11, 0.14),
-    );
+    let [r, h, tall] = v.each_between([(0.05, 0.062), (0.27, 0.36), (0.11, 0.14)]);
     let low = h - tall;
     let kind = v.count(0, 2);
     let base = lathed(&lamp_base(kind, r, low)).colored(v.color(&GLAZES));
@@ -278,11 +255,7 @@ fn shade(v: &mut Variation, wide: f32, narrow: f32, tall: f32) -> Solid {
 
 pub(crate) fn headphones(v: &mut Variation) -> Solid {
     let (r, cup) = (v.between(0.07, 0.08), v.between(0.032, 0.038));
-    let (band, pad, accent) = (
-        v.color(&SHELLS),
-        v.color(&[BLACK, [60, 50, 46]]),
-        v.color(&PLASTICS),
-    );
+    let [band, pad, accent] = v.colors([&SHELLS, &[BLACK, [60, 50, 46]], &PLASTICS]);
     let points: Vec<[f32; 3]> = (0..=10)
         .map(|i| ((i as f32 / 10.0 - 0.5) * 3.3).sin_cos())
         .map(|(sin, cos)| [r * sin, r * 1.15 * cos, 0.0])

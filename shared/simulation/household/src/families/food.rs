@@ -106,11 +106,7 @@ pub(crate) fn egg(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn cupcake(v: &mut Variation) -> Solid {
-    let (foot, r, h) = (
-        v.between(0.022, 0.026),
-        v.between(0.031, 0.036),
-        v.between(0.035, 0.042),
-    );
+    let [foot, r, h] = v.each_between([(0.022, 0.026), (0.031, 0.036), (0.035, 0.042)]);
     let paper = v.color(&PLASTICS);
     let n = 10.0;
     let cup = lathed(&polyline(&[(0.0, 0.0), (foot, 0.0), (r, h), (0.0, h)]))

@@ -10,11 +10,7 @@ use mesh::{Solid, lathe, rounded_box};
 use nalgebra::{Point3, Vector3};
 
 pub(crate) fn flashlight(v: &mut Variation) -> Solid {
-    let (r, head, length) = (
-        v.between(0.0125, 0.0165),
-        v.between(0.021, 0.027),
-        v.between(0.14, 0.19),
-    );
+    let [r, head, length] = v.each_between([(0.0125, 0.0165), (0.021, 0.027), (0.14, 0.19)]);
     let (body, band) = (
         v.color(&[BLACK, GRIPS[0], GRIPS[1], GRIPS[2], METALS[0], GRIPS[4]]),
         v.color(&[METALS[0], BLACK, GRIPS[2]]),

@@ -135,11 +135,7 @@ pub(crate) fn carton(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn magazine(v: &mut Variation) -> Solid {
-    let sides = [
-        v.between(0.17, 0.215),
-        v.between(0.24, 0.3),
-        v.between(0.0035, 0.011),
-    ];
+    let sides = v.each_between([(0.17, 0.215), (0.24, 0.3), (0.0035, 0.011)]);
     let (front, back) = (
         PrintedCover::new(v, &COVERS),
         PrintedCover::new(v, &PLASTICS),
@@ -205,11 +201,7 @@ pub(crate) fn cookie_tin(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn open_box(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.16, 0.28),
-        v.between(0.12, 0.2),
-        v.between(0.05, 0.1),
-    );
+    let [x, y, z] = v.each_between([(0.16, 0.28), (0.12, 0.2), (0.05, 0.1)]);
     let is_board = v.with_probability(0.5);
     let wall = if is_board { 0.004 } else { 0.003 };
     let (outside, seed) = (

@@ -18,11 +18,7 @@ fn printed_box(sides: [f32; 3], edge: f32, cell: f32, print: &PrintedLabel) -> S
 }
 
 pub(crate) fn cereal_box(v: &mut Variation) -> Solid {
-    let sides = [
-        v.between(0.17, 0.21),
-        v.between(0.05, 0.07),
-        v.between(0.25, 0.31),
-    ];
+    let sides = v.each_between([(0.17, 0.21), (0.05, 0.07), (0.25, 0.31)]);
     let print = PrintedLabel::new(v, &PLASTICS);
     printed_box(sides, 0.001, 0.01, &print)
 }
@@ -33,11 +29,7 @@ pub(crate) fn tissue_box(v: &mut Variation) -> Solid {
         let side = v.between(0.108, 0.12);
         [side, side * 1.02, side * 1.1]
     } else {
-        [
-            v.between(0.21, 0.24),
-            v.between(0.11, 0.125),
-            v.between(0.055, 0.085),
-        ]
+        v.each_between([(0.21, 0.24), (0.11, 0.125), (0.055, 0.085)])
     };
     let (ground, spot, seed) = (v.color(&PASTELS), v.color(&PLASTICS), v.seed());
     let half = sides[0].min(0.14) * 0.36;
@@ -68,11 +60,7 @@ pub(crate) fn tissue_box(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn matchbox(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.05, 0.058),
-        v.between(0.034, 0.038),
-        v.between(0.012, 0.017),
-    );
+    let [x, y, z] = v.each_between([(0.05, 0.058), (0.034, 0.038), (0.012, 0.017)]);
     let print = PrintedLabel::new(v, &PLASTICS);
     let sleeve = rounded_box([x, y, z], 0.0006, 0.003).painted(|p, n| match n.z {
         up if up.abs() > 0.7 => print.at(p.y / y + 0.5, p.x / x + 0.5),
@@ -147,11 +135,7 @@ pub(crate) fn milk_carton(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn juice_box(v: &mut Variation) -> Solid {
-    let sides = [
-        v.between(0.047, 0.055),
-        v.between(0.036, 0.042),
-        v.between(0.1, 0.125),
-    ];
+    let sides = v.each_between([(0.047, 0.055), (0.036, 0.042), (0.1, 0.125)]);
     let print = PrintedLabel::new(v, &PLASTICS);
     let body = printed_box(sides, 0.001, 0.005, &print);
     let (h, x) = (sides[2], sides[0] * 0.22);
@@ -176,11 +160,7 @@ pub(crate) fn juice_box(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn book(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.12, 0.17),
-        v.between(0.18, 0.24),
-        v.between(0.015, 0.04),
-    );
+    let [x, y, z] = v.each_between([(0.12, 0.17), (0.18, 0.24), (0.015, 0.04)]);
     let print = PrintedLabel::new(
         v,
         &[
@@ -213,11 +193,7 @@ pub(crate) fn book(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn sponge(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.085, 0.115),
-        v.between(0.055, 0.07),
-        v.between(0.028, 0.042),
-    );
+    let [x, y, z] = v.each_between([(0.085, 0.115), (0.055, 0.07), (0.028, 0.042)]);
     let (foam, scour) = (
         v.color(&[
             [246, 214, 60],
@@ -254,11 +230,7 @@ pub(crate) fn sponge(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn toothpaste(v: &mut Variation) -> Solid {
-    let (length, w, r) = (
-        v.between(0.13, 0.17),
-        v.between(0.024, 0.028),
-        v.between(0.015, 0.019),
-    );
+    let [length, w, r] = v.each_between([(0.13, 0.17), (0.024, 0.028), (0.015, 0.019)]);
     let palette: [Rgb; 5] = [WHITE, PLASTICS[0], PLASTICS[1], PLASTICS[6], PLASTICS[3]];
     let (print, cap) = (PrintedLabel::new(v, &palette), v.color(&palette));
     // Round at the shoulder, flat at the crimp.

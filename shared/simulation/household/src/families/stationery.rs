@@ -14,15 +14,8 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 
 pub(crate) fn scissors(v: &mut Variation) -> Solid {
     let (blade, w) = (v.between(0.08, 0.11), v.between(0.0075, 0.0095));
-    let (grip, metal) = (
-        v.color(&[GRIPS[0], GRIPS[1], BLACK, GRIPS[3], GRIPS[4]]),
-        v.color(&METALS),
-    );
-    let (opening, rx, ry) = (
-        v.between(0.06, 0.26),
-        v.between(0.022, 0.028),
-        v.between(0.016, 0.02),
-    );
+    let [grip, metal] = v.colors([&[GRIPS[0], GRIPS[1], BLACK, GRIPS[3], GRIPS[4]], &METALS]);
+    let [opening, rx, ry] = v.each_between([(0.06, 0.26), (0.022, 0.028), (0.016, 0.02)]);
     let arm = |side: f32| {
         let s = side;
         let points = [
@@ -98,10 +91,7 @@ pub(crate) fn tape_roll(v: &mut Variation) -> Solid {
 
 pub(crate) fn marker(v: &mut Variation) -> Solid {
     let (r, length) = (v.between(0.0075, 0.0105), v.between(0.115, 0.14));
-    let (ink, body) = (
-        v.color(&PLASTICS),
-        v.color(&[WHITE, BLACK, [200, 202, 206]]),
-    );
+    let [ink, body] = v.colors([&PLASTICS, &[WHITE, BLACK, [200, 202, 206]]]);
     let cap = length * v.between(0.62, 0.7);
     let (is_full, has_band) = (v.with_probability(0.3), v.with_probability(0.5));
     let profile = rounded(
@@ -133,11 +123,7 @@ pub(crate) fn marker(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn stapler(v: &mut Variation) -> Solid {
-    let (x, y, h) = (
-        v.between(0.12, 0.155),
-        v.between(0.028, 0.034),
-        v.between(0.044, 0.056),
-    );
+    let [x, y, h] = v.each_between([(0.12, 0.155), (0.028, 0.034), (0.044, 0.056)]);
     let (color, base) = (
         v.color(&[BLACK, GRIPS[0], GRIPS[1], [120, 122, 128], PLASTICS[6]]),
         v.color(&[BLACK, [90, 92, 96]]),
@@ -213,11 +199,7 @@ pub(crate) fn glue_stick(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn calculator(v: &mut Variation) -> Solid {
-    let (x, y, z) = (
-        v.between(0.07, 0.095),
-        v.between(0.12, 0.16),
-        v.between(0.01, 0.016),
-    );
+    let [x, y, z] = v.each_between([(0.07, 0.095), (0.12, 0.16), (0.01, 0.016)]);
     let (body, key) = (
         v.color(&[BLACK, [92, 96, 104], WHITE, PLASTICS[1], PLASTICS[7]]),
         v.color(&[[210, 210, 206], [70, 72, 78], WHITE]),

@@ -87,15 +87,8 @@ fn peen() -> Solid {
 }
 
 pub(crate) fn screwdriver(v: &mut Variation) -> Solid {
-    let (r, grip, shaft) = (
-        v.between(0.0125, 0.0165),
-        v.between(0.085, 0.11),
-        v.between(0.075, 0.13),
-    );
-    let (color, band) = (
-        v.color(&GRIPS),
-        v.color(&[BLACK, GRIPS[2], WHITE, GRIPS[0]]),
-    );
+    let [r, grip, shaft] = v.each_between([(0.0125, 0.0165), (0.085, 0.11), (0.075, 0.13)]);
+    let [color, band] = v.colors([&GRIPS, &[BLACK, GRIPS[2], WHITE, GRIPS[0]]]);
     let (n, depth) = (v.pick(&[6.0, 8.0_f32]), v.between(0.04, 0.09));
     let profile = rounded(
         &[
@@ -206,11 +199,7 @@ pub(crate) fn wrench(v: &mut Variation) -> Solid {
 }
 
 pub(crate) fn pliers(v: &mut Variation) -> Solid {
-    let (grip, nose, w) = (
-        v.between(0.1, 0.125),
-        v.between(0.045, 0.075),
-        v.between(0.009, 0.011),
-    );
+    let [grip, nose, w] = v.each_between([(0.1, 0.125), (0.045, 0.075), (0.009, 0.011)]);
     let (color, metal, spread) = (
         v.color(&GRIPS),
         v.color(&[METALS[0], METALS[2], [84, 86, 92]]),
@@ -257,11 +246,7 @@ pub(crate) fn pliers(v: &mut Variation) -> Solid {
 
 pub(crate) fn clamp(v: &mut Variation) -> Solid {
     let (length, reach) = (v.between(0.1, 0.14), v.between(0.06, 0.08));
-    let (frame, metal, grip) = (
-        v.color(&GRIPS),
-        v.color(&METALS),
-        v.color(&[WOODS[0], BLACK, METALS[0]]),
-    );
+    let [frame, metal, grip] = v.colors([&GRIPS, &METALS, &[WOODS[0], BLACK, METALS[0]]]);
     let w = v.between(0.012, 0.015);
     // A C of cast iron, a screw through its lower arm.
     let (x, y) = (length, reach);

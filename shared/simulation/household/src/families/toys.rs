@@ -118,11 +118,7 @@ impl CarDimensions {
 }
 
 pub(crate) fn toy_car(v: &mut Variation) -> Solid {
-    let (x, y, h) = (
-        v.between(0.085, 0.13),
-        v.between(0.042, 0.055),
-        v.between(0.034, 0.048),
-    );
+    let [x, y, h] = v.each_between([(0.085, 0.13), (0.042, 0.055), (0.034, 0.048)]);
     let car = CarDimensions {
         x,
         y,
