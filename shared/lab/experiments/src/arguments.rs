@@ -14,7 +14,7 @@ pub use recognition::{
 
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use perceptual_memory::{HistoryLimits, RetentionLimits};
-use simulated_world::{Lighting, ModelImport, ModelSource, ModelUnit, ModelUp};
+use simulated_world::{Lighting, ModelImport, ModelSource, ModelUnit};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -273,9 +273,9 @@ impl ViewsArguments {
         ModelImport {
             unit: self.unit.map(ModelUnit::from),
             up: self.up.map(|up| match up {
-                ModelAxis::X => ModelUp::X,
-                ModelAxis::Y => ModelUp::Y,
-                ModelAxis::Z => ModelUp::Z,
+                ModelAxis::X => dataset::UpAxis::X,
+                ModelAxis::Y => dataset::UpAxis::Y,
+                ModelAxis::Z => dataset::UpAxis::Z,
             }),
         }
     }

@@ -8,7 +8,7 @@ use crate::furniture::{Bin, TableDimensions};
 use crate::model_choice::ModelChoice;
 use crate::object_model::ObjectModel;
 use crate::random_stream::{random_rotation, random_stream};
-use crate::scene::ObjectPlacement;
+use crate::scene::{ObjectPlacement, ObjectPlan};
 use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion};
 use random::Random;
@@ -206,11 +206,7 @@ pub(crate) fn free_position(
 
 /// Set table: place settings along the long sides and shared objects between them. Categories
 /// that are not in `categories` are left out.
-pub(crate) fn set_table(
-    categories: &[&str],
-    n_objects: usize,
-    seed: u64,
-) -> Vec<(ModelChoice, ObjectPlacement)> {
+pub(crate) fn set_table(categories: &[&str], n_objects: usize, seed: u64) -> Vec<ObjectPlan> {
     let mut random = random_stream(seed, STREAM_PLACEMENT);
     let family = random.next_u64() % 1000;
     let mut laid = Vec::new();
@@ -235,15 +231,16 @@ pub(crate) fn set_table(
         .take(n_objects)
         .map(|(category, instance, spot, yaw_rad)| {
             let jitter = |r: &mut Random| r.between(-0.006, 0.006);
-            let model = ModelChoice::Generated {
-                category: category.to_owned(),
-                instance,
-            };
-            let placing = ObjectPlacement::Upright {
-                position_m: spot.map(|v| v + jitter(&mut random)),
-                yaw_rad: yaw_rad + random.between(-0.06, 0.06),
-            };
-            (model, placing)
+            ObjectPlan {
+                model: ModelChoice::Generated {
+                    category: category.to_owned(),
+                    instance,
+                },
+                placement: ObjectPlacement::Upright {
+                    position_m: spot.map(|v| v + jitter(&mut random)),
+                    yaw_rad: yaw_rad + random.between(-0.06, 0.06),
+                },
+            }
         })
         .collect()
 }

@@ -1,6 +1,6 @@
 //! Errors of scenes and object models.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Error of an invalid scene, model or file.
 #[derive(Debug, thiserror::Error)]
@@ -50,4 +50,22 @@ pub enum Error {
         /// Number of placed objects.
         n_placed: usize,
     },
+}
+
+impl Error {
+    /// Error of a file or folder that cannot be read.
+    pub(crate) fn unreadable(path: &Path, cause: &impl ToString) -> Self {
+        Self::Unreadable {
+            path: path.to_owned(),
+            cause: cause.to_string(),
+        }
+    }
+
+    /// Error of a camera that the renderer refuses.
+    pub(crate) fn camera(cause: &rendering::Error) -> Self {
+        Self::Scene {
+            place: "camera".into(),
+            rule: cause.to_string(),
+        }
+    }
 }

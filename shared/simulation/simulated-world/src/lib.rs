@@ -61,7 +61,7 @@ pub use furniture::{Bin, TableDimensions, TableFinish, TablePattern};
 pub use ground_truth::{ARM_ID, ObjectTruth, PERSON_ID, truth_from_json, truth_json};
 pub use lighting::Lighting;
 pub use model_choice::{ModelChoice, ModelSource};
-pub use model_import::{ModelImport, ModelUnit, ModelUp};
+pub use model_import::{ModelImport, ModelUnit};
 pub use model_library::{ModelLibrary, category_names};
 pub use object_model::{ModelOrigin, ObjectModel};
 pub use physics::{STEP_NS, STEPS_PER_SECOND};

@@ -30,10 +30,8 @@ const PARTS_CONCAVITY: f32 = 0.02;
 
 /// Model files of a folder in natural order.
 pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let models = dataset::model_folder::list(folder).map_err(|error| Error::Unreadable {
-        path: folder.to_owned(),
-        cause: error.to_string(),
-    })?;
+    let models =
+        dataset::model_folder::list(folder).map_err(|error| Error::unreadable(folder, &error))?;
     Ok(models.into_iter().map(|model| model.path).collect())
 }
 
@@ -42,10 +40,8 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 /// # Errors
 /// [`Error::Unreadable`] for a folder that cannot be read.
 pub(crate) fn unread_note(folder: &Path) -> Result<Option<String>, Error> {
-    let unread = dataset::model_folder::unread(folder).map_err(|error| Error::Unreadable {
-        path: folder.to_owned(),
-        cause: error.to_string(),
-    })?;
+    let unread =
+        dataset::model_folder::unread(folder).map_err(|error| Error::unreadable(folder, &error))?;
     let Some(first) = unread.first() else {
         return Ok(None);
     };
@@ -68,10 +64,8 @@ pub(crate) fn open(
     import: ModelImport,
     notes: &mut Vec<String>,
 ) -> Result<ObjectModel, Error> {
-    let model = dataset::model_folder::open(path).map_err(|error| Error::Unreadable {
-        path: path.to_owned(),
-        cause: error.to_string(),
-    })?;
+    let model =
+        dataset::model_folder::open(path).map_err(|error| Error::unreadable(path, &error))?;
     let frame = FileFrame {
         unit_m: model.unit_m,
         up: model.up,

@@ -32,17 +32,6 @@ pub enum ModelUnit {
     Inch,
 }
 
-/// Upward axis of a model file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ModelUp {
-    /// The x axis points up.
-    X,
-    /// The y axis points up, as in many files of animation programs.
-    Y,
-    /// The z axis points up, as in scans and in CAD.
-    Z,
-}
-
 /// Settings for the import of model files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ModelImport {
@@ -51,7 +40,7 @@ pub struct ModelImport {
     pub unit: Option<ModelUnit>,
     /// Upward axis of all models; `None` for that which the file of each tells, or z, or y when a
     /// model of animation programs clearly stands along it.
-    pub up: Option<ModelUp>,
+    pub up: Option<UpAxis>,
 }
 
 /// Frame of a model as far as its file tells it.
@@ -63,16 +52,6 @@ pub(crate) struct FileFrame {
     pub(crate) up: Option<UpAxis>,
     /// True for a format of both scans and animation programs.
     pub(crate) may_be_y_up: bool,
-}
-
-impl From<UpAxis> for ModelUp {
-    fn from(axis: UpAxis) -> Self {
-        match axis {
-            UpAxis::X => Self::X,
-            UpAxis::Y => Self::Y,
-            UpAxis::Z => Self::Z,
-        }
-    }
 }
 
 impl ModelUnit {
@@ -144,10 +123,10 @@ impl ModelImport {
         frame: FileFrame,
     ) -> Result<Vec<String>, String> {
         let mut sentences = Vec::new();
-        let stated = self.up.or(frame.up.map(ModelUp::from));
-        turn_upright(mesh, stated.unwrap_or(ModelUp::Z));
+        let stated = self.up.or(frame.up);
+        turn_upright(mesh, stated.unwrap_or(UpAxis::Z));
         if stated.is_none() && frame.may_be_y_up && is_y_up(mesh) {
-            turn_upright(mesh, ModelUp::Y);
+            turn_upright(mesh, UpAxis::Y);
             sentences.push(
                 "it was taken to stand along its y axis, where its base is (give the upward axis \
                  if it is another)"
@@ -191,12 +170,12 @@ impl ModelImport {
 }
 
 /// Turns a mesh so that an axis becomes z.
-fn turn_upright(mesh: &mut TriangleMesh, up: ModelUp) {
+fn turn_upright(mesh: &mut TriangleMesh, up: UpAxis) {
     // Cyclic permutations are rotations.
     let turned = |v: Vector3<f32>| match up {
-        ModelUp::X => Vector3::new(v.y, v.z, v.x),
-        ModelUp::Y => Vector3::new(v.z, v.x, v.y),
-        ModelUp::Z => v,
+        UpAxis::X => Vector3::new(v.y, v.z, v.x),
+        UpAxis::Y => Vector3::new(v.z, v.x, v.y),
+        UpAxis::Z => v,
     };
     for vertex in &mut mesh.vertices {
         vertex.position = turned(vertex.position.coords).into();
@@ -314,8 +293,8 @@ mod tests {
     fn the_axis_is_given_or_told_or_guessed() {
         // A can along y.
         let mut can = can();
-        turn_upright(&mut can, ModelUp::X);
-        let height = |up: Option<ModelUp>, frame: FileFrame| {
+        turn_upright(&mut can, UpAxis::X);
+        let height = |up: Option<UpAxis>, frame: FileFrame| {
             let mut mesh = can.clone();
             let import = ModelImport { unit: None, up };
             let notes = import.apply(&mut mesh, frame).unwrap();
@@ -333,18 +312,18 @@ mod tests {
         };
         assert_eq!(height(None, FileFrame::default()), (false, 0));
         assert_eq!(height(None, open), (true, 1));
-        assert_eq!(height(Some(ModelUp::Z), open), (false, 0));
+        assert_eq!(height(Some(UpAxis::Z), open), (false, 0));
         assert_eq!(height(None, told(UpAxis::Y)), (true, 0));
         assert_eq!(height(None, told(UpAxis::Z)), (false, 0));
-        assert_eq!(height(Some(ModelUp::Y), told(UpAxis::Z)), (true, 0));
+        assert_eq!(height(Some(UpAxis::Y), told(UpAxis::Z)), (true, 0));
     }
 
     #[test]
     fn the_given_axis_points_up() {
         for (up, given) in [
-            (ModelUp::X, [3.0, 1.0, 2.0]),
-            (ModelUp::Y, [2.0, 3.0, 1.0]),
-            (ModelUp::Z, [1.0, 2.0, 3.0]),
+            (UpAxis::X, [3.0, 1.0, 2.0]),
+            (UpAxis::Y, [2.0, 3.0, 1.0]),
+            (UpAxis::Z, [1.0, 2.0, 3.0]),
         ] {
             let mut mesh = TriangleMesh {
                 vertices: vec![mesh::Vertex {

@@ -5,15 +5,14 @@
 
 mod action_execution;
 mod person_body;
-mod person_query;
 mod random_actions;
 
 pub(crate) use action_execution::{ActionExecution, GRIP_M, HandEvent};
 pub(crate) use person_body::PersonBody;
-pub(crate) use person_query::PersonQuery;
 pub(crate) use random_actions::RandomActions;
 
 use crate::action::{Action, PersonPlan};
+use crate::world::World;
 use nalgebra::Point3;
 
 /// Simulated person in the running world.
@@ -57,16 +56,11 @@ impl Person {
 
     /// Advances the person by one step of `dt_s` seconds and returns the hand's event on an
     /// object.
-    pub(crate) fn step(
-        &mut self,
-        time_s: f64,
-        dt_s: f64,
-        query: &dyn PersonQuery,
-    ) -> Option<HandEvent> {
+    pub(crate) fn step(&mut self, time_s: f64, dt_s: f64, world: &World) -> Option<HandEvent> {
         if self.execution.is_none() {
             let is_script = self.next_in_script < self.plan.script.len();
-            let action = self.due(time_s, query)?;
-            self.execution = ActionExecution::new(&action, self.hand, query);
+            let action = self.due(time_s, world)?;
+            self.execution = ActionExecution::new(&action, self.hand, world);
             if self.execution.is_none() && is_script {
                 return Some(HandEvent::Impossible(action));
             }
@@ -82,7 +76,7 @@ impl Person {
         event
     }
 
-    fn due(&mut self, time_s: f64, query: &dyn PersonQuery) -> Option<Action> {
+    fn due(&mut self, time_s: f64, world: &World) -> Option<Action> {
         if let Some(next) = self.plan.script.get(self.next_in_script) {
             if next.at_s > time_s {
                 return None;
@@ -90,6 +84,6 @@ impl Person {
             self.next_in_script += 1;
             return Some(next.action.clone());
         }
-        self.random_actions.as_mut()?.due(time_s, query)
+        self.random_actions.as_mut()?.due(time_s, world)
     }
 }

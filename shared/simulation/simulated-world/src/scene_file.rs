@@ -129,15 +129,13 @@ impl Scene {
     /// # Errors
     /// [`Error::Unreadable`], or as for [`from_toml`](Self::from_toml).
     pub fn open(path: &Path, seed: Option<u64>) -> Result<(Self, ModelLibrary), Error> {
-        let unreadable = |cause: String| Error::Unreadable {
-            path: path.to_owned(),
-            cause,
-        };
-        let size = std::fs::metadata(path).map_err(|error| unreadable(error.to_string()))?;
+        let unreadable = |error| Error::unreadable(path, &error);
+        let size = std::fs::metadata(path).map_err(unreadable)?;
         if !size.is_file() || size.len() > MOST_BYTES {
-            return Err(unreadable("it is not a file of at most 1 MiB".into()));
+            let rule = "it is not a file of at most 1 MiB";
+            return Err(Error::unreadable(path, &rule));
         }
-        let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
+        let text = std::fs::read_to_string(path).map_err(unreadable)?;
         Self::from_toml(&text, path.parent().unwrap_or(Path::new("")), seed)
     }
 }
@@ -180,13 +178,7 @@ fn set_table(n_objects: usize, seed: u64) -> Result<Vec<ObjectPlan>, Error> {
             n_placed: laid.len(),
         });
     }
-    let plans = laid.into_iter();
-    Ok(plans
-        .map(|(model, placing)| ObjectPlan {
-            model,
-            placement: placing,
-        })
-        .collect())
+    Ok(laid)
 }
 
 /// Objects of the chosen models with their placements.

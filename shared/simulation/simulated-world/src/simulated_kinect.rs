@@ -63,10 +63,7 @@ impl SimulatedKinect {
     /// # Errors
     /// [`Error::Scene`] for invalid intrinsics or an invalid sensor model of the world.
     pub fn new(world: &World, camera: PinholeCamera) -> Result<Self, Error> {
-        let wrong = |error: rendering::Error| Error::Scene {
-            place: "camera".into(),
-            rule: error.to_string(),
-        };
+        let wrong = |error| Error::camera(&error);
         let middle = world.scene().table.middle().cast::<f32>();
         let arm = world.arm().map_or_else(Vec::new, |arm| {
             let meshes = &arm.parts.meshes;
@@ -116,10 +113,7 @@ impl SimulatedKinect {
         points: &mut [Point],
     ) -> Result<Vec<ObjectTruth>, Error> {
         self.update_meshes(world);
-        let wrong = |error: rendering::Error| Error::Scene {
-            place: "camera".into(),
-            rule: error.to_string(),
-        };
+        let wrong = |error| Error::camera(&error);
         self.prepare(world).map_err(wrong)?;
         let mut instances: Vec<Instance<'_>> = match self.prepared {
             PreparedView::Room(_) => Vec::new(),

@@ -20,7 +20,6 @@ use crate::scene_object::{ObjectState, SimulatedObject};
 use geometry::{Capsule, RigidTransform};
 use held_object::HeldObject;
 use std::sync::Arc;
-use world_query::WorldQuery;
 
 /// Interval between two objects dropped into a pile, steps. Chosen.
 const DROP_STEPS: u32 = STEPS_PER_SECOND * 35 / 100;
@@ -153,7 +152,7 @@ impl World {
             return;
         };
         let dt_s = 1.0 / f64::from(STEPS_PER_SECOND);
-        let event = person.step(self.time_s(), dt_s, &WorldQuery::new(self));
+        let event = person.step(self.time_s(), dt_s, self);
         let hand = person.hand();
         self.person = Some(person);
         match event {
@@ -277,10 +276,6 @@ impl World {
 
     pub(crate) fn boxes(&self) -> &[RoomBox] {
         &self.boxes
-    }
-
-    pub(crate) fn library(&self) -> &ModelLibrary {
-        &self.library
     }
 
     /// Capsules of the person's torso, head, upper arm, forearm, hand and legs, world frame;

@@ -1,9 +1,9 @@
 //! Execution of an action: piecewise-linear hand path with events on the way.
 
-use super::PersonQuery;
 use super::person_body::RESTING_HAND;
 use crate::action::Action;
 use crate::model_choice::ModelChoice;
+use crate::world::World;
 use nalgebra::{Point3, Vector3};
 
 /// Speed of the hand, m/s. Chosen.
@@ -63,15 +63,15 @@ pub(crate) struct ActionExecution {
 
 impl ActionExecution {
     /// Plans the path of an action; `None` when it cannot be performed now.
-    pub(crate) fn new(action: &Action, hand: Point3<f64>, query: &dyn PersonQuery) -> Option<Self> {
+    pub(crate) fn new(action: &Action, hand: Point3<f64>, world: &World) -> Option<Self> {
         let segments = match action {
-            Action::Put { model, to_m } => put_path(model, *to_m, query)?,
-            Action::Move { object, to_m } => move_path(*object, *to_m, query)?,
-            Action::Slide { object, to_m } => slide_path(*object, *to_m, query)?,
-            Action::Lift { object, for_s } => lift_path(*object, *for_s, query)?,
-            Action::Turn { object, by_rad } => turn_path(*object, *by_rad, query)?,
-            Action::Hide { object, for_s } => hide_path(*object, *for_s, query)?,
-            Action::Remove { object } => remove_path(*object, query)?,
+            Action::Put { model, to_m } => put_path(model, *to_m, world)?,
+            Action::Move { object, to_m } => move_path(*object, *to_m, world)?,
+            Action::Slide { object, to_m } => slide_path(*object, *to_m, world)?,
+            Action::Lift { object, for_s } => lifted_path(*object, [Segment::Wait(*for_s)], world)?,
+            Action::Turn { object, by_rad } => turn_path(*object, *by_rad, world)?,
+            Action::Hide { object, for_s } => hide_path(*object, *for_s, world)?,
+            Action::Remove { object } => remove_path(*object, world)?,
         };
         Some(Self {
             segments: segments.into(),
@@ -157,68 +157,57 @@ fn put_down_path(held: Point3<f64>) -> Vec<Segment> {
 }
 
 /// Hand path of [`Action::Put`].
-fn put_path(
-    model: &ModelChoice,
-    [x, y]: [f64; 2],
-    query: &dyn PersonQuery,
-) -> Option<Vec<Segment>> {
-    let top = query.table_height_m() + query.height_of(model)? + RELEASE_GAP_M;
+fn put_path(model: &ModelChoice, [x, y]: [f64; 2], world: &World) -> Option<Vec<Segment>> {
+    let top = world.table_height_m() + world.height_of(model)? + RELEASE_GAP_M;
     let mut segments = vec![Segment::Emit(HandEvent::Brought(model.clone()))];
     segments.extend(put_down_path(grasping_hand(Point3::new(x, y, top))));
     Some(segments)
 }
 
 /// Hand path of [`Action::Move`].
-fn move_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
-    let (top, underside_m) = query.object(object)?;
-    let new_top = query.table_height_m() + (top.z - underside_m) + RELEASE_GAP_M;
+fn move_path(object: u16, [x, y]: [f64; 2], world: &World) -> Option<Vec<Segment>> {
+    let (top, underside_m) = world.object_to_grasp(object)?;
+    let new_top = world.table_height_m() + (top.z - underside_m) + RELEASE_GAP_M;
     let mut segments = grasp_path(top, object);
     segments.extend(put_down_path(grasping_hand(Point3::new(x, y, new_top))));
     Some(segments)
 }
 
 /// Hand path of [`Action::Slide`].
-fn slide_path(object: u16, [x, y]: [f64; 2], query: &dyn PersonQuery) -> Option<Vec<Segment>> {
-    let (top, _) = query.object(object)?;
+fn slide_path(object: u16, [x, y]: [f64; 2], world: &World) -> Option<Vec<Segment>> {
+    let (top, _) = world.object_to_grasp(object)?;
     let held = grasping_hand(top + Vector3::z() * RELEASE_GAP_M);
     let there = Point3::new(x, y, held.z);
-    Some(vec![
+    let mut segments = vec![
         Segment::MoveTo(raised(held), HAND_SPEED_M_S),
         Segment::MoveTo(grasping_hand(top), CAREFUL_SPEED_M_S),
         Segment::Emit(HandEvent::Grasped(object)),
         Segment::Wait(0.2),
         Segment::MoveTo(held, CAREFUL_SPEED_M_S),
-        Segment::MoveTo(there, CAREFUL_SPEED_M_S),
-        Segment::Emit(HandEvent::Released),
-        Segment::Wait(0.2),
-        Segment::MoveTo(raised(there), CAREFUL_SPEED_M_S),
-        Segment::MoveTo(RESTING_HAND, HAND_SPEED_M_S),
-    ])
-}
-
-/// Hand path of [`Action::Lift`].
-fn lift_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
-    lifted_path(object, [Segment::Wait(for_s)], query)
+    ];
+    // It is put down from where it is, not from above.
+    segments.extend(put_down_path(there).into_iter().skip(1));
+    Some(segments)
 }
 
 /// Hand path of [`Action::Turn`].
-fn turn_path(object: u16, by_rad: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
+fn turn_path(object: u16, by_rad: f64, world: &World) -> Option<Vec<Segment>> {
     let n_steps = (by_rad.abs() / TURN_STEP_RAD).ceil().max(1.0);
     let step = [
         Segment::Wait(TURN_STEP_S),
         Segment::Emit(HandEvent::Turned(by_rad / n_steps)),
     ];
     let steps = std::iter::repeat_n(step, n_steps as usize).flatten();
-    lifted_path(object, steps, query)
+    lifted_path(object, steps, world)
 }
 
 /// Path that lifts an object, does something with it there, and puts it back.
 fn lifted_path(
     object: u16,
     lifted: impl IntoIterator<Item = Segment>,
-    query: &dyn PersonQuery,
+    world: &World,
 ) -> Option<Vec<Segment>> {
-    let (top, _) = query.object(object)?;
+    let (top, _) = world.object_to_grasp(object)?;
     let mut segments = grasp_path(top, object);
     segments.extend(lifted);
     segments.extend(put_down_path(grasping_hand(
@@ -228,10 +217,10 @@ fn lifted_path(
 }
 
 /// Hand path of [`Action::Hide`].
-fn hide_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
-    let (top, underside_m) = query.object(object)?;
+fn hide_path(object: u16, for_s: f64, world: &World) -> Option<Vec<Segment>> {
+    let (top, underside_m) = world.object_to_grasp(object)?;
     let middle = Point3::new(top.x, top.y, f64::midpoint(top.z, underside_m));
-    let to_camera = (query.camera() - middle).normalize();
+    let to_camera = (world.camera_position() - middle).normalize();
     let before = middle + to_camera * HIDE_DISTANCE_M;
     Some(vec![
         Segment::MoveTo(raised(before), HAND_SPEED_M_S),
@@ -243,8 +232,8 @@ fn hide_path(object: u16, for_s: f64, query: &dyn PersonQuery) -> Option<Vec<Seg
 }
 
 /// Hand path of [`Action::Remove`].
-fn remove_path(object: u16, query: &dyn PersonQuery) -> Option<Vec<Segment>> {
-    let (top, _) = query.object(object)?;
+fn remove_path(object: u16, world: &World) -> Option<Vec<Segment>> {
+    let (top, _) = world.object_to_grasp(object)?;
     let mut segments = grasp_path(top, object);
     segments.push(Segment::MoveTo(RESTING_HAND, HAND_SPEED_M_S));
     segments.push(Segment::Emit(HandEvent::Removed));

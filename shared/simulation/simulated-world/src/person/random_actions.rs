@@ -1,8 +1,8 @@
 //! Random actions of a person without a script.
 
-use super::PersonQuery;
 use crate::action::Action;
 use crate::random_stream::random_stream;
+use crate::world::World;
 use random::Random;
 
 /// Least number of objects that a person leaves on the table. Chosen.
@@ -38,17 +38,17 @@ impl RandomActions {
     }
 
     /// Next action, if the pause is over and an action is possible.
-    pub(crate) fn due(&mut self, time_s: f64, query: &dyn PersonQuery) -> Option<Action> {
+    pub(crate) fn due(&mut self, time_s: f64, world: &World) -> Option<Action> {
         if time_s < self.next_s {
             return None;
         }
         self.rest_from(time_s);
-        let free = query.free_objects();
+        let free = world.free_objects();
         let draw = self.random.next_u64();
         match self.random.unit() {
             p if p < 0.25 && free.len() < MAX_TABLE_OBJECTS => Some(Action::Put {
-                model: query.random_model(draw)?,
-                to_m: query.free_position(None, draw)?,
+                model: world.random_model(draw)?,
+                to_m: world.free_position(None, draw)?,
             }),
             p if p < 0.40 && free.len() > MIN_OBJECTS => Some(Action::Remove {
                 object: *self.random.choice(&free)?,
@@ -65,7 +65,7 @@ impl RandomActions {
                 let object = *self.random.choice(&free)?;
                 Some(Action::Move {
                     object,
-                    to_m: query.free_position(Some(object), draw)?,
+                    to_m: world.free_position(Some(object), draw)?,
                 })
             }
         }

@@ -374,10 +374,7 @@ fn generated(category: &str, instance: u64) -> Result<ModelChoice, Error> {
 /// Checks that a model file exists; its contents are validated when it is opened.
 fn model_file(path: &Path) -> Result<ModelChoice, Error> {
     if !path.is_file() {
-        return Err(Error::Unreadable {
-            path: path.to_owned(),
-            cause: "there is no such file".into(),
-        });
+        return Err(Error::unreadable(path, &"there is no such file"));
     }
     Ok(ModelChoice::File(path.to_owned()))
 }
@@ -479,44 +476,30 @@ fn sensor(raw: &RawSensor) -> Result<SensorModel, Error> {
         }
     };
     for term in &raw.off {
-        switch_off(&mut model, term).ok_or_else(|| {
-            let rule = format!("`{term}` is no error term; there are {}", TERMS.join(", "));
-            wrong("[sensor] off", rule)
-        })?;
+        let Some((_, switch_off)) = TERMS.iter().find(|(name, _)| name == term) else {
+            let names = TERMS.map(|(name, _)| name).join(", ");
+            let rule = format!("`{term}` is no error term; there are {names}");
+            return Err(wrong("[sensor] off", rule));
+        };
+        switch_off(&mut model);
     }
     Ok(model)
 }
 
-/// Names of the sensor error terms.
-const TERMS: [&str; 11] = [
-    "quantisation",
-    "axial-noise",
-    "lateral-noise",
-    "edge-fattening",
-    "matching-window",
-    "projector-shadow",
-    "weak-signal",
-    "border-speckle",
-    "range",
-    "blind-columns",
-    "color",
-];
+/// Error term of the sensor: its name and its switch.
+type ErrorTerm = (&'static str, fn(&mut SensorModel));
 
-/// Switches a sensor error term off; `None` for an unknown name.
-fn switch_off(model: &mut SensorModel, term: &str) -> Option<()> {
-    match term {
-        "quantisation" => model.quantisation = None,
-        "axial-noise" => model.axial_noise = None,
-        "lateral-noise" => model.lateral_noise = None,
-        "edge-fattening" => model.edge_fattening = None,
-        "matching-window" => model.matching_window = None,
-        "projector-shadow" => model.projector_shadow = None,
-        "weak-signal" => model.weak_signal = None,
-        "border-speckle" => model.border_speckle = None,
-        "range" => model.range = None,
-        "blind-columns" => model.n_blind_columns = 0,
-        "color" => model.color = SensorModel::PERFECT.color,
-        _ => return None,
-    }
-    Some(())
-}
+/// Error terms that a scene can switch off.
+const TERMS: [ErrorTerm; 11] = [
+    ("quantisation", |model| model.quantisation = None),
+    ("axial-noise", |model| model.axial_noise = None),
+    ("lateral-noise", |model| model.lateral_noise = None),
+    ("edge-fattening", |model| model.edge_fattening = None),
+    ("matching-window", |model| model.matching_window = None),
+    ("projector-shadow", |model| model.projector_shadow = None),
+    ("weak-signal", |model| model.weak_signal = None),
+    ("border-speckle", |model| model.border_speckle = None),
+    ("range", |model| model.range = None),
+    ("blind-columns", |model| model.n_blind_columns = 0),
+    ("color", |model| model.color = SensorModel::PERFECT.color),
+];
