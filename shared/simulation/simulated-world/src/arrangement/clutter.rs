@@ -109,22 +109,12 @@ impl OrientedModel {
     }
 }
 
-/// Planned object that may carry others: its position on the table, yaw and half sides.
+/// Planned object that may carry others, with its position on the table and its yaw.
 #[derive(Debug, Clone)]
 struct PlannedSupport {
+    object: OrientedModel,
     position_m: Vector2<f64>,
     yaw_rad: f64,
-    half_sides_m: Vector3<f64>,
-}
-
-impl PlannedSupport {
-    fn half_diagonal_m(&self) -> f64 {
-        self.half_sides_m.x.hypot(self.half_sides_m.y)
-    }
-
-    fn short_half_side_m(&self) -> f64 {
-        self.half_sides_m.x.min(self.half_sides_m.y)
-    }
 }
 
 /// Planner of one crowd: places groups of objects until the requested number is reached.
@@ -223,9 +213,19 @@ impl ClutterPlanner<'_> {
     }
 
     /// Adds an object unless the scene is full.
-    fn put(&mut self, object: &OrientedModel, position_m: Vector2<f64>, yaw_rad: f64) {
+    fn put(
+        &mut self,
+        object: &OrientedModel,
+        position_m: Vector2<f64>,
+        yaw_rad: f64,
+    ) -> PlannedSupport {
         let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw_rad);
         self.put_rotated(&object.choice, position_m, yaw * object.rotation);
+        PlannedSupport {
+            object: object.clone(),
+            position_m,
+            yaw_rad,
+        }
     }
 
     fn put_rotated(
@@ -252,12 +252,7 @@ impl ClutterPlanner<'_> {
         let yaw_rad = self.random.between(-PI, PI);
         self.taken
             .push((position_m, group_radius_m * TOUCHING_SHARE));
-        self.put(object, position_m, yaw_rad);
-        PlannedSupport {
-            position_m,
-            yaw_rad,
-            half_sides_m: object.half_sides_m,
-        }
+        self.put(object, position_m, yaw_rad)
     }
 
     /// Puts an object onto a support, off its middle by up to `off` of the support's half sides.
@@ -268,17 +263,10 @@ impl ClutterPlanner<'_> {
         yaw_rad: f64,
         off: f64,
     ) -> PlannedSupport {
-        let offset = Vector2::new(
-            self.random.between(-off, off) * support.half_sides_m.x,
-            self.random.between(-off, off) * support.half_sides_m.y,
-        );
+        let half = support.object.half_sides_m.xy();
+        let offset = half.map(|half| self.random.between(-off, off) * half);
         let position_m = support.position_m + nalgebra::Rotation2::new(support.yaw_rad) * offset;
-        self.put(object, position_m, yaw_rad);
-        PlannedSupport {
-            position_m,
-            yaw_rad,
-            half_sides_m: object.half_sides_m,
-        }
+        self.put(object, position_m, yaw_rad)
     }
 
     /// Yaw on a support: flush with it, or turned.
@@ -359,7 +347,7 @@ impl ClutterPlanner<'_> {
     /// Drops an object in a random orientation against a support.
     fn put_dropped_beside(&mut self, object: &OrientedModel, support: &PlannedSupport) {
         let angle = self.random.between(0.0, TAU);
-        let reach_m = support.half_diagonal_m() * 0.8;
+        let reach_m = support.object.half_diagonal_m() * 0.8;
         let position_m = support.position_m + Vector2::new(angle.cos(), angle.sin()) * reach_m;
         let rotation = random_rotation(&mut self.random);
         self.put_rotated(&object.choice, self.on_table(position_m), rotation);

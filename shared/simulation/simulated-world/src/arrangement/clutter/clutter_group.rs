@@ -115,7 +115,7 @@ impl ClutterPlanner<'_> {
         let radius_m = base.half_diagonal_m();
         let mut support = self.put_on_table(&base, radius_m);
         for _ in 0..self.random.below(3) {
-            let least_m = support.short_half_side_m();
+            let least_m = support.object.short_half_side_m();
             let next = self.generated_within(&FLAT, Resting::Flat, 1.2 * least_m)?;
             let yaw_rad = self.yaw_on(&support, 0.4);
             support = self.put_on(&next, &support, yaw_rad, 0.3);
@@ -128,7 +128,7 @@ impl ClutterPlanner<'_> {
 
     /// Small object on a support: standing, or lying on its side.
     fn top(&mut self, support: &PlannedSupport) -> Result<PlannedSupport, Error> {
-        let least_m = support.short_half_side_m();
+        let least_m = support.object.short_half_side_m();
         let resting = match self.random.below(10) {
             0..6 => Resting::Upright,
             6..8 => Resting::OnEnd,
@@ -180,12 +180,7 @@ impl ClutterPlanner<'_> {
             self.put(&pier, end_m, yaw_rad + turn_rad);
         }
         let turn_rad = if along_x { 0.0 } else { FRAC_PI_2 } + self.random.between(-0.2, 0.2);
-        self.put(&deck, middle_m, yaw_rad + turn_rad);
-        let support = PlannedSupport {
-            position_m: middle_m,
-            yaw_rad: yaw_rad + turn_rad,
-            half_sides_m: deck.half_sides_m,
-        };
+        let support = self.put(&deck, middle_m, yaw_rad + turn_rad);
         if self.random.unit() < 0.4 {
             self.top(&support)?;
         }
@@ -247,7 +242,7 @@ impl ClutterPlanner<'_> {
             standing.half_diagonal_m() + 0.5 * flat.half_diagonal_m(),
         );
         // Against the broader face.
-        let half = support.half_sides_m;
+        let half = support.object.half_sides_m;
         let (depth_m, face_rad) = if half.x < half.y {
             (half.x, 0.0)
         } else {
