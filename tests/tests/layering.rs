@@ -19,7 +19,7 @@ const OWNERS: [(&str, &[&str]); 21] = [
     ("mio", &["command-line"]),
     ("indicatif", &["command-line", "experiments"]),
     ("plotters", &["plot", "evaluation"]),
-    ("rayon", &["experiments", "statistics"]),
+    ("rayon", &["experiments"]),
     (
         "ciborium",
         &[

@@ -3,7 +3,8 @@
 use clap::{Parser, Subcommand};
 use command_line::Output;
 use experiments::arguments::{
-    AgeMemoryArguments, EvaluateVerb, LearnArguments, SimulateVerb, SweepArguments, TrainVerb,
+    AgeMemoryArguments, EvaluateVerb, ExamplesArguments, LearnArguments, SimulateVerb,
+    SweepArguments,
 };
 use service::{CommonArguments, Failure, OptionUse};
 use std::process::ExitCode;
@@ -41,12 +42,8 @@ enum Verb {
         #[command(subcommand)]
         verb: EvaluateVerb,
     },
-    /// Train models of perception on simulated scenes; needs the source tree
-    Train {
-        /// Model to train
-        #[command(subcommand)]
-        verb: TrainVerb,
-    },
+    /// Write the examples from which a model of perception is trained
+    Examples(ExamplesArguments),
     /// Measure how sensitive scores are to tuned constants; needs the source tree and cargo
     Sweep(SweepArguments),
     /// Make years of changes to a new perceptual memory in simulated time, and measure its opening
@@ -61,7 +58,7 @@ impl Verb {
             Self::Learn(_) => OptionUse::Daemon,
             Self::Simulate { .. }
             | Self::Evaluate { .. }
-            | Self::Train { .. }
+            | Self::Examples(_)
             | Self::Sweep(_)
             | Self::AgeMemory(_) => OptionUse::Nothing,
         }
@@ -80,7 +77,7 @@ fn execute(arguments: &LabArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Learn(folder) => experiments::learn_folder::run(&arguments.common, folder, output),
         Verb::Simulate { verb } => experiments::simulate::run(verb, output),
         Verb::Evaluate { verb } => experiments::evaluate::run(verb, output),
-        Verb::Train { verb } => experiments::train::run(verb, output),
+        Verb::Examples(model) => experiments::training_examples::run(model, output),
         Verb::Sweep(sweep) => experiments::sweep::run(sweep, output),
         Verb::AgeMemory(ageing) => experiments::age_memory::run(ageing, output),
     }

@@ -98,25 +98,24 @@ pub struct ViewsArguments {
     pub(crate) out: PathBuf,
 }
 
-/// Subcommands of `tabula-lab train`.
-#[derive(Debug, Subcommand)]
-pub enum TrainVerb {
-    /// Train the network that rates the edges between neighbouring cells as boundaries of objects
-    EdgeNetwork(TrainArguments),
-    /// Train the trees that decide whether adjacent regions are one object
-    RegionMerging(TrainArguments),
+/// Trained model of the segmentation.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum TrainedModel {
+    /// Network that rates the edges between neighbouring cells as boundaries of objects
+    EdgeNetwork,
+    /// Trees that decide whether adjacent regions are one object
+    RegionMerging,
 }
 
-/// Arguments of `train`.
+/// Arguments of `examples`.
 #[derive(Debug, Args)]
-pub struct TrainArguments {
-    /// Folders of labelled scenes to train on, as for `evaluate detection`
+pub struct ExamplesArguments {
+    /// Model that learns from the examples
+    pub(crate) model: TrainedModel,
+    /// Folders of labelled scenes, as for `evaluate detection`
     #[arg(required = true, value_name = "DATASET")]
     pub(crate) datasets: Vec<PathBuf>,
-    /// Folder of labelled scenes to judge on; can be given several times
-    #[arg(long, value_name = "DATASET")]
-    pub(crate) test: Vec<PathBuf>,
-    /// Source file for the trained model
+    /// NPY file for the examples: a row of features, and the class, for each
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }

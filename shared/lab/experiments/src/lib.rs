@@ -3,8 +3,8 @@
 //! [`evaluate`] scores detection, tracking and recognition; [`simulate`] writes recordings and
 //! single-object views of the simulated table; [`learn_folder`] teaches a folder of labelled views
 //! to a running daemon; [`sweep`] measures how sensitive the scores are to a tuned constant;
-//! [`train`] trains the models of perception; [`age_memory`] makes years of changes to a perceptual
-//! memory. The arguments of each experiment are in [`arguments`]; the program `tabula-lab` parses
+//! [`training_examples`] writes those from which the models of perception are trained;
+//! [`age_memory`] makes years of changes to a perceptual memory. The arguments of each experiment are in [`arguments`]; the program `tabula-lab` parses
 //! them.
 //!
 //! Invariants: nothing of a running daemon depends on this crate; the same
@@ -25,7 +25,7 @@ pub mod evaluate;
 pub mod learn_folder;
 pub mod simulate;
 pub mod sweep;
-pub mod train;
+pub mod training_examples;
 
 mod csv;
 mod frame_detector;

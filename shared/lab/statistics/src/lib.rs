@@ -1,8 +1,7 @@
 //! Descriptive statistics of measurements and experiments.
 //!
 //! [`percentiles`] by nearest rank, [`spread`] of errors, [`correlation`], and [`bootstrap`]
-//! confidence intervals;
-//! classifiers of [`labelled_rows`] by [`gradient_boosting`] and by a [`multilayer_perceptron`].
+//! confidence intervals.
 //!
 //! ```
 //! use statistics::{bootstrap::Estimate, percentiles::Percentiles};
@@ -20,8 +19,5 @@
 
 pub mod bootstrap;
 pub mod correlation;
-pub mod gradient_boosting;
-pub mod labelled_rows;
-pub mod multilayer_perceptron;
 pub mod percentiles;
 pub mod spread;
