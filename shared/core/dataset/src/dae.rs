@@ -12,14 +12,11 @@
 
 mod appearance;
 mod document;
-mod error;
 mod geometry;
 mod scene;
 
-pub use error::Error;
-
 use crate::textured_mesh::TexturedMesh;
-use crate::{FileModel, UpAxis, texture_folder};
+use crate::{FileModel, ModelError, UpAxis, texture_folder};
 use appearance::Appearances;
 use document::{Document, child};
 use file_access::read_file;
@@ -38,7 +35,7 @@ const MAX_NODES: u32 = 1 << 22;
 ///
 /// # Errors
 /// When the file cannot be read, or as [`read`]. An image that cannot be used is a note.
-pub fn open(path: &Path) -> Result<FileModel, Error> {
+pub fn open(path: &Path) -> Result<FileModel, ModelError> {
     let mut bytes = Vec::new();
     read_file(path, MAX_BYTES, &mut bytes)?;
     let (mut model, textured, appearances) = read_textured(&bytes)?;
@@ -54,7 +51,7 @@ pub fn open(path: &Path) -> Result<FileModel, Error> {
 ///
 /// # Errors
 /// When the bytes are not a DAE file with triangles, or an element is wrong; says which and why.
-pub fn read(bytes: &[u8]) -> Result<FileModel, Error> {
+pub fn read(bytes: &[u8]) -> Result<FileModel, ModelError> {
     let (model, textured, _) = read_textured(bytes)?;
     Ok(FileModel {
         mesh: textured.mesh,
@@ -62,8 +59,8 @@ pub fn read(bytes: &[u8]) -> Result<FileModel, Error> {
     })
 }
 
-fn read_textured(bytes: &[u8]) -> Result<(FileModel, TexturedMesh, Appearances), Error> {
-    let text = std::str::from_utf8(bytes).map_err(|_| Error::NotText)?;
+fn read_textured(bytes: &[u8]) -> Result<(FileModel, TexturedMesh, Appearances), ModelError> {
+    let text = std::str::from_utf8(bytes).map_err(|_| ModelError::NotText)?;
     // Without a document type there are no entities that could expand.
     let options = roxmltree::ParsingOptions {
         allow_dtd: false,
@@ -73,7 +70,7 @@ fn read_textured(bytes: &[u8]) -> Result<(FileModel, TexturedMesh, Appearances),
     let tree = roxmltree::Document::parse_with_options(text, options)?;
     let root = tree.root_element();
     if root.tag_name().name() != "COLLADA" {
-        return Err(Error::NotCollada);
+        return Err(ModelError::NotCollada);
     }
     let document = Document::new(root);
     let mut appearances = Appearances::default();

@@ -36,6 +36,7 @@ mod image_error;
 mod jpeg_image;
 mod lzf;
 mod model;
+mod model_error;
 mod png_image;
 mod texture;
 mod texture_folder;
@@ -60,5 +61,6 @@ pub use file_access::{
 };
 pub use image_error::ImageError;
 pub use model::{FileModel, UpAxis};
+pub use model_error::ModelError;
 pub use ply::{self, NEUTRAL_GREY, mesh};
 pub use recording_kind::{RecordingKind, detect_recording_kind};

@@ -1,6 +1,6 @@
 //! Folders of models in several formats, such as a set of scanned objects.
 
-use crate::{FileModel, dae, obj, ply, stl};
+use crate::{FileModel, ModelError, dae, obj, ply, stl};
 use file_access::{FileError, file_names};
 use std::path::{Path, PathBuf};
 
@@ -33,37 +33,13 @@ pub enum Error {
         .0.display()
     )]
     UnknownFormat(PathBuf),
-    /// Invalid PLY file.
+    /// Invalid model file.
     #[error("the model {} cannot be used: {source}", .path.display())]
-    Ply {
-        /// Path of the PLY file.
+    Model {
+        /// Path of the model file.
         path: PathBuf,
-        /// Error in the content of the PLY file.
-        source: ply::Error,
-    },
-    /// Invalid OBJ file.
-    #[error("the model {} cannot be used: {source}", .path.display())]
-    Obj {
-        /// Path of the OBJ file.
-        path: PathBuf,
-        /// Error in the content of the OBJ file.
-        source: obj::Error,
-    },
-    /// Invalid STL file.
-    #[error("the model {} cannot be used: {source}", .path.display())]
-    Stl {
-        /// Path of the STL file.
-        path: PathBuf,
-        /// Error in the content of the STL file.
-        source: stl::Error,
-    },
-    /// Invalid DAE file.
-    #[error("the model {} cannot be used: {source}", .path.display())]
-    Dae {
-        /// Path of the DAE file.
-        path: PathBuf,
-        /// Error in the content of the DAE file.
-        source: dae::Error,
+        /// Error in the content of the model file.
+        source: ModelError,
     },
 }
 
@@ -116,26 +92,17 @@ pub fn unread(folder: &Path) -> Result<Vec<String>, Error> {
 /// When the file has another extension, cannot be read, or is wrong; each
 /// error names it.
 pub fn open(path: &Path) -> Result<FileModel, Error> {
-    let to_owned = || path.to_owned();
-    match Format::of(path) {
-        Some(Format::Ply) => ply::open(path).map(FileModel::from).map_err(|source| {
-            let path = to_owned();
-            Error::Ply { path, source }
-        }),
-        Some(Format::Obj) => obj::open(path).map_err(|source| {
-            let path = to_owned();
-            Error::Obj { path, source }
-        }),
-        Some(Format::Stl) => stl::open(path).map(FileModel::from).map_err(|source| {
-            let path = to_owned();
-            Error::Stl { path, source }
-        }),
-        Some(Format::Dae) => dae::open(path).map_err(|source| {
-            let path = to_owned();
-            Error::Dae { path, source }
-        }),
-        None => Err(Error::UnknownFormat(to_owned())),
-    }
+    let model = match Format::of(path) {
+        Some(Format::Ply) => ply::open(path).map(FileModel::from).map_err(Into::into),
+        Some(Format::Obj) => obj::open(path),
+        Some(Format::Stl) => stl::open(path).map(FileModel::from),
+        Some(Format::Dae) => dae::open(path),
+        None => return Err(Error::UnknownFormat(path.to_owned())),
+    };
+    model.map_err(|source| Error::Model {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 #[derive(Clone, Copy)]

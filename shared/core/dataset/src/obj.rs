@@ -19,19 +19,17 @@
 //!
 //! A text truncated at the end of a line cannot be distinguished from a complete one.
 
-mod error;
 mod lines;
 mod materials;
 mod reader;
 mod vertex_colors;
 
 pub use crate::mesh::{MAX_BYTES, MAX_TRIANGLES, MAX_VERTICES, Mesh};
-pub use error::Error;
 pub use materials::{Materials, material_libraries};
 pub use reader::read;
 
 use crate::folder_path::{parent, path_below};
-use crate::{FileModel, texture_folder};
+use crate::{FileModel, ModelError, texture_folder};
 use file_access::excerpt;
 use file_access::read_file;
 use std::path::Path;
@@ -45,7 +43,7 @@ const MAX_LIBRARY_BYTES: u64 = 1 << 24;
 /// # Errors
 /// When a file cannot be read, or as [`read`] and [`Materials::read`]. An image that cannot be
 /// used is a note.
-pub fn open(path: &Path) -> Result<FileModel, Error> {
+pub fn open(path: &Path) -> Result<FileModel, ModelError> {
     let mut bytes = Vec::new();
     read_file(path, MAX_BYTES, &mut bytes)?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -71,7 +69,7 @@ fn add_library(
     folder: &Path,
     name: &str,
     materials: &mut Materials,
-) -> Result<Result<(), &'static str>, Error> {
+) -> Result<Result<(), &'static str>, ModelError> {
     let Some(below) = path_below("", name) else {
         return Ok(Err(
             "their path leads out of the model's folder; put them there",
@@ -84,7 +82,7 @@ fn add_library(
     let mut library = Vec::new();
     read_file(&path, MAX_LIBRARY_BYTES, &mut library)?;
     let read = materials.read_in(parent(&below), &library);
-    read.map(Ok).map_err(|source| Error::Library {
+    read.map(Ok).map_err(|source| ModelError::Library {
         path,
         source: Box::new(source),
     })

@@ -7,13 +7,12 @@
 //! and so are the attribute bytes. The format has neither colours nor a unit:
 //! the mesh is grey.
 
-mod error;
 mod reader;
 
 pub use crate::mesh::{MAX_BYTES, MAX_TRIANGLES, MAX_VERTICES, Mesh};
-pub use error::Error;
 pub use reader::read;
 
+use crate::ModelError;
 use file_access::read_file;
 use std::path::Path;
 
@@ -21,7 +20,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be read, or as [`read`].
-pub fn open(path: &Path) -> Result<Mesh, Error> {
+pub fn open(path: &Path) -> Result<Mesh, ModelError> {
     let mut bytes = Vec::new();
     read_file(path, MAX_BYTES, &mut bytes)?;
     read(&bytes)

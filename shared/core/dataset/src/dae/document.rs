@@ -1,6 +1,6 @@
 //! Elements of a COLLADA document by name and by identifier.
 
-use super::Error;
+use crate::ModelError;
 use file_access::excerpt;
 use roxmltree::Node;
 use std::collections::HashMap;
@@ -57,7 +57,7 @@ pub(super) fn child<'a>(node: Node<'a, 'a>, name: &'static str) -> Option<Node<'
 }
 
 /// Parses the text of an element as numbers, separated by spaces.
-pub(super) fn numbers<T: FromStr>(node: Node<'_, '_>) -> Result<Vec<T>, Error> {
+pub(super) fn numbers<T: FromStr>(node: Node<'_, '_>) -> Result<Vec<T>, ModelError> {
     let words = node.text().unwrap_or_default().split_ascii_whitespace();
     words
         .map(|word| {
@@ -68,8 +68,8 @@ pub(super) fn numbers<T: FromStr>(node: Node<'_, '_>) -> Result<Vec<T>, Error> {
 }
 
 /// Error about an element.
-pub(super) fn wrong(node: Node<'_, '_>, problem: String) -> Error {
-    Error::Element {
+pub(super) fn wrong(node: Node<'_, '_>, problem: String) -> ModelError {
+    ModelError::Element {
         element: excerpt(node.tag_name().name()),
         line: node.document().text_pos_at(node.range().start).row,
         problem,

@@ -1,8 +1,9 @@
 //! Triangles of a COLLADA geometry.
 
+use super::MAX_TRIANGLES;
 use super::appearance::color;
 use super::document::{Document, child, children, numbers, wrong};
-use super::{Error, MAX_TRIANGLES};
+use crate::ModelError;
 use point_cloud::Rgba;
 use roxmltree::Node;
 
@@ -38,7 +39,10 @@ struct Source {
 
 impl Source {
     /// Source to which an input refers; `None` if there is none.
-    fn of_input<'a>(document: &Document<'a>, input: Node<'a, 'a>) -> Result<Option<Self>, Error> {
+    fn of_input<'a>(
+        document: &Document<'a>,
+        input: Node<'a, 'a>,
+    ) -> Result<Option<Self>, ModelError> {
         let Some(source) = document.target(input, "source", "source") else {
             return Ok(None);
         };
@@ -79,7 +83,7 @@ struct Inputs {
 }
 
 impl Inputs {
-    fn read<'a>(document: &Document<'a>, primitive: Node<'a, 'a>) -> Result<Self, Error> {
+    fn read<'a>(document: &Document<'a>, primitive: Node<'a, 'a>) -> Result<Self, ModelError> {
         let mut inputs = Self::default();
         for input in children(primitive, "input") {
             let offset = input.attribute("offset").unwrap_or("0").trim().parse();
@@ -108,7 +112,7 @@ impl Inputs {
         document: &Document<'a>,
         input: Node<'a, 'a>,
         offset: usize,
-    ) -> Result<(), Error> {
+    ) -> Result<(), ModelError> {
         let place = match input.attribute("semantic") {
             Some("TEXCOORD") => &mut self.uv,
             Some("COLOR") => &mut self.colors,
@@ -135,7 +139,10 @@ impl Inputs {
 
 impl<'a> Geometry<'a> {
     /// Reads the primitives of a geometry.
-    pub(super) fn read(document: &Document<'a>, geometry: Node<'a, 'a>) -> Result<Self, Error> {
+    pub(super) fn read(
+        document: &Document<'a>,
+        geometry: Node<'a, 'a>,
+    ) -> Result<Self, ModelError> {
         let mut read = Self {
             positions: Vec::new(),
             triangles: Vec::new(),
@@ -177,7 +184,7 @@ impl<'a> Geometry<'a> {
         &mut self,
         document: &Document<'a>,
         primitive: Node<'a, 'a>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), ModelError> {
         let inputs = Inputs::read(document, primitive)?;
         let Some(vertex) = inputs.vertex else {
             return Err(wrong(primitive, "it has no input VERTEX".to_owned()));
@@ -203,7 +210,7 @@ impl<'a> Geometry<'a> {
                     let triangle = triangle.map_err(|problem| wrong(list, problem))?;
                     self.triangles.push(triangle);
                     if self.triangles.len() > MAX_TRIANGLES {
-                        return Err(Error::TooLarge);
+                        return Err(ModelError::SceneTooLarge);
                     }
                 }
             }

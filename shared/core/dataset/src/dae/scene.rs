@@ -1,9 +1,10 @@
 //! Visual scene of a COLLADA document: geometries placed by its nodes.
 
+use super::MAX_TRIANGLES;
 use super::appearance::{Appearance, Appearances};
 use super::document::{Document, child, children, numbers, wrong};
 use super::geometry::{Geometry, Triangle};
-use super::{Error, MAX_TRIANGLES};
+use crate::ModelError;
 use crate::textured_mesh::{FaceTexture, TexturedMesh};
 use nalgebra::{Matrix4, Point3, Rotation3, Translation3, Unit, Vector3};
 use point_cloud::{Point, Rgba};
@@ -25,7 +26,7 @@ pub(super) fn read(
     document: &Document<'_>,
     appearances: &mut Appearances,
     notes: &mut Vec<String>,
-) -> Result<TexturedMesh, Error> {
+) -> Result<TexturedMesh, ModelError> {
     let mut scene = ScenePlacer {
         document,
         appearances,
@@ -58,7 +59,7 @@ pub(super) fn read(
         ));
     }
     if scene.placed.mesh.triangles.is_empty() {
-        return Err(Error::NoTriangles);
+        return Err(ModelError::NoTriangles);
     }
     Ok(scene.placed)
 }
@@ -78,7 +79,7 @@ impl<'a> ScenePlacer<'a, '_> {
         node: Node<'a, 'a>,
         scene_from_parent: &Matrix4<f64>,
         depth: usize,
-    ) -> Result<(), Error> {
+    ) -> Result<(), ModelError> {
         self.n_nodes += 1;
         if depth > MAX_DEPTH || self.n_nodes > MAX_NODES {
             let problem = format!(
@@ -117,7 +118,7 @@ impl<'a> ScenePlacer<'a, '_> {
         geometry: Node<'a, 'a>,
         instance: Option<Node<'a, 'a>>,
         scene_from_geometry: &Matrix4<f64>,
-    ) -> Result<(), Error> {
+    ) -> Result<(), ModelError> {
         let id = geometry.id();
         if !self.geometries.contains_key(&id) {
             let read = Geometry::read(self.document, geometry)?;
@@ -179,7 +180,7 @@ impl Placement<'_> {
         mut self,
         geometry: &Geometry<'_>,
         appearances: &HashMap<&str, Appearance>,
-    ) -> Result<(), Option<Error>> {
+    ) -> Result<(), Option<ModelError>> {
         for triangle in &geometry.triangles {
             let appearance = appearances.get(triangle.material);
             let appearance = appearance.copied().unwrap_or(Appearance::PLAIN);
@@ -193,7 +194,7 @@ impl Placement<'_> {
         positions: &[[f32; 3]],
         triangle: &Triangle<'_>,
         appearance: Appearance,
-    ) -> Result<(), Option<Error>> {
+    ) -> Result<(), Option<ModelError>> {
         let colors = triangle.colors.unwrap_or([appearance.color; 3]);
         let mut corners = [0; 3];
         for ((corner, position), color) in corners.iter_mut().zip(triangle.corners).zip(colors) {
@@ -215,7 +216,7 @@ impl Placement<'_> {
                 .map(|(texture, uv)| FaceTexture { texture, uv }),
         );
         if mesh.triangles.len().max(mesh.vertices.len()) > MAX_TRIANGLES {
-            return Err(Some(Error::TooLarge));
+            return Err(Some(ModelError::SceneTooLarge));
         }
         Ok(())
     }
@@ -237,7 +238,7 @@ impl Placement<'_> {
 }
 
 /// Transform of an element of a node, if it is one.
-fn transform(element: Node<'_, '_>) -> Result<Option<Matrix4<f64>>, Error> {
+fn transform(element: Node<'_, '_>) -> Result<Option<Matrix4<f64>>, ModelError> {
     let name = element.tag_name().name();
     if !matches!(name, "matrix" | "translate" | "rotate" | "scale") {
         return Ok(None);

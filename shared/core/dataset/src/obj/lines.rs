@@ -1,6 +1,6 @@
 //! Tokeniser of OBJ files and material libraries.
 
-use super::Error;
+use crate::ModelError;
 use file_access::excerpt;
 
 /// Line that is neither blank nor a comment, joined with its continuation lines.
@@ -17,21 +17,21 @@ pub(super) struct Line<'a> {
 impl<'a> Line<'a> {
     /// Text after the keyword. Skipped lines may be in any encoding, so only this method decodes
     /// UTF-8.
-    pub(super) fn text(&self) -> Result<&'a str, Error> {
+    pub(super) fn text(&self) -> Result<&'a str, ModelError> {
         let text = std::str::from_utf8(self.rest);
         text.map(str::trim_ascii)
             .map_err(|_| self.error("it is not UTF-8 text".to_owned()))
     }
 
     /// Words after the keyword. A backslash continues a line.
-    pub(super) fn words(&self) -> Result<impl Iterator<Item = &'a str> + use<'a>, Error> {
+    pub(super) fn words(&self) -> Result<impl Iterator<Item = &'a str> + use<'a>, ModelError> {
         let is_space = |character: char| character.is_ascii_whitespace() || character == '\\';
         let words = self.text()?.split(is_space);
         Ok(words.filter(|word| !word.is_empty()))
     }
 
     /// Parses the numbers after the keyword into a slice and returns their count.
-    pub(super) fn numbers(&self, numbers: &mut [f32]) -> Result<usize, Error> {
+    pub(super) fn numbers(&self, numbers: &mut [f32]) -> Result<usize, ModelError> {
         let mut n_read = 0;
         for word in self.words()? {
             let Some(number) = numbers.get_mut(n_read) else {
@@ -48,8 +48,9 @@ impl<'a> Line<'a> {
         Ok(n_read)
     }
 
-    pub(super) fn error(&self, problem: String) -> Error {
-        Error::Line {
+    pub(super) fn error(&self, problem: String) -> ModelError {
+        ModelError::Line {
+            format: "OBJ",
             line: self.number,
             problem,
         }

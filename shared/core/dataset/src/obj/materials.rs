@@ -1,7 +1,7 @@
 //! Material libraries: diffuse colours and textures by name.
 
-use super::Error;
 use super::lines::{Line, lines};
+use crate::ModelError;
 use crate::texture_folder::{MAX_TEXTURES, TextureName};
 use point_cloud::Rgba;
 use std::collections::HashMap;
@@ -28,13 +28,13 @@ impl Materials {
     ///
     /// # Errors
     /// When such a line is wrong, or there are more than 65536 materials.
-    pub fn read(&mut self, bytes: &[u8]) -> Result<(), Error> {
+    pub fn read(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
         self.read_in("", bytes)
     }
 
     /// Adds the materials of a library in this subfolder of the model's folder, as
     /// [`read`](Self::read).
-    pub(super) fn read_in(&mut self, base: &str, bytes: &[u8]) -> Result<(), Error> {
+    pub(super) fn read_in(&mut self, base: &str, bytes: &[u8]) -> Result<(), ModelError> {
         let mut name = None;
         for line in lines(bytes) {
             let too_early =
@@ -56,7 +56,7 @@ impl Materials {
                 _ => {}
             }
             if self.colors.len().max(self.textures.len()) > MAX_MATERIALS {
-                return Err(Error::TooManyMaterials);
+                return Err(ModelError::TooManyMaterials);
             }
         }
         Ok(())
@@ -96,7 +96,7 @@ impl Materials {
 }
 
 /// Parses a diffuse colour; `None` for a spectrum, which is a file of its own.
-fn diffuse_color(line: &Line<'_>) -> Result<Option<Rgba>, Error> {
+fn diffuse_color(line: &Line<'_>) -> Result<Option<Rgba>, ModelError> {
     if matches!(line.words()?.next(), Some("spectral" | "xyz")) {
         return Ok(None);
     }
@@ -157,7 +157,7 @@ pub(super) fn byte(value: f32) -> u8 {
 ///
 /// # Errors
 /// When a line `mtllib` is not UTF-8 text, or there are more than 64 libraries.
-pub fn material_libraries(bytes: &[u8]) -> Result<Vec<&str>, Error> {
+pub fn material_libraries(bytes: &[u8]) -> Result<Vec<&str>, ModelError> {
     let mut names = Vec::new();
     for line in lines(bytes).filter(|line| line.keyword == b"mtllib") {
         let text = line.text()?;
@@ -174,7 +174,7 @@ pub fn material_libraries(bytes: &[u8]) -> Result<Vec<&str>, Error> {
             }
         }
         if names.len() > MAX_LIBRARIES {
-            return Err(Error::TooManyMaterials);
+            return Err(ModelError::TooManyMaterials);
         }
     }
     Ok(names)

@@ -3,7 +3,8 @@
 use super::lines::{Line, lines};
 use super::materials::{Materials, byte};
 use super::vertex_colors::{MaterialRun, assign_vertex_colors};
-use super::{Error, MAX_TRIANGLES, MAX_VERTICES, Mesh};
+use super::{MAX_TRIANGLES, MAX_VERTICES, Mesh};
+use crate::ModelError;
 use crate::NEUTRAL_GREY;
 use crate::textured_mesh::{FaceTexture, TexturedMesh};
 use file_access::excerpt;
@@ -19,12 +20,15 @@ const NO_COORDINATES: u32 = u32::MAX;
 ///
 /// # Errors
 /// When there is no vertex, or a line is wrong; says which and why.
-pub fn read(bytes: &[u8], materials: &Materials) -> Result<Mesh, Error> {
+pub fn read(bytes: &[u8], materials: &Materials) -> Result<Mesh, ModelError> {
     Ok(read_textured(bytes, materials)?.mesh)
 }
 
 /// Decodes an OBJ file as [`read`], with the places of its faces in the textures.
-pub(super) fn read_textured(bytes: &[u8], materials: &Materials) -> Result<TexturedMesh, Error> {
+pub(super) fn read_textured(
+    bytes: &[u8],
+    materials: &Materials,
+) -> Result<TexturedMesh, ModelError> {
     let mut reader = Reader::default();
     reader.runs.push(MaterialRun {
         first_triangle: 0,
@@ -71,9 +75,9 @@ struct Reader {
 }
 
 impl Reader {
-    fn push_vertex(&mut self, line: &Line<'_>) -> Result<(), Error> {
+    fn push_vertex(&mut self, line: &Line<'_>) -> Result<(), ModelError> {
         if self.mesh.vertices.len() == MAX_VERTICES {
-            return Err(Error::TooLarge);
+            return Err(ModelError::TooLarge("OBJ"));
         }
         // x y z, x y z w, x y z r g b or x y z r g b a.
         let mut numbers = [0.0; 7];
@@ -96,9 +100,9 @@ impl Reader {
 
     /// Reads texture coordinates. Some programs write "nan" where a face has no texture, and only
     /// the texture needs them.
-    fn push_coordinates(&mut self, line: &Line<'_>) -> Result<(), Error> {
+    fn push_coordinates(&mut self, line: &Line<'_>) -> Result<(), ModelError> {
         if self.coordinates.len() == MAX_VERTICES {
-            return Err(Error::TooLarge);
+            return Err(ModelError::TooLarge("OBJ"));
         }
         let mut numbers = [0.0; 3];
         let coordinates = match line.numbers(&mut numbers) {
@@ -110,7 +114,7 @@ impl Reader {
     }
 
     /// Splits a polygon into a triangle fan around its first vertex.
-    fn push_face(&mut self, line: &Line<'_>) -> Result<(), Error> {
+    fn push_face(&mut self, line: &Line<'_>) -> Result<(), ModelError> {
         let mut words = line.words()?;
         let too_few = || line.error("a face needs at least three corners".to_owned());
         let mut corner = || match words.next() {
@@ -124,7 +128,7 @@ impl Reader {
         };
         loop {
             if self.mesh.triangles.len() == MAX_TRIANGLES {
-                return Err(Error::TooLarge);
+                return Err(ModelError::TooLarge("OBJ"));
             }
             let corners: [Corner; 3] = [first, previous, current];
             let triangle = corners.map(|corner| corner.vertex);
@@ -144,7 +148,7 @@ impl Reader {
     }
 
     /// Corner `v`, `v/vt`, `v//vn` or `v/vt/vn`. It may refer to a later vertex.
-    fn corner(&self, word: &str, line: &Line<'_>) -> Result<Corner, Error> {
+    fn corner(&self, word: &str, line: &Line<'_>) -> Result<Corner, ModelError> {
         let n_vertices = self.mesh.vertices.len() as i64;
         let mut numbers = word.split('/');
         let number = numbers.next().unwrap_or_default();
@@ -196,16 +200,20 @@ impl Reader {
         faces
     }
 
-    fn finish(mut self) -> Result<TexturedMesh, Error> {
+    fn finish(mut self) -> Result<TexturedMesh, ModelError> {
         let n_vertices = self.mesh.vertices.len();
         if n_vertices == 0 {
-            return Err(Error::NoVertices);
+            return Err(ModelError::NoVertices);
         }
         if let Some((index, line)) = self.highest
             && index as usize >= n_vertices
         {
             let problem = format!("there is no vertex {}", index + 1);
-            return Err(Error::Line { line, problem });
+            return Err(ModelError::Line {
+                format: "OBJ",
+                line,
+                problem,
+            });
         }
         assign_vertex_colors(&mut self.mesh, &self.has_own_color, &self.runs)?;
         Ok(TexturedMesh {

@@ -31,11 +31,11 @@ l 1 2 3
 weird line \u{e4}
 ";
 
-fn read_plain(text: &str) -> Result<Mesh, Error> {
+fn read_plain(text: &str) -> Result<Mesh, ModelError> {
     read(text.as_bytes(), &Materials::default())
 }
 
-fn materials(library: &str) -> Result<Materials, Error> {
+fn materials(library: &str) -> Result<Materials, ModelError> {
     let mut materials = Materials::default();
     materials.read(library.as_bytes()).map(|()| materials)
 }
@@ -218,7 +218,7 @@ fn a_wrong_line_is_refused_with_its_reason() {
         check_refusal(from, to, reason);
     }
     let error = read_plain("vt 0 0\n").unwrap_err();
-    assert!(matches!(error, Error::NoVertices), "{error}");
+    assert!(matches!(error, ModelError::NoVertices), "{error}");
 }
 
 #[test]

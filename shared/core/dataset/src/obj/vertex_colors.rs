@@ -1,6 +1,7 @@
 //! Assignment of material colours to vertices.
 
-use super::{Error, MAX_VERTICES, Mesh};
+use super::{MAX_VERTICES, Mesh};
+use crate::ModelError;
 use point_cloud::Rgba;
 use std::collections::HashMap;
 
@@ -19,7 +20,7 @@ pub(super) fn assign_vertex_colors(
     mesh: &mut Mesh,
     has_own_color: &[bool],
     runs: &[MaterialRun],
-) -> Result<(), Error> {
+) -> Result<(), ModelError> {
     let Mesh {
         vertices,
         triangles,
@@ -39,7 +40,7 @@ pub(super) fn assign_vertex_colors(
                 continue;
             }
             if vertices.len() == MAX_VERTICES {
-                return Err(Error::TooLarge);
+                return Err(ModelError::TooLarge("OBJ"));
             }
             *corner = *copies.entry((*corner, run.color.0)).or_insert_with(|| {
                 let mut copy = vertices[vertex];

@@ -1,6 +1,7 @@
 //! Decoder of STL files.
 
-use super::{Error, MAX_TRIANGLES, MAX_VERTICES, Mesh};
+use super::{MAX_TRIANGLES, MAX_VERTICES, Mesh};
+use crate::ModelError;
 use crate::NEUTRAL_GREY;
 use file_access::excerpt;
 use point_cloud::Point;
@@ -22,13 +23,13 @@ const TRIANGLE_BYTES: usize = 50;
 ///
 /// # Errors
 /// When the bytes are not an STL file; says where and why.
-pub fn read(bytes: &[u8]) -> Result<Mesh, Error> {
+pub fn read(bytes: &[u8]) -> Result<Mesh, ModelError> {
     let is_text = bytes.trim_ascii_start().starts_with(b"solid");
     let Some((header, triangles)) = bytes.split_at_checked(HEADER_BYTES) else {
         return if is_text {
             read_text(bytes)
         } else {
-            Err(Error::NotStl)
+            Err(ModelError::NotStl)
         };
     };
     let announced = header.last_chunk().map_or(0, |n| u32::from_le_bytes(*n));
@@ -38,7 +39,7 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, Error> {
         return read_text(bytes);
     }
     if records.len() < announced as usize {
-        return Err(Error::Truncated {
+        return Err(ModelError::Truncated {
             announced,
             present: records.len(),
         });
@@ -46,11 +47,11 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, Error> {
     if is_whole {
         read_binary(records)
     } else {
-        Err(Error::TrailingData)
+        Err(ModelError::TrailingData)
     }
 }
 
-fn read_binary(records: &[[u8; TRIANGLE_BYTES]]) -> Result<Mesh, Error> {
+fn read_binary(records: &[[u8; TRIANGLE_BYTES]]) -> Result<Mesh, ModelError> {
     let mut soup = WeldedSoup::default();
     for (triangle, record) in records.iter().enumerate() {
         let (numbers, _attribute) = record.as_chunks::<4>();
@@ -60,7 +61,7 @@ fn read_binary(records: &[[u8; TRIANGLE_BYTES]]) -> Result<Mesh, Error> {
             *coordinate = f32::from_le_bytes(*number);
         }
         if !coordinates.iter().all(|value| value.is_finite()) {
-            return Err(Error::NotFinite { triangle });
+            return Err(ModelError::NotFinite { triangle });
         }
         let (corners, _) = coordinates.as_chunks::<3>();
         soup.push_triangle([corners[0], corners[1], corners[2]])?;
@@ -68,12 +69,13 @@ fn read_binary(records: &[[u8; TRIANGLE_BYTES]]) -> Result<Mesh, Error> {
     Ok(soup.mesh)
 }
 
-fn read_text(bytes: &[u8]) -> Result<Mesh, Error> {
+fn read_text(bytes: &[u8]) -> Result<Mesh, ModelError> {
     let mut soup = WeldedSoup::default();
     let mut corners = Vec::with_capacity(3);
     let mut is_open = false;
     for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
-        let wrong = |problem: String| Error::Line {
+        let wrong = |problem: String| ModelError::Line {
+            format: "STL",
             line: index + 1,
             problem,
         };
@@ -101,7 +103,7 @@ fn read_text(bytes: &[u8]) -> Result<Mesh, Error> {
         }
     }
     if is_open {
-        Err(Error::EndOfText)
+        Err(ModelError::EndOfText)
     } else {
         Ok(soup.mesh)
     }
@@ -133,9 +135,9 @@ struct WeldedSoup {
 }
 
 impl WeldedSoup {
-    fn push_triangle(&mut self, corners: [[f32; 3]; 3]) -> Result<(), Error> {
+    fn push_triangle(&mut self, corners: [[f32; 3]; 3]) -> Result<(), ModelError> {
         if self.mesh.triangles.len() == MAX_TRIANGLES {
-            return Err(Error::TooLarge);
+            return Err(ModelError::TooLarge("STL"));
         }
         let Self { mesh, known } = self;
         let triangle = corners.map(|[x, y, z]| {
@@ -149,7 +151,7 @@ impl WeldedSoup {
         });
         mesh.triangles.push(triangle);
         if mesh.vertices.len() > MAX_VERTICES {
-            return Err(Error::TooLarge);
+            return Err(ModelError::TooLarge("STL"));
         }
         Ok(())
     }
