@@ -31,6 +31,7 @@
 //! # Ok::<(), pcd::Error>(())
 //! ```
 
+mod error;
 mod folder_path;
 mod image_error;
 mod jpeg_image;
@@ -56,6 +57,7 @@ pub mod scene_folder;
 pub mod stl;
 pub mod washington;
 
+pub use error::{ContentError, Error};
 pub use file_access::{
     FileError, OutputFile, check_output, create_folder, natural_order, write_atomic,
 };

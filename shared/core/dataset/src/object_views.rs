@@ -8,12 +8,11 @@
 //! A data set with at least one name of a Washington view has that layout.
 
 mod category_folders;
-mod error;
 mod object_view;
 
-use crate::washington::{self, ObjectDataset};
+use crate::Error;
+use crate::washington::ObjectDataset;
 use category_folders::CategoryFolders;
-pub use error::Error;
 pub use object_view::ObjectView;
 use std::path::{Path, PathBuf};
 
@@ -56,8 +55,8 @@ impl ObjectViews {
     pub fn open(root: &Path) -> Result<Self, Error> {
         match ObjectDataset::open(root) {
             Ok(dataset) => Ok(Self::of_washington(root, dataset)),
-            Err(washington::Error::NoViews(_)) => Self::of_categories(root),
-            Err(error) => Err(error.into()),
+            Err(Error::NoCrops(_)) => Self::of_categories(root),
+            Err(error) => Err(error),
         }
     }
 
@@ -131,9 +130,9 @@ impl ObjectViews {
     /// When there is no such view, a file cannot be read or is wrong, or no point
     /// has depth; the error names the file.
     pub fn load(&self, index: usize) -> Result<ObjectView, Error> {
-        let n_views = self.files.len();
+        let (what, n) = ("view", self.files.len());
         let file = self.files.get(index);
-        let file = file.ok_or(Error::NoSuchView { index, n_views })?;
+        let file = file.ok_or(Error::NoSuch { what, index, n })?;
         let view = match &self.layout {
             DatasetLayout::Washington(dataset) => ObjectView::of_washington(dataset, index)?,
             DatasetLayout::Categories(folders) => folders.load(index)?,

@@ -1,9 +1,9 @@
 //! Detection of the kind of a recording by its file names.
 
-use crate::{fakenect_folder, registered_images, rgbd_sequence, scene_folder};
-use file_access::{FileError, file_names};
+use crate::{Error, fakenect_folder, registered_images, rgbd_sequence, scene_folder};
+use file_access::file_names;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Kind of a recording that a camera can play.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,42 +27,6 @@ impl fmt::Display for RecordingKind {
             Self::Fakenect => "a fakenect recording (INDEX.txt)",
         })
     }
-}
-
-/// Error of detecting the kind of a recording.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// Failed access to the recording's folder.
-    #[error("{0}")]
-    File(#[from] FileError),
-    /// Path that is not a folder.
-    #[error("{} is not a folder; name the folder that holds the recording", .0.display())]
-    NotAFolder(PathBuf),
-    /// Folder without entries.
-    #[error("the folder {} is empty; name one with a recording", .0.display())]
-    Empty(PathBuf),
-    /// Folder without files of a known recording.
-    #[error(
-        "the folder {} holds no recording; a recording is {}, {}, {} or {}",
-        .0.display(),
-        RecordingKind::PcdScenes,
-        RecordingKind::RgbdSequence,
-        RecordingKind::RegisteredImages,
-        RecordingKind::Fakenect
-    )]
-    Unknown(PathBuf),
-    /// Folder with files of several kinds of recording.
-    #[error(
-        "the folder {} holds both {} and {}; give each its own folder",
-        .path.display(), .kinds[0], .kinds[1]
-    )]
-    Mixed {
-        /// Path of the ambiguous folder.
-        path: PathBuf,
-        /// Two recording kinds found in the folder.
-        kinds: [RecordingKind; 2],
-    },
 }
 
 /// Detects the kind of a recording by the names of its files, without opening them.

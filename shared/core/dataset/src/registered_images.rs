@@ -19,15 +19,14 @@
 //! Each pixel of a depth image must show what the same pixel of its colour image shows. Lens
 //! distortion is not corrected.
 
-mod error;
 mod image_pair;
 mod intrinsics_json;
 mod timestamp;
 
 pub use crate::rgbd_sequence::Scratch;
-pub use error::Error;
 pub use intrinsics_json::{DepthCamera, IntrinsicsError, parse_intrinsics_json};
 
+use crate::Error;
 use crate::rgbd_sequence::{
     BackProjection, INTRINSICS_NAME as MATRIX_NAME, MAX_IMAGE_BYTES, MAX_TEXT_BYTES, decode_color,
     decode_depth, depth_image_size, is_pose_name, parse_intrinsics,
@@ -123,9 +122,9 @@ impl RegisteredImages {
         scratch: &mut Scratch,
         out: &mut [Point],
     ) -> Result<(), Error> {
-        let n_frames = self.pairs.len();
+        let (what, n) = ("frame", self.pairs.len());
         let pair = self.pairs.get(index);
-        let pair = pair.ok_or(Error::NoSuchFrame { index, n_frames })?;
+        let pair = pair.ok_or(Error::NoSuch { what, index, n })?;
         let (found, needed) = (out.len(), self.camera.n_pixels());
         if found != needed {
             return Err(Error::OutputLength { found, needed });
@@ -171,9 +170,10 @@ fn image_size(pairs: &[ImagePair], file: &mut Vec<u8>) -> Result<(u32, u32), Err
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
-    Err(first_error.unwrap_or(Error::NoSuchFrame {
+    Err(first_error.unwrap_or(Error::NoSuch {
+        what: "frame",
         index: 0,
-        n_frames: 0,
+        n: 0,
     }))
 }
 

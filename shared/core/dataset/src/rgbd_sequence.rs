@@ -18,19 +18,18 @@
 //! colour of the same pixel.
 
 mod back_projection;
-mod error;
 mod frame_files;
 mod image;
 mod matrix_text;
 mod writer;
 
 pub use back_projection::BackProjection;
-pub use error::{ContentError, Error};
 pub(crate) use frame_files::{is_depth_name, is_pose_name};
 pub use image::{decode_color, decode_depth, decode_mask, depth_image_size};
 pub use matrix_text::{parse_gravity, parse_intrinsics, parse_pose};
 pub use writer::{FrameView, SequenceWriter};
 
+use crate::{ContentError, Error};
 use file_access::read_file;
 use frame_files::{DEPTH_SUFFIX, FrameFiles, MASK_SUFFIX, POSE_SUFFIX, TRUTH_SUFFIX, list_frames};
 use geometry::{PinholeCamera, RigidTransform};
@@ -224,9 +223,9 @@ impl RgbdSequence {
     }
 
     fn frame(&self, index: usize) -> Result<&FrameFiles, Error> {
-        let n_frames = self.frames.len();
+        let (what, n) = ("frame", self.frames.len());
         let frame = self.frames.get(index);
-        frame.ok_or(Error::NoSuchFrame { index, n_frames })
+        frame.ok_or(Error::NoSuch { what, index, n })
     }
 
     fn path(&self, frame: &FrameFiles, suffix: &str) -> PathBuf {
@@ -242,10 +241,7 @@ fn read_with<T>(
     parse: impl FnOnce(&[u8]) -> Result<T, ContentError>,
 ) -> Result<T, Error> {
     read_file(path, limit, buffer)?;
-    parse(buffer).map_err(|source| Error::Content {
-        path: path.to_owned(),
-        source,
-    })
+    parse(buffer).map_err(Error::content(path))
 }
 
 #[cfg(test)]

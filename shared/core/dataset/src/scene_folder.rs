@@ -1,7 +1,7 @@
 //! Folder of PCD scenes.
 
-use crate::pcd;
-use file_access::{FileError, file_names, read_file};
+use crate::{Error, pcd};
+use file_access::{file_names, read_file};
 use std::path::{Path, PathBuf};
 
 /// Scenes of a folder, in natural order of their names.
@@ -9,26 +9,6 @@ use std::path::{Path, PathBuf};
 pub struct SceneFolder {
     folder: PathBuf,
     names: Vec<String>,
-}
-
-/// Error of reading a folder of scenes.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// Failed access to a file or folder.
-    #[error("{0}")]
-    File(#[from] FileError),
-    /// Folder without PCD files.
-    #[error("the folder {} holds no scenes; their names end in .pcd", .0.display())]
-    NoScenes(PathBuf),
-    /// Scene index out of range.
-    #[error("there is no scene {index}; the folder's {n_scenes} scenes count from 0")]
-    NoSuchScene {
-        /// Requested scene index, from 0.
-        index: usize,
-        /// Number of scenes in the folder.
-        n_scenes: usize,
-    },
 }
 
 #[expect(
@@ -68,11 +48,11 @@ impl SceneFolder {
     /// When there is no such scene, or its file cannot be read or is larger
     /// than [`pcd::MAX_BYTES`].
     pub fn read_bytes(&self, index: usize, buffer: &mut Vec<u8>) -> Result<(), Error> {
-        let n_scenes = self.names.len();
+        let (what, n) = ("scene", self.names.len());
         let name = self
             .names
             .get(index)
-            .ok_or(Error::NoSuchScene { index, n_scenes })?;
+            .ok_or(Error::NoSuch { what, index, n })?;
         Ok(read_file(&self.folder.join(name), pcd::MAX_BYTES, buffer)?)
     }
 }
@@ -103,13 +83,7 @@ mod tests {
         }
         let error = scenes.read_bytes(2, &mut bytes).unwrap_err();
         assert!(
-            matches!(
-                error,
-                Error::NoSuchScene {
-                    index: 2,
-                    n_scenes: 2
-                }
-            ),
+            matches!(error, Error::NoSuch { index: 2, n: 2, .. }),
             "{error}"
         );
     }

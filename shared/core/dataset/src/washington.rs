@@ -22,7 +22,6 @@
 //! camera frame of this project.
 
 mod cloud;
-mod error;
 mod image;
 mod location;
 mod object_dataset;
@@ -31,7 +30,6 @@ mod view_name;
 mod writer;
 
 pub use cloud::{read_cloud, write_cloud};
-pub use error::{ContentError, Error};
 pub use image::{decode_color, decode_depth, decode_mask};
 pub use location::{format_location, parse_location};
 pub use object_dataset::ObjectDataset;

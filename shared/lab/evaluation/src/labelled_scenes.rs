@@ -9,7 +9,7 @@ pub use error::Error;
 use crate::segmentation_score::FIRST_OBJECT_LABEL;
 use dataset::rgbd_sequence::{RgbdSequence, Scratch};
 use dataset::scene_folder::SceneFolder;
-use dataset::{RecordingKind, detect_recording_kind, pcd, recording_kind};
+use dataset::{RecordingKind, detect_recording_kind, pcd};
 use file_access::folder_names;
 use nalgebra::{Unit, Vector3};
 use point_cloud::Point;
@@ -88,7 +88,7 @@ impl LabelledScenes {
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let mut scenes = Self::default();
         match detect_recording_kind(folder) {
-            Err(recording_kind::Error::Unknown(unknown)) => {
+            Err(dataset::Error::Unknown(unknown)) => {
                 for name in folder_names(folder)? {
                     if let Err(error) = scenes.add(&folder.join(&name), &name, true) {
                         scenes.unusable.push((name, error));
@@ -96,8 +96,7 @@ impl LabelledScenes {
                 }
                 if scenes.entries.is_empty() {
                     let first = scenes.unusable.into_iter().next();
-                    let (_, error) =
-                        first.ok_or(Error::Kind(recording_kind::Error::Unknown(unknown)))?;
+                    let (_, error) = first.ok_or(dataset::Error::Unknown(unknown))?;
                     return Err(error);
                 }
             }

@@ -1,7 +1,7 @@
 //! Dataset layout with one folder of PCD files per category.
 
-use super::error::Error;
 use super::object_view::ObjectView;
+use crate::Error;
 use crate::pcd;
 use crate::scene_folder::is_scene_name;
 use file_access::{file_names, folder_names};
@@ -59,7 +59,7 @@ impl CategoryFolders {
         let path = self.root.join(&self.files[index].1);
         match pcd::open(&path) {
             Ok(cloud) => Ok(ObjectView::of_pcd(cloud)),
-            Err(source) => Err(Error::Pcd { path, source }),
+            Err(error) => Err(Error::content(&path)(error.into())),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Points of an object view with the known camera geometry.
 
+use crate::Error;
 use crate::pcd::PcdCloud;
 use crate::washington::{self, ObjectDataset};
 use geometry::RigidTransform;
@@ -21,10 +22,7 @@ pub struct ObjectView {
 impl ObjectView {
     /// Reads a view in the Washington layout. Its points are in the frame of the camera, which
     /// looks down on the turntable.
-    pub(super) fn of_washington(
-        dataset: &ObjectDataset,
-        index: usize,
-    ) -> Result<Self, washington::Error> {
+    pub(super) fn of_washington(dataset: &ObjectDataset, index: usize) -> Result<Self, Error> {
         let sequence = dataset.name(index).map(washington::ViewName::sequence);
         Ok(Self {
             points: dataset.load_points(index)?,

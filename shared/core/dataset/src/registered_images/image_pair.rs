@@ -1,7 +1,7 @@
 //! Pairs of colour and depth images, by file names.
 
-use super::Error;
 use super::timestamp::{associate, parse_timestamp};
+use crate::Error;
 use file_access::{file_names, folder_names};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -116,7 +116,7 @@ pub(super) fn list_pairs(folder: &Path) -> Result<PairList, Error> {
         _ => images.pair_by_name(layout)?,
     };
     if list.pairs.is_empty() {
-        return Err(Error::NoFrames(folder.to_owned()));
+        return Err(Error::NoPairs(folder.to_owned()));
     }
     Ok(list)
 }

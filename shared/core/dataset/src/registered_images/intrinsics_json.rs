@@ -1,6 +1,6 @@
 //! Camera intrinsics in JSON, in the layouts of BOP, `Open3D`, `RealSense` and ROS.
 
-use crate::rgbd_sequence::ContentError;
+use crate::ContentError;
 use geometry::{InvalidIntrinsics, PinholeCamera};
 use serde::Deserialize;
 use std::ops::RangeInclusive;

@@ -120,7 +120,7 @@ fn registered_images_are_paired_by_timestamp() {
     assert_eq!(images.n_unpaired(), 2);
     fs::remove_file(folder.path().join("rgb/10.895000.png")).unwrap();
     fs::remove_file(folder.path().join("rgb/10.935000.png")).unwrap();
-    assert!(matches!(open(&folder), Err(Error::NoFrames(_))));
+    assert!(matches!(open(&folder), Err(Error::NoPairs(_))));
 }
 
 #[test]
@@ -346,13 +346,7 @@ fn impossible_arguments_are_refused() {
     let mut scratch = Scratch::default();
     let mut out = vec![Point::default(); N_PIXELS];
     let late = images.fill(1, &mut scratch, &mut out);
-    assert!(matches!(
-        late,
-        Err(Error::NoSuchFrame {
-            index: 1,
-            n_frames: 1
-        })
-    ));
+    assert!(matches!(late, Err(Error::NoSuch { index: 1, n: 1, .. })));
     let short = images.fill(0, &mut scratch, &mut out[1..]);
     assert!(matches!(
         short,

@@ -1,6 +1,7 @@
 //! Back-projection of depth images to points.
 
-use super::{ContentError, PinholeCamera, Point};
+use super::{PinholeCamera, Point};
+use crate::ContentError;
 use point_cloud::Rgba;
 
 const M_FROM_MM: f64 = 0.001;

@@ -1,6 +1,6 @@
 //! Frames of a sequence folder, by file names.
 
-use super::Error;
+use crate::Error;
 use file_access::file_names;
 use std::path::Path;
 
@@ -54,7 +54,7 @@ pub(super) fn list_frames(folder: &Path) -> Result<Vec<FrameFiles>, Error> {
         if let Some(stem) = stem(name, DEPTH_SUFFIX) {
             let color_suffix = names.color_suffix(stem).ok_or_else(|| Error::Unpaired {
                 path: folder.join(name),
-                missing: ".color.png or .color.jpg",
+                missing: "that ends in .color.png or .color.jpg".to_owned(),
             })?;
             frames.push(FrameFiles {
                 stem: stem.to_owned(),
@@ -111,7 +111,7 @@ impl FileNames {
             if color.is_some_and(|stem| !self.has(stem, DEPTH_SUFFIX)) {
                 return Err(Error::Unpaired {
                     path: folder.join(name),
-                    missing: DEPTH_SUFFIX,
+                    missing: format!("that ends in {DEPTH_SUFFIX}"),
                 });
             }
         }

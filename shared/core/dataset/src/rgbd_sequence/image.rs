@@ -1,6 +1,6 @@
 //! Image decoders of RGB-D sequences.
 
-use super::ContentError;
+use crate::ContentError;
 use crate::ImageError;
 use crate::jpeg_image;
 use crate::png_image::{PixelKind, PngImage, SIGNATURE, check_size};

@@ -1,6 +1,7 @@
 //! Text files of a sequence: intrinsics, gravity and poses as matrices.
 
-use super::{ContentError, PinholeCamera, RigidTransform, UnitVector3, Vector3};
+use super::{PinholeCamera, RigidTransform, UnitVector3, Vector3};
+use crate::ContentError;
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
 
 /// Tolerance of orthonormal columns and of unit vectors, for numbers with few digits. Chosen.

@@ -316,13 +316,7 @@ fn invalid_arguments_are_refused() {
         .fill(3, &mut Scratch::default(), &mut out)
         .unwrap_err();
     assert!(
-        matches!(
-            late,
-            Error::NoSuchFrame {
-                index: 3,
-                n_frames: 3
-            }
-        ),
+        matches!(late, Error::NoSuch { index: 3, n: 3, .. }),
         "{late}"
     );
 }

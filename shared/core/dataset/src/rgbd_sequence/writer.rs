@@ -1,6 +1,5 @@
 //! Writer of RGB-D sequences.
 
-use super::error::{ContentError, Error};
 use super::frame_files::{
     COLOR_PNG_SUFFIX, DEPTH_SUFFIX, MASK_SUFFIX, POSE_SUFFIX, TRUTH_SUFFIX, is_frame_name,
 };
@@ -9,6 +8,7 @@ use super::{
     parse_intrinsics, parse_pose,
 };
 use crate::png_image::{PixelKind, encode, to_big_endian_samples};
+use crate::{ContentError, Error};
 use file_access::{FileError, file_names};
 use file_access::{create_folder, write_atomic};
 use geometry::{PinholeCamera, RigidTransform};
@@ -63,7 +63,7 @@ impl SequenceWriter {
         let is_part =
             |name: &str| is_frame_name(name) || name == INTRINSICS_NAME || name == GRAVITY_NAME;
         if !file_names(folder, is_part)?.is_empty() {
-            return Err(Error::AlreadyExists(folder.to_owned()));
+            return Err(Error::SequenceExists(folder.to_owned()));
         }
         let size = (camera.width, camera.height);
         let (fx, fy, cx, cy) = (camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px);
@@ -159,7 +159,7 @@ impl SequenceWriter {
             ),
         ] {
             if found != needed {
-                return Err(Error::FrameLength {
+                return Err(Error::Length {
                     what,
                     found,
                     needed,
@@ -179,7 +179,7 @@ impl SequenceWriter {
         self.file.clear();
         let bytes = bytes.unwrap_or(&self.samples);
         encode(kind, self.size, bytes, &mut self.file)
-            .map_err(|error| content_error(path)(error.into()))?;
+            .map_err(|error| Error::content(path)(error.into()))?;
         write_bounded(path, &self.file, MAX_IMAGE_BYTES)
     }
 }
@@ -197,7 +197,7 @@ fn write_text<T>(
         words.join(" ") + "\n"
     };
     let text: String = values.chunks(n_columns).map(row).collect();
-    parse(text.as_bytes()).map_err(content_error(path))?;
+    parse(text.as_bytes()).map_err(Error::content(path))?;
     Ok(write_atomic(path, text.as_bytes())?)
 }
 
@@ -207,13 +207,6 @@ fn write_bounded(path: &Path, bytes: &[u8], limit: u64) -> Result<(), Error> {
         return Err(FileError::TooLarge { path, limit }.into());
     }
     Ok(write_atomic(path, bytes)?)
-}
-
-fn content_error(path: &Path) -> impl FnOnce(ContentError) -> Error {
-    move |source| Error::Content {
-        path: path.to_owned(),
-        source,
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! PCD files of Washington views.
 
-use super::error::Error;
 use super::view::CroppedView;
+use crate::Error;
 use crate::pcd;
 use geometry::PinholeCamera;
 use point_cloud::Point;

@@ -1,6 +1,6 @@
 //! Image decoders of Washington views.
 
-use super::error::ContentError;
+use crate::ContentError;
 use crate::ImageError;
 use crate::png_image::{PixelKind, PngImage};
 

@@ -1,6 +1,6 @@
 //! Position of a crop in the whole image, in pixels.
 
-use super::error::ContentError;
+use crate::ContentError;
 use crate::png_image::MAX_SIDE;
 
 /// Parses a `_loc.txt`: one line `x,y`, column and row counted from 1. Returns the column and

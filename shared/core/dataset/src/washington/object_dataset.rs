@@ -1,13 +1,13 @@
 //! Reader of a folder tree in the Washington layout.
 
 use super::cloud::read_cloud;
-use super::error::{ContentError, Error};
 use super::image::{decode_color, decode_depth, decode_mask};
 use super::location::parse_location;
 use super::view::CroppedView;
 use super::view_name::ViewName;
 use super::{CAMERA, CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
 use crate::pcd;
+use crate::{ContentError, Error};
 use file_access::{file_names, folder_names, read_file};
 use point_cloud::Point;
 use std::path::{Path, PathBuf};
@@ -80,7 +80,7 @@ impl ObjectDataset {
             dataset.push(files)?;
         }
         match dataset.views.len() {
-            0 => Err(Error::NoViews(root.to_owned())),
+            0 => Err(Error::NoCrops(root.to_owned())),
             1..=MAX_VIEWS => Ok(dataset),
             _ => Err(Error::TooLarge(root.to_owned())),
         }
@@ -96,7 +96,7 @@ impl ObjectDataset {
         for &(_, suffix, folder) in files {
             if view.found & 1 << suffix != 0 {
                 let path = self.path(&view, suffix);
-                return Err(Error::Duplicate { path });
+                return Err(Error::Duplicate(path));
             }
             view.found |= 1 << suffix;
             view.folders[suffix] = folder;
@@ -213,9 +213,13 @@ impl ObjectDataset {
     }
 
     fn listed(&self, index: usize, wanted: u8, what: &'static str) -> Result<&ListedView, Error> {
-        let n_views = self.views.len();
+        let n = self.views.len();
         let view = self.views.get(index);
-        let view = view.ok_or(Error::NoSuchView { index, n_views })?;
+        let view = view.ok_or(Error::NoSuch {
+            what: "view",
+            index,
+            n,
+        })?;
         if view.has(wanted) {
             return Ok(view);
         }
@@ -234,7 +238,7 @@ impl ObjectDataset {
     ) -> Result<T, Error> {
         let path = self.path(view, suffix);
         read_file(&path, limit, buffer)?;
-        parse(buffer).map_err(|source| Error::Content { path, source })
+        parse(buffer).map_err(Error::content(&path))
     }
 
     fn path(&self, view: &ListedView, suffix: usize) -> PathBuf {

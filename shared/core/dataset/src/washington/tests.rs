@@ -1,4 +1,5 @@
 use super::*;
+use crate::Error;
 use mutation_fuzzing::{assert_sentence, corruption, flipped_bits, truncations};
 use point_cloud::Point;
 use proptest::prelude::*;
@@ -244,12 +245,12 @@ fn a_view_is_not_overwritten_but_an_interrupted_one_is_completed() {
     let view = name("a_1_1_1");
     write_view(root.path(), &view, &small(), None).unwrap();
     let error = write_view(root.path(), &view, &small(), None).unwrap_err();
-    assert!(matches!(error, Error::AlreadyExists(_)), "{error}");
+    assert!(matches!(error, Error::ViewExists(_)), "{error}");
     assert_sentence(&error);
     fs::remove_file(root.path().join("a/a_1/a_1_1_1_crop.png")).unwrap();
     assert!(matches!(
         ObjectDataset::open(root.path()),
-        Err(Error::NoViews(_))
+        Err(Error::NoCrops(_))
     ));
     write_view(root.path(), &view, &small(), None).unwrap();
     assert_eq!(

@@ -1,6 +1,6 @@
 //! Cropped images of one view of an object.
 
-use super::error::Error;
+use crate::Error;
 use crate::png_image::MAX_SIDE;
 use geometry::PinholeCamera;
 use point_cloud::{Point, Rgba};
@@ -77,7 +77,7 @@ impl CroppedView {
             ("mask values", self.mask.len(), n_pixels),
         ] {
             if found != needed {
-                return Err(Error::ViewLength {
+                return Err(Error::Length {
                     what,
                     found,
                     needed,

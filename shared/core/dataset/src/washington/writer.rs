@@ -1,11 +1,11 @@
 //! Writer of Washington views.
 
 use super::cloud::write_cloud;
-use super::error::Error;
 use super::location::format_location;
 use super::view::CroppedView;
 use super::view_name::ViewName;
 use super::{CLOUD_SUFFIX, COLOR_SUFFIX, DEPTH_SUFFIX, LOCATION_SUFFIX, MASK_SUFFIX};
+use crate::Error;
 use crate::png_image::{PixelKind, encode, to_big_endian_samples};
 use file_access::{create_folder, write_atomic};
 use geometry::PinholeCamera;
@@ -33,7 +33,7 @@ pub fn write_view(
     let path = |suffix| folder.join(format!("{name}{suffix}"));
     let color_path = path(COLOR_SUFFIX);
     if color_path.exists() {
-        return Err(Error::AlreadyExists(color_path));
+        return Err(Error::ViewExists(color_path));
     }
     if let Some(camera) = camera {
         write_atomic(&path(CLOUD_SUFFIX), &write_cloud(view, camera)?)?;
@@ -55,10 +55,8 @@ pub fn write_view(
         (color_path, PixelKind::Color, &view.color),
     ] {
         let mut file = Vec::new();
-        encode(kind, view.size, samples, &mut file).map_err(|error| Error::Content {
-            path: path.clone(),
-            source: error.into(),
-        })?;
+        encode(kind, view.size, samples, &mut file)
+            .map_err(|error| Error::content(&path)(error.into()))?;
         write_atomic(&path, &file)?;
     }
     Ok(())

@@ -1,15 +1,15 @@
 //! Errors of labelled scenes.
 
-use dataset::{RecordingKind, recording_kind, rgbd_sequence, scene_folder};
+use dataset::RecordingKind;
 use std::path::PathBuf;
 
 /// Error of opening or reading labelled scenes.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Folder that contains neither scenes nor folders of scenes.
+    /// Folder without recordings, or recording, or file in it, that could not be read.
     #[error("{0}")]
-    Kind(#[from] recording_kind::Error),
+    Recording(#[from] dataset::Error),
     /// Folder of scenes that could not be listed.
     #[error("{0}")]
     List(#[from] dataset::FileError),
@@ -30,15 +30,9 @@ pub enum Error {
         "two scenes are called {0}, and their results would overwrite each other; rename a folder"
     )]
     SameName(String),
-    /// A folder of PCD files, or a file in it, could not be read.
-    #[error("{0}")]
-    Folder(#[from] scene_folder::Error),
     /// Malformed PCD file.
     #[error("{0}")]
     Pcd(#[from] dataset::pcd::Error),
-    /// RGB-D sequence or frame that could not be read.
-    #[error("{0}")]
-    Sequence(#[from] rgbd_sequence::Error),
     /// PCD file without labels.
     #[error("the PCD file has no field `label`; add the truth to it")]
     NoLabels,

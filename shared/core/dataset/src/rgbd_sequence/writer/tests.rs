@@ -165,7 +165,7 @@ fn a_folder_with_a_sequence_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(name), "these do").unwrap();
         let error = SequenceWriter::create(folder.path(), &CAMERA, None).unwrap_err();
-        assert!(matches!(error, Error::AlreadyExists(_)), "{name}: {error}");
+        assert!(matches!(error, Error::SequenceExists(_)), "{name}: {error}");
         assert_sentence(&error);
         assert_eq!(folder.path().read_dir().unwrap().count(), 1);
     }
