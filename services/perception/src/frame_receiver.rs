@@ -2,7 +2,7 @@
 
 use crate::log_once::LogOnce;
 use channel::topic::CameraCloud;
-use channel::{Domain, Error, Received, SharedMessage, Subscriber};
+use channel::{Domain, Error, SharedMessage, Subscriber};
 use message::{CheckedFrame, FrameHeader, InvalidFrame, frame_flag};
 use pipeline::FramePose;
 use std::sync::Arc;
@@ -59,11 +59,9 @@ impl FrameReceiver {
 
     /// Takes the newest waiting frame; older and invalid ones count as dropped.
     pub(crate) fn newest(&mut self) -> Result<Option<ReceivedFrame>, Error> {
-        let mut newest = None;
-        while let Received::Message(frame) = self.subscriber.receive()? {
-            newest = Some(frame);
-        }
-        let Some(frame) = newest else { return Ok(None) };
+        let Some(frame) = self.subscriber.latest()? else {
+            return Ok(None);
+        };
         let received_ns = service::monotonic_ns();
         self.begin_session(frame.header());
         match frame.header().checked(frame.items().len(), received_ns) {

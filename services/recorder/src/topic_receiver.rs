@@ -4,9 +4,9 @@ use crate::message_queue::MessageQueue;
 use crate::queued_message::{Content, QueuedMessage};
 use channel::topic::{
     ActorEvents, ArmStates, CameraCloud, MemoryChanged, ObjectView, PersonBodies, ProcessHealth,
-    Scene, Topic,
+    Scene,
 };
-use channel::{Domain, Error, Received, SharedMessage, Subscriber};
+use channel::{Domain, Error, Subscriber};
 use service::wall_clock_ns;
 
 /// Subscribers of all recorded topics.
@@ -43,7 +43,7 @@ impl TopicReceiver {
     /// publishes the states of arm and people before the frame that they belong to.
     pub(crate) fn receive(&mut self, queue: &MessageQueue) -> Result<(), Error> {
         let mut clouds = Vec::new();
-        take_all(&mut self.clouds, |cloud| {
+        self.clouds.take_all(|cloud| {
             clouds.push(queued(Content::Frame(Box::new(cloud))));
         })?;
         if !self.has_begun && !clouds.is_empty() {
@@ -51,40 +51,40 @@ impl TopicReceiver {
             clouds.remove(0);
         }
         let push = |content| queue.push(queued(content));
-        take_all(&mut self.arm, |state| {
+        self.arm.take_all(|state| {
             push(Content::Arm(
                 Box::new(*state.header()),
                 state.items().to_vec(),
             ));
         })?;
-        take_all(&mut self.people, |body| {
+        self.people.take_all(|body| {
             push(Content::Person(*body.header(), body.items().to_vec()));
         })?;
-        take_all(&mut self.scenes, |scene| {
+        self.scenes.take_all(|scene| {
             push(Content::Scene(
                 Box::new(*scene.header()),
                 scene.items().to_vec(),
             ));
         })?;
-        take_all(&mut self.views, |view| {
+        self.views.take_all(|view| {
             push(Content::View(
                 Box::new(*view.header()),
                 view.items().to_vec(),
             ));
         })?;
-        take_all(&mut self.actors, |events| {
+        self.actors.take_all(|events| {
             events
                 .items()
                 .iter()
                 .for_each(|event| push(Content::Actor(Box::new(*event))));
         })?;
-        take_all(&mut self.memory, |changes| {
+        self.memory.take_all(|changes| {
             changes
                 .items()
                 .iter()
                 .for_each(|change| push(Content::Memory(*change)));
         })?;
-        take_all(&mut self.health, |reports| {
+        self.health.take_all(|reports| {
             reports
                 .items()
                 .iter()
@@ -111,16 +111,6 @@ impl TopicReceiver {
             + self.memory.n_lost()
             + self.health.n_lost()
     }
-}
-
-fn take_all<T: Topic>(
-    subscriber: &mut Subscriber<T>,
-    mut take: impl FnMut(SharedMessage<T>),
-) -> Result<(), Error> {
-    while let Received::Message(message) = subscriber.receive()? {
-        take(message);
-    }
-    Ok(())
 }
 
 fn queued(content: Content) -> QueuedMessage {

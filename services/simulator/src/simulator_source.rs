@@ -134,11 +134,7 @@ impl Source for SimulatorSource {
         self.serve(0)?;
         self.interval.advance();
         self.n_published = 0;
-        let camera = self.kinect.camera();
-        Ok(Some(FrameSize {
-            width: camera.width as usize,
-            height: camera.height as usize,
-        }))
+        Ok(Some(FrameSize::of(self.kinect.camera())))
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {

@@ -123,11 +123,7 @@ impl Source for ImageFolderSource {
             return Ok(None);
         };
         self.prepared = frame;
-        let camera = self.images.camera();
-        Ok(Some(FrameSize {
-            width: camera.width as usize,
-            height: camera.height as usize,
-        }))
+        Ok(Some(FrameSize::of(self.images.camera())))
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {

@@ -221,10 +221,8 @@ impl Source for RecordingSource {
                 self.next.saturating_sub(1)
             )));
         }
-        let size = frame.record().map(|record| FrameSize {
-            width: record.camera.width as usize,
-            height: record.camera.height as usize,
-        });
+        let size = frame.record();
+        let size = size.map(|record| FrameSize::of(&record.camera));
         let size = size.map_err(|error| self.refused(&error))?;
         self.prepared = Some(frame);
         Ok(Some(size))

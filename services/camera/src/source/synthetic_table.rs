@@ -63,11 +63,7 @@ impl Source for SyntheticSource {
             }
             self.next = self.playback.from.unwrap_or(0);
         }
-        let camera = self.tables[0].camera();
-        Ok(Some(FrameSize {
-            width: camera.width as usize,
-            height: camera.height as usize,
-        }))
+        Ok(Some(FrameSize::of(&self.tables[0].camera())))
     }
 
     fn fill(&mut self, points: &mut [Point]) -> Result<FrameInfo, SourceError> {

@@ -18,6 +18,14 @@ pub struct FrameSize {
 }
 
 impl FrameSize {
+    /// Size of the images of a camera.
+    pub fn of(camera: &PinholeCamera) -> Self {
+        Self {
+            width: camera.width as usize,
+            height: camera.height as usize,
+        }
+    }
+
     /// Number of points of the frame.
     pub fn n_points(self) -> usize {
         self.width * self.height

@@ -144,6 +144,17 @@ impl<T: Topic> Subscriber<T> {
         Ok(Received::Message(frame))
     }
 
+    /// Takes all queued messages, oldest first, up to the borrow limit.
+    ///
+    /// # Errors
+    /// As [`receive`](Self::receive).
+    pub fn take_all(&mut self, mut take: impl FnMut(SharedMessage<T>)) -> Result<(), Error> {
+        while let Received::Message(message) = self.receive()? {
+            take(message);
+        }
+        Ok(())
+    }
+
     /// Takes the newest queued message and drops older ones uncounted: for state, of
     /// which only the latest matters.
     ///
@@ -151,9 +162,7 @@ impl<T: Topic> Subscriber<T> {
     /// As [`receive`](Self::receive).
     pub fn latest(&mut self) -> Result<Option<SharedMessage<T>>, Error> {
         let mut newest = None;
-        while let Received::Message(message) = self.receive()? {
-            newest = Some(message);
-        }
+        self.take_all(|message| newest = Some(message))?;
         Ok(newest)
     }
 

@@ -1,8 +1,8 @@
 //! Subscription of the topics of a scene: frames, scenes, and the clouds of objects.
 
 use crate::frame_headers::FrameHeaders;
-use channel::topic::{CameraCloud, ObjectCloud, Scene, Topic};
-use channel::{Domain, Error, Received, SharedMessage, Subscriber};
+use channel::topic::{CameraCloud, ObjectCloud, Scene};
+use channel::{Domain, Error, SharedMessage, Subscriber};
 use message::FrameHeader;
 
 /// Polled subscribers of the topics of a scene, one of each for a process. While they exist,
@@ -37,7 +37,7 @@ impl SceneTopics {
         mut take: impl FnMut(SharedMessage<CameraCloud>),
     ) -> Result<(), Error> {
         let headers = &mut self.headers;
-        take_all(&mut self.frames, |frame| {
+        self.frames.take_all(|frame| {
             headers.push(frame.header(), frame.items().len());
             take(frame);
         })
@@ -51,7 +51,7 @@ impl SceneTopics {
         &mut self,
         take: impl FnMut(SharedMessage<ObjectCloud>),
     ) -> Result<(), Error> {
-        take_all(&mut self.clouds, take)
+        self.clouds.take_all(take)
     }
 
     /// Takes all queued scenes.
@@ -59,7 +59,7 @@ impl SceneTopics {
     /// # Errors
     /// When shared memory fails.
     pub fn take_scenes(&mut self, take: impl FnMut(SharedMessage<Scene>)) -> Result<(), Error> {
-        take_all(&mut self.scenes, take)
+        self.scenes.take_all(take)
     }
 
     /// Newest queued scene; `None` without one.
@@ -74,14 +74,4 @@ impl SceneTopics {
     pub fn header(&self, session: u64, sequence: u64) -> Option<&(FrameHeader, usize)> {
         self.headers.find(session, sequence)
     }
-}
-
-fn take_all<T: Topic>(
-    subscriber: &mut Subscriber<T>,
-    mut take: impl FnMut(SharedMessage<T>),
-) -> Result<(), Error> {
-    while let Received::Message(message) = subscriber.receive()? {
-        take(message);
-    }
-    Ok(())
 }
