@@ -5,6 +5,12 @@ use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, OptionUse, parse_arguments};
 use std::path::{Path, PathBuf};
 
+/// Default number of measured frames.
+const DEFAULT_FRAMES: u64 = 1800;
+/// Default number of frames in the timeline.
+const DEFAULT_TIMELINE: u32 = 100;
+/// Default number of warm-up frames.
+const DEFAULT_WARM_UP: u64 = 90;
 /// Source and number of objects when none is given and no daemon runs.
 const DEFAULT_SOURCE: &str = "simulation:isolated";
 const DEFAULT_OBJECTS: u32 = 10;
@@ -82,11 +88,11 @@ pub(crate) struct MeasureArguments {
     pub(crate) source: SourceArguments,
 
     /// Frames to measure
-    #[arg(long, value_name = "N", default_value_t = 1800, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_FRAMES, value_parser = clap::value_parser!(u64).range(10..=10_000_000))]
     pub(crate) frames: u64,
 
     /// Number of warm-up frames to leave out at the beginning
-    #[arg(long, value_name = "N", default_value_t = 90)]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_WARM_UP)]
     pub(crate) warm_up: u64,
 
     /// Folder for the report, the plots, the histograms and the timeline
@@ -94,7 +100,7 @@ pub(crate) struct MeasureArguments {
     pub(crate) out: Option<PathBuf>,
 
     /// Number of newest frames in the timeline, in addition to the ten slowest
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_TIMELINE, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub(crate) timeline: u32,
 
     /// File of limits (TOML); exit code 7 when one is exceeded
@@ -173,8 +179,7 @@ impl LatencyArguments {
     /// If options of a measurement precede a subcommand that does not measure.
     pub(crate) fn checked() -> Result<Self, Failure> {
         let arguments: Self = parse_arguments();
-        let defaults = Self::parse_from(["tabula-latency"]);
-        if arguments.command.is_some() && arguments.measure != defaults.measure {
+        if arguments.command.is_some() && arguments.measure != MeasureArguments::default() {
             return Err(Failure::usage(
                 "options before a subcommand are those of a measurement; put the subcommand's own options after it",
             ));
@@ -194,6 +199,21 @@ impl LatencyArguments {
                 | LatencyCommand::Compare { .. }
                 | LatencyCommand::Merge { .. },
             ) => OptionUse::Nothing,
+        }
+    }
+}
+
+impl Default for MeasureArguments {
+    /// Measurement when no option is given.
+    fn default() -> Self {
+        Self {
+            source: SourceArguments::default(),
+            frames: DEFAULT_FRAMES,
+            warm_up: DEFAULT_WARM_UP,
+            out: None,
+            timeline: DEFAULT_TIMELINE,
+            budget: None,
+            baseline: None,
         }
     }
 }
@@ -237,6 +257,12 @@ mod tests {
 
     fn parsed(words: &str) -> Result<LatencyArguments, clap::Error> {
         LatencyArguments::try_parse_from(words.split_ascii_whitespace())
+    }
+
+    #[test]
+    fn default_of_a_measurement_is_that_of_the_command_line() {
+        let arguments = parsed("tabula-latency").unwrap();
+        assert_eq!(arguments.measure, MeasureArguments::default());
     }
 
     #[test]

@@ -4,7 +4,7 @@ mod box_scene;
 mod operating_point;
 mod stored_views;
 
-use crate::arguments::{LatencyArguments, MeasureArguments, SourceArguments, SweepArguments};
+use crate::arguments::{MeasureArguments, SourceArguments, SweepArguments};
 use crate::daemon_under_test::DaemonUnderTest;
 use crate::measure::measure;
 use crate::measured_daemon::MeasuredDaemon;
@@ -12,7 +12,6 @@ use crate::results::{not_written, write_with_figure};
 use crate::sweep_axis::SweepAxis;
 use channel::topic::Scene;
 use channel::{SharedMessage, Subscriber};
-use clap::Parser;
 use command_line::{Output, StopSignal, format_table};
 use latency_report::{SweepRow, sweep_figure};
 use operating_point::{OperatingPoint, operating_points};
@@ -79,7 +78,7 @@ fn measure_at(
         source,
         frames: arguments.frames,
         timeline: 0,
-        ..LatencyArguments::parse_from(["tabula-latency"]).measure
+        ..MeasureArguments::default()
     };
     let (report, _) = measure(&daemon, &plan, stop, output)?;
     let value = match arguments.axis {
@@ -134,9 +133,8 @@ fn wait_until_known(
     let missing = "the daemon reports no objects compared with the taught views";
     first_in_scenes(daemon, stop, missing, |scene| {
         let mut objects = scene.items().iter();
-        objects
-            .find(|object| object.memory_sequence >= sequence)
-            .map(|_| ())
+        let is_known = objects.any(|object| object.memory_sequence >= sequence);
+        is_known.then_some(())
     })?;
     Ok(())
 }

@@ -91,14 +91,13 @@ fn slow_clock(fingerprint: &Fingerprint) -> Option<Warning> {
 fn governor(fingerprint: &Fingerprint) -> Option<Warning> {
     let governors = fingerprint.governors.as_ref()?;
     let other = governors.iter().find(|name| *name != "performance")?;
-    warn_if(
-        true,
-        format!(
+    Some(Warning {
+        finding: format!(
             "The frequency governor is {other}: after each pause a core is slow at first, so \
              latencies at 30 frames a second are longer than under load."
         ),
-        "Run `cpupower frequency-set -g performance`.",
-    )
+        remedy: "Run `cpupower frequency-set -g performance`.".to_owned(),
+    })
 }
 
 fn no_real_time(fingerprint: &Fingerprint) -> Option<Warning> {
