@@ -24,7 +24,7 @@ pub(super) fn read(folder: &Path) -> Result<Vec<ViewPair>, Failure> {
     }
     names.sort_unstable();
     let pair = |file: String| {
-        let name = file.trim_end_matches(SOURCE).to_owned();
+        let name = file.strip_suffix(SOURCE).unwrap_or(&file).to_owned();
         Ok(ViewPair {
             target: points(&folder.join(format!("{name}{TARGET}")))?,
             source: points(&folder.join(format!("{name}{SOURCE}")))?,
