@@ -89,7 +89,7 @@ impl LabelledScenes {
         let mut scenes = Self::default();
         match detect_recording_kind(folder) {
             Err(dataset::Error::Unknown(unknown)) => {
-                for name in folder_names(folder)? {
+                for name in folder_names(folder).map_err(dataset::Error::from)? {
                     if let Err(error) = scenes.add(&folder.join(&name), &name, true) {
                         scenes.unusable.push((name, error));
                     }

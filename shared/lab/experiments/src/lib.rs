@@ -4,8 +4,8 @@
 //! single-object views of the simulated table; [`learn_folder`] teaches a folder of labelled views
 //! to a running daemon; [`sweep`] measures how sensitive the scores are to a tuned constant;
 //! [`training_examples`] writes those from which the models of perception are trained;
-//! [`age_memory`] makes years of changes to a perceptual memory. The arguments of each experiment are in [`arguments`]; the program `tabula-lab` parses
-//! them.
+//! [`age_memory`] makes years of changes to a perceptual memory. The arguments of each experiment
+//! are in [`arguments`]; the program `tabula-lab` parses them.
 //!
 //! Invariants: nothing of a running daemon depends on this crate; the same
 //! arguments and seeds give the same documents, durations aside.

@@ -10,9 +10,6 @@ pub enum Error {
     /// Folder without recordings, or recording, or file in it, that could not be read.
     #[error("{0}")]
     Recording(#[from] dataset::Error),
-    /// Folder of scenes that could not be listed.
-    #[error("{0}")]
-    List(#[from] dataset::FileError),
     /// Folder with a recording of a kind that has no ground truth.
     #[error(
         "the folder {} holds {kind}, of which no truth is known; name labelled PCD scenes or a \
