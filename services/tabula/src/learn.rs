@@ -55,8 +55,8 @@ pub(crate) fn forget(
         return revise(common, change, author, output);
     };
     let forget = request::forget(mutation_id()?, author_or_user(author), category.clone());
-    let report =
-        change(common, &forget).map_err(|failure| with_meant(common, &[category], failure))?;
+    let report = change(common, &forget)
+        .map_err(|failure| with_meant(common, std::slice::from_ref(category), failure))?;
     output.answer(&report, || {
         format!(
             "forgot {}: {} view(s) are now unlabelled",
@@ -100,10 +100,7 @@ pub(crate) fn revise(
     } else {
         change(common, &request)
     };
-    let report = report.map_err(|failure| {
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        with_meant(common, &names, failure)
-    })?;
+    let report = report.map_err(|failure| with_meant(common, &names, failure))?;
     output.answer(&report, || {
         let (n, sequence) = (report.n_views_changed, report.sequence);
         let done = if is_reversal {

@@ -41,8 +41,8 @@ pub(crate) fn labelled_track(
 
 /// Failure of changing categories. If there is none of one of the names, the failure says what may
 /// be meant: another category, or the track of a number.
-pub(crate) fn with_meant(common: &CommonArguments, names: &[&str], failure: Failure) -> Failure {
-    if !failure.is_missing {
+pub(crate) fn with_meant(common: &CommonArguments, names: &[String], failure: Failure) -> Failure {
+    if !failure.is_missing || names.is_empty() {
         return failure;
     }
     // Where the categories cannot be read, the reason of the refusal has to do.
