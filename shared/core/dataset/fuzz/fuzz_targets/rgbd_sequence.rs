@@ -2,10 +2,11 @@
 //! parser.
 #![no_main]
 
+use dataset::ContentError;
 use dataset::registered_images::parse_intrinsics_json;
 use dataset::rgbd_sequence::{
-    ContentError, decode_color, decode_depth, decode_mask, depth_image_size, parse_gravity,
-    parse_intrinsics, parse_pose,
+    decode_color, decode_depth, decode_mask, depth_image_size, parse_gravity, parse_intrinsics,
+    parse_pose,
 };
 use libfuzzer_sys::fuzz_target;
 

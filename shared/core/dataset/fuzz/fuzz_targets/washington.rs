@@ -2,9 +2,10 @@
 //! the parser.
 #![no_main]
 
+use dataset::ContentError;
 use dataset::washington::{
-    CAMERA, ContentError, CroppedView, ViewName, decode_color, decode_depth, decode_mask,
-    format_location, parse_location, read_cloud, write_cloud,
+    CAMERA, CroppedView, ViewName, decode_color, decode_depth, decode_mask, format_location,
+    parse_location, read_cloud, write_cloud,
 };
 use libfuzzer_sys::fuzz_target;
 
