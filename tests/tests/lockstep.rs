@@ -130,6 +130,23 @@ fn lockstep_runs_of_a_real_sequence_are_identical() {
 }
 
 #[test]
+fn lockstep_source_continues_after_a_detection_is_lost() {
+    const LOST: u64 = 7;
+    let sandbox = Sandbox::with_faulty_perception();
+    let configuration = format!("[perception]\nfault_panic_frame = {LOST}\n");
+    std::fs::write(sandbox.home().join("tabula.toml"), configuration).unwrap();
+    let recorder = SceneRecorder::start(&sandbox);
+    let daemon = sandbox.start(&["--source", "synthetic:0", "--to", "20", "--lockstep"]);
+    wait_for_the_end(&daemon);
+    let (scenes, _) = recorder.stop();
+    let sequences: Vec<u64> = scenes.iter().map(|scene| scene.header.sequence).collect();
+    let all_others: Vec<u64> = (0..20).filter(|&frame| frame != LOST).collect();
+    assert_eq!(sequences, all_others);
+    assert!(daemon.log().contains("detection of frame 7"));
+    daemon.stop();
+}
+
+#[test]
 fn lockstep_source_continues_after_a_follower_is_killed() {
     let sandbox = Sandbox::new();
     let recorder = SceneRecorder::start(&sandbox);

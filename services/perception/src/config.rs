@@ -45,6 +45,8 @@ struct RawConfig {
     fault_panic_every_ms: Option<u64>,
     #[cfg(feature = "fault-injection")]
     fault_panic_track_id: Option<u64>,
+    #[cfg(feature = "fault-injection")]
+    fault_panic_frame: Option<u64>,
 }
 
 /// Validated configuration of perception.
@@ -87,6 +89,7 @@ impl Config {
             fault: FaultConfig {
                 panic_every: Duration::from_millis(raw.fault_panic_every_ms.unwrap_or(0)),
                 track_id: raw.fault_panic_track_id.unwrap_or(1),
+                frame: raw.fault_panic_frame,
             },
             detection: detection(&raw).map_err(|WrongKey(key, rule)| wrong(key, &rule))?,
             pipeline: pipeline::Config::new(motion, association, raw.known_probability_min)

@@ -18,6 +18,9 @@ pub(crate) struct Detector {
     helper_threads: Arc<HelperThreads>,
     config: Arc<Config>,
     buffers: DetectionBuffers,
+    /// Number of the frame whose detection panics.
+    #[cfg(feature = "fault-injection")]
+    fault_frame: Option<u64>,
 }
 
 #[derive(Default)]
@@ -61,6 +64,17 @@ impl Detector {
             pool,
             config: Arc::new(config),
             buffers: DetectionBuffers::default(),
+            #[cfg(feature = "fault-injection")]
+            fault_frame: None,
+        }
+    }
+
+    /// The same with a frame whose detection panics.
+    #[cfg(feature = "fault-injection")]
+    pub(crate) fn with_fault(self, frame: Option<u64>) -> Self {
+        Self {
+            fault_frame: frame,
+            ..self
         }
     }
 
@@ -87,7 +101,13 @@ impl Detector {
         let buffers = std::mem::take(&mut self.buffers);
         let (received, config) = (received.clone(), self.config.clone());
         let helper_threads = self.helper_threads.clone();
-        let search = move |_: &Progress| search(&received, &config, &helper_threads, buffers);
+        #[cfg(feature = "fault-injection")]
+        let is_faulty = self.fault_frame == Some(received.frame.header().sequence);
+        let search = move |_: &Progress| {
+            #[cfg(feature = "fault-injection")]
+            assert!(!is_faulty, "a fault on purpose");
+            search(&received, &config, &helper_threads, buffers)
+        };
         let job = self.pool.run(search);
         let (buffers, found) = job.await.map_err(DetectionError::Lost)?;
         self.buffers = buffers;

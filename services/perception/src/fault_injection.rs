@@ -1,14 +1,17 @@
-//! Fault injection: periodic panics of one actor, for tests of the supervision.
+//! Fault injection: periodic panics of one actor, and that of a detection, for tests of the
+//! supervision.
 
 use std::time::{Duration, Instant};
 
-/// Fault injection settings: the panic period and the actor.
+/// Fault injection settings: the panic period and the actor, and the frame of a panic.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FaultConfig {
     /// Period of injected panics; zero for no panics.
     pub(crate) panic_every: Duration,
     /// Track-id of the object whose actor panics.
     pub(crate) track_id: u64,
+    /// Number of the frame whose detection panics.
+    pub(crate) frame: Option<u64>,
 }
 
 /// Timer that marks the messages at which an actor panics.
@@ -29,6 +32,7 @@ impl FaultInjector {
         let FaultConfig {
             panic_every,
             track_id: chosen,
+            ..
         } = self.config;
         if panic_every.is_zero() || track_id != chosen {
             return false;

@@ -27,7 +27,7 @@ use constraint::Assumptions;
 use detection::Table;
 use learning::{TrackEvidence, UnknownRule};
 use message::{
-    FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
+    Duty, FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
 use pipeline::FramePipeline;
 use service::{HealthCounters, LiveConfig, Stopwatch, monotonic_ns};
@@ -59,7 +59,16 @@ pub(crate) struct FrameLoop {
     health: Arc<HealthCounters>,
     publishers: Publishers,
     objects: Vec<SceneObject>,
-    last_finished: Option<FrameDone>,
+    last_finished: Option<FinishedFrame>,
+}
+
+/// Frame on which the work has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct FinishedFrame {
+    session: u64,
+    sequence: u64,
+    /// False for a frame that could not be used.
+    has_scene: bool,
 }
 
 /// Dependencies of the frame loop.
@@ -88,6 +97,8 @@ impl FrameLoop {
             Ordering::Relaxed,
         );
         let detector = Detector::new(parts.pool.clone(), config.detection.clone());
+        #[cfg(feature = "fault-injection")]
+        let detector = detector.with_fault(config.fault.frame);
         let rule = detector.config().rule().to_string();
         tracing::info!("a candidate becomes an object when {rule}");
         Ok(Self {
@@ -171,8 +182,8 @@ impl FrameLoop {
     async fn frame(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
         self.camera_watch
             .frame_received(received.received_ns, received.is_lockstep());
-        if self.is_repeated(received) {
-            return self.report_finished(received);
+        if let Some(finished) = self.repeated(received) {
+            return self.report_finished(received, finished.has_scene);
         }
         if received.is_lockstep() {
             // Determinism: a replay has the same categories at the same frame.
@@ -194,7 +205,7 @@ impl FrameLoop {
             Err(FrameError::Channel(error)) => return Err(error),
             Err(FrameError::Detection(failed)) => {
                 self.log_failure(received, &failed);
-                return self.report_finished(received);
+                return self.report_finished(received, false);
             }
         };
         self.reread_labels(taught).await;
@@ -207,12 +218,13 @@ impl FrameLoop {
         self.finish(received, detected, receipts).await
     }
 
-    /// True if the frame is a retransmission: a lockstep source sends a frame again when
-    /// a report was lost.
-    fn is_repeated(&self, received: &ReceivedFrame) -> bool {
+    /// Last finished frame, if the frame is a retransmission of it: a lockstep source sends a frame
+    /// again when a report was lost.
+    fn repeated(&self, received: &ReceivedFrame) -> Option<FinishedFrame> {
         let header = received.frame.header();
+        let frame = (header.session, header.sequence);
         self.last_finished
-            .is_some_and(|last| (last.session, last.sequence) == (header.session, header.sequence))
+            .filter(|last| (last.session, last.sequence) == frame)
     }
 
     /// Publishes the results of a frame: key views to the memory, objects and scene to
@@ -351,23 +363,32 @@ impl FrameLoop {
             };
             self.liveness_probe.while_waiting(stored).await;
         }
-        self.report_finished(received)
+        self.report_finished(received, true)
     }
 
-    /// Ends the work on a frame, used or unusable: that is progress.
-    fn report_finished(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
+    /// Ends the work on a frame, used or unusable: that is progress. Those who follow the scene of
+    /// a frame cannot report one that has none; perception does it for them.
+    fn report_finished(&mut self, received: &ReceivedFrame, has_scene: bool) -> Result<(), Error> {
         self.health.record_progress();
         let header = received.frame.header();
-        let done = FrameDone {
-            session: header.session,
-            sequence: header.sequence,
-            process: u64::from(ProcessKind::PERCEPTION.code()),
-        };
-        self.last_finished = Some(done);
-        if received.is_lockstep() {
-            self.publishers
-                .finished
-                .send_copy(PlainHeader::default(), &[done])?;
+        let (session, sequence) = (header.session, header.sequence);
+        self.last_finished = Some(FinishedFrame {
+            session,
+            sequence,
+            has_scene,
+        });
+        if !received.is_lockstep() {
+            return Ok(());
+        }
+        let followers = ProcessKind::all().filter(|process| process.has(Duty::FollowsFrames));
+        for follower in followers.filter(|&one| one == ProcessKind::PERCEPTION || !has_scene) {
+            let done = FrameDone {
+                session,
+                sequence,
+                process: u64::from(follower.code()),
+            };
+            let finished = &mut self.publishers.finished;
+            finished.send_copy(PlainHeader::default(), &[done])?;
         }
         Ok(())
     }
