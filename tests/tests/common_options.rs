@@ -59,7 +59,7 @@ const OF_DAEMON: [&str; 45] = [
 ];
 
 /// Commands that need neither a daemon nor a configuration.
-const ALONE: [&str; 27] = [
+const ALONE: [&str; 28] = [
     "tabula-lab simulate scene --out o",
     "tabula-lab simulate views --out o",
     "tabula-lab simulate sensor --out o",
@@ -70,6 +70,7 @@ const ALONE: [&str; 27] = [
     "tabula-lab evaluate ablation a --out o",
     "tabula-lab evaluate cross-validation a --out o",
     "tabula-lab evaluate lighting --out o",
+    "tabula-lab evaluate still-pictures a --out o",
     "tabula-lab evaluate find --out o",
     "tabula-lab evaluate registration a",
     "tabula-lab evaluate model --out o",

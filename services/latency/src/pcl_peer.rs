@@ -113,11 +113,10 @@ fn ours_ms(scenes: &[PathBuf], n_repetitions: usize) -> Result<f64, Failure> {
         let cloud = OrganizedCloud::new(&scene.points, scene.width, scene.height)
             .map_err(|error| unusable(&error))?;
         let mut times_ms = Vec::with_capacity(n_repetitions);
-        for seed in 0..n_repetitions as u64 {
+        for _ in 0..n_repetitions {
             let frame = DetectionInput {
                 cloud,
                 up_in_camera: None,
-                seed,
                 priors: ScenePriors::default(),
             };
             let begin = Instant::now();

@@ -149,8 +149,6 @@ fn search(
         let frame = DetectionInput {
             cloud,
             up_in_camera: received.checked.up_in_camera,
-            // The frame's own number: a replay draws the same samples.
-            seed: header.sequence,
             priors: ScenePriors {
                 world_from_camera: received.frame_pose().world_from_camera,
                 ..priors.priors()

@@ -10,6 +10,7 @@ use crate::newest_view::{NewestView, NewestViews};
 use crate::object_actors::{ObjectActors, ObservedFrame, SightingOutcome};
 use crate::track_ids::TrackIds;
 use detection::{Detection, ExpectedTrack};
+use geometry::Plane;
 use message::Stage;
 use pipeline::{FrameExecutor, FrameStage, ObservedTracks, Sighting};
 use service::Stopwatch;
@@ -88,6 +89,10 @@ impl FrameExecutor for LiveExecutor<'_> {
 
     fn expected_tracks(&mut self) -> &mut Vec<ExpectedTrack> {
         &mut self.state.detector.priors_mut().tracks
+    }
+
+    fn expect_table(&mut self, table: Option<Plane>) {
+        self.state.detector.priors_mut().table = table;
     }
 
     fn gather_priors(&mut self) -> Result<(), FrameError> {

@@ -1,7 +1,7 @@
 //! Scene priors: the known bodies and tracks in view before a frame is searched.
 
 use detection::{BodyMap, ExpectedTrack, ScenePriors};
-use geometry::{Capsule, RigidTransform};
+use geometry::{Capsule, Plane, RigidTransform};
 
 /// Capsules of a body in the camera frame, or an unknown body.
 #[derive(Debug, Default)]
@@ -38,6 +38,8 @@ pub(crate) struct PriorBuffers {
     pub(crate) people: BodyPrior,
     /// Bodies found in depth in the previous frame.
     pub(crate) bodies: BodyMap,
+    /// Plane of the table of earlier frames, predicted to the frame's capture.
+    pub(crate) table: Option<Plane>,
     /// Live tracks, predicted to the frame's capture.
     pub(crate) tracks: Vec<ExpectedTrack>,
 }
@@ -49,6 +51,7 @@ impl PriorBuffers {
             instructor: self.people.capsules(),
             robot: self.robot.capsules(),
             bodies: Some(&self.bodies),
+            table: self.table,
             tracks: &self.tracks,
             ..ScenePriors::default()
         }

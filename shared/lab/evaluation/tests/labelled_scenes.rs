@@ -27,7 +27,6 @@ fn mean_score(joins_parts: bool) -> SegmentationScore {
         let frame = DetectionInput {
             cloud: OrganizedCloud::new(&scene.points, scene.width, scene.height).expect("an image"),
             up_in_camera: scene.up_in_camera,
-            seed: 1,
             priors: ScenePriors::default(),
         };
         let execution = Execution::default();

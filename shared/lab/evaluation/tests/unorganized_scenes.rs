@@ -25,7 +25,6 @@ fn found(points: &[Point], width: usize, workspace: &mut Workspace) -> Detection
     let frame = DetectionInput {
         cloud,
         up_in_camera: None,
-        seed: 1,
         priors: ScenePriors::default(),
     };
     let mut detection = Detection::default();

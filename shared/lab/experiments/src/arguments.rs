@@ -136,6 +136,9 @@ pub enum EvaluateVerb {
     CrossValidation(CrossValidationArguments),
     /// Recognition under other lamps and beside other tables than those of the lessons
     Lighting(LightingArguments),
+    /// One picture played again and again, as it is and with other noise: tracks and labels that
+    /// change
+    StillPictures(StillPicturesArguments),
     /// Queries in words over the tracked objects of simulated scenes
     Find(FindArguments),
     /// Registration of two views of an object from poses that are far off
@@ -228,9 +231,9 @@ pub struct DetectionArguments {
     /// Folder for results and ground truth as raw label images
     #[arg(long, value_name = "DIR")]
     pub(crate) labels: Option<PathBuf>,
-    /// Seed of detection; the same seed gives the same result
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(crate) seed: u64,
+    /// Score each scene N more times with noise drawn anew, and N times shifted by a few pixels
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=30))]
+    pub(crate) draws: u32,
     /// Repetitions of the detection timing on each scene
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) repeats: u32,
@@ -264,6 +267,25 @@ pub struct TrackingArguments {
     /// Hide the poses of people from tracking, as with a camera alone
     #[arg(long)]
     pub(crate) hidden_people: bool,
+}
+
+/// Arguments of the still-picture test.
+#[derive(Debug, Args)]
+pub struct StillPicturesArguments {
+    /// Folder of PCD scenes, an RGB-D sequence or registered images, or a folder of such folders
+    pub(crate) dataset: PathBuf,
+    /// Folder for the figures and the page
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Number of times that each picture is played
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(21..=10_000))]
+    pub(crate) frames: u32,
+    /// Use only each N-th picture of a sequence
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) every: u32,
+    /// Seed of the noise
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
 }
 
 impl ViewsArguments {

@@ -10,10 +10,12 @@ mod next_best_view;
 mod object_model;
 mod open_ended;
 mod open_set;
+mod perturbation;
 mod recognition;
 mod registration;
 mod report_parts;
 mod scene_views;
+mod still_pictures;
 mod tabular_report;
 mod tracking;
 mod view_selection;
@@ -37,6 +39,7 @@ pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
         EvaluateVerb::CrossValidation(arguments) => cross_validation::run(arguments, output),
         EvaluateVerb::Find(arguments) => find::run(arguments, output),
         EvaluateVerb::Lighting(arguments) => lighting::run(arguments, output),
+        EvaluateVerb::StillPictures(arguments) => still_pictures::run(arguments, output),
         EvaluateVerb::Registration(arguments) => registration::run(arguments, output),
         EvaluateVerb::Model(arguments) => object_model::run(arguments, output),
         EvaluateVerb::NextBestView(arguments) => next_best_view::run(arguments, output),

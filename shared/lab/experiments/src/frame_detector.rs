@@ -27,12 +27,10 @@ impl FrameDetector {
         &mut self,
         cloud: OrganizedCloud<'_>,
         up_in_camera: Option<UnitVector3<f64>>,
-        seed: u64,
     ) -> &Detection {
         let frame = DetectionInput {
             cloud,
             up_in_camera,
-            seed,
             priors: ScenePriors::default(),
         };
         let detected = detect(

@@ -93,7 +93,7 @@ fn examples_of_scenes(
         .collect()
 }
 
-/// Examples of one scene; the seed draws the change of its colours.
+/// Examples of one scene; the seed draws the change of its colours and the edges.
 fn examples_of_scene(
     mut scene: LabelledScene,
     seed: u64,
@@ -104,14 +104,21 @@ fn examples_of_scene(
     let frame = DetectionInput {
         cloud: cloud.map_err(Failure::general)?,
         up_in_camera: scene.up_in_camera,
-        seed,
         priors: ScenePriors::default(),
     };
     let object = |&label: &u16| (label >= FIRST_OBJECT_LABEL).then_some(label);
     let objects: Vec<Option<u16>> = scene.labels.iter().map(object).collect();
     let config = Config::default();
+    let mut random = Random::from_seed(seed);
     let mut examples = SegmentationExamples::default();
-    detection::add_examples(&frame, &config, workspace, &objects, &mut examples);
+    detection::add_examples(
+        &frame,
+        &config,
+        workspace,
+        &objects,
+        &mut random,
+        &mut examples,
+    );
     Ok(examples)
 }
 

@@ -24,13 +24,11 @@ fn bench_detect(bencher: Bencher<'_, '_>, points: &[Point]) {
 
 fn bench_cloud(bencher: Bencher<'_, '_>, cloud: OrganizedCloud<'_>) {
     let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
-    let (config, mut seed) = (Config::default(), 0);
+    let config = Config::default();
     bencher.bench_local(|| {
-        seed += 1;
         let frame = DetectionInput {
             cloud,
             up_in_camera: None,
-            seed,
             priors: ScenePriors::default(),
         };
         detect(

@@ -64,7 +64,6 @@ fn segments(
     let frame = DetectionInput {
         cloud: *cloud,
         up_in_camera,
-        seed: 1,
         priors: ScenePriors::default(),
     };
     let mut detection = Detection::default();

@@ -1,11 +1,11 @@
 //! Detection input: the cloud of one frame and the scene priors.
 
 use crate::body_map::BodyMap;
-use geometry::{Capsule, OrientedBox, RigidTransform};
+use geometry::{Capsule, OrientedBox, Plane, RigidTransform};
 use nalgebra::{Unit, Vector3};
 use point_cloud::{ColorHistogram, OrganizedCloud};
 
-/// Detection input: one point cloud, the up direction, a seed and scene priors.
+/// Detection input: one point cloud, the up direction and scene priors.
 #[derive(Debug, Clone, Copy)]
 pub struct DetectionInput<'a> {
     /// Point cloud in the camera frame, metres. A cloud of a single row or column has
@@ -13,13 +13,11 @@ pub struct DetectionInput<'a> {
     pub cloud: OrganizedCloud<'a>,
     /// Up direction in the frame of the cloud; `None` when the camera's pose is unknown.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
-    /// Seed of the plane search; the same seed gives the same result.
-    pub seed: u64,
     /// Scene priors: people, robot and live tracks.
     pub priors: ScenePriors<'a>,
 }
 
-/// Scene priors in the camera frame: people, robot and live tracks. The default
+/// Scene priors in the camera frame: people, robot, table and live tracks. The default
 /// knows nothing.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ScenePriors<'a> {
@@ -32,6 +30,9 @@ pub struct ScenePriors<'a> {
     /// Camera pose of the frame, by which motion since earlier frames is measured; the identity
     /// when it is unknown.
     pub world_from_camera: RigidTransform,
+    /// Plane of the table of earlier frames, predicted to this frame, camera frame: it stays the
+    /// table while it is seen. `None` when the image alone decides.
+    pub table: Option<Plane>,
     /// Live tracks, with boxes predicted to this frame.
     pub tracks: &'a [ExpectedTrack],
 }

@@ -9,9 +9,9 @@
 //! where it is a single view, and searched in a voxel grid otherwise.
 //!
 //! Invariants: this crate never does I/O, never reads a clock, keeps no state between
-//! frames but buffers, draws randomness only from the given seed, accepts any bit
-//! pattern in the points, and knows people, the robot and tracks only as the capsules
-//! and boxes in [`ScenePriors`].
+//! frames but buffers, gives the same answer for the same input, accepts any bit
+//! pattern in the points, and knows people, the robot, the table of earlier frames and tracks
+//! only as the shapes in [`ScenePriors`].
 //!
 //! # Example
 //!
@@ -25,7 +25,6 @@
 //! let frame = DetectionInput {
 //!     cloud: OrganizedCloud::new(&points, 640, 480)?,
 //!     up_in_camera: None,
-//!     seed: 1,
 //!     priors: ScenePriors::default(),
 //! };
 //! let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
@@ -93,5 +92,5 @@ pub use segmentation::{
 };
 pub use segmentation_training::add_examples;
 pub use stage::DetectionStage;
-pub use table::{Table, TableChoice};
+pub use table::{Table, TableChoice, is_same_surface};
 pub use workspace::Workspace;

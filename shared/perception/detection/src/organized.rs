@@ -143,9 +143,8 @@ fn find_table(
     let (samples, surface) = (&mut buffers.samples, &mut buffers.surface);
     samples.refill(&frame.cloud, config);
     execution.end_stage(DetectionStage::Subsampling);
-    let mut random = Random::from_seed(frame.seed);
-    let selection = &mut buffers.table;
-    let table = select_table(samples, frame.up_in_camera, config, &mut random, selection);
+    let (up, expected, selection) = (frame.up_in_camera, frame.priors.table, &mut buffers.table);
+    let table = select_table(samples, up, expected, config, selection);
     execution.end_stage(DetectionStage::TablePlane);
     let mut table = table?;
     surface.refill(&mut table, samples);
@@ -240,6 +239,7 @@ pub(crate) fn add_segmentation_examples(
     config: &Config,
     buffers: &mut OrganizedBuffers,
     objects: &[Option<u16>],
+    random: &mut Random,
     examples: &mut SegmentationExamples,
 ) {
     let raw = config.get();
@@ -252,13 +252,9 @@ pub(crate) fn add_segmentation_examples(
     cluster_pixels(frame, &table, raw, parallelism, buffers);
     if buffers.clusters.len() > 0 {
         let input = segmentation_input(frame, &table, raw, &buffers.samples);
-        let mut random = Random::from_seed(frame.seed);
-        buffers.segmentation.add_examples(
-            (&input, &buffers.clusters),
-            objects,
-            &mut random,
-            examples,
-        );
+        buffers
+            .segmentation
+            .add_examples((&input, &buffers.clusters), objects, random, examples);
     }
 }
 

@@ -21,6 +21,9 @@ const WINDOW_MIN: isize = 5;
 /// Accepted probability of drawing no good hypothesis. Chosen.
 const MISS_CHANCE: f64 = 0.005;
 
+/// Greatest number of draws for each hypothesis. Chosen.
+const N_DRAWS: usize = 10;
+
 /// Effort of the plane search in an image. Chosen.
 const IMAGE_EFFORT: SearchEffort = SearchEffort {
     n_hypotheses_max: 240,
@@ -28,6 +31,12 @@ const IMAGE_EFFORT: SearchEffort = SearchEffort {
     n_local_fits: 3,
     n_fits: 2,
 };
+
+/// Draws of the hypotheses of an image: the same for all, so that the planes depend on the image
+/// alone.
+pub(crate) fn hypothesis_draws() -> Random {
+    Random::from_seed(1)
+}
 
 /// Effort of a plane search.
 #[derive(Debug, Clone, Copy)]
@@ -121,15 +130,17 @@ pub(crate) fn largest_plane(
         return None;
     }
     samples.subsample_into((n_free / N_COUNTED_AIMED).max(1), counted);
-    let mut through_drawn = || {
-        let [a, b, c] = draw()?.map(|sample| samples.position(sample));
-        admit(Plane::through_points(&a, &b, &c)?)
-    };
     let mut best: Option<(Plane, u32)> = None;
     let (mut round, mut n_rounds) = (0, effort.n_hypotheses_max);
-    while round < n_rounds {
+    // A draw that misses costs little; on a narrow surface most do.
+    for _ in 0..N_DRAWS * effort.n_hypotheses_max {
+        if round >= n_rounds {
+            break;
+        }
+        let Some(drawn) = draw() else { continue };
         round += 1;
-        let Some(plane) = through_drawn() else {
+        let [a, b, c] = drawn.map(|sample| samples.position(sample));
+        let Some(plane) = Plane::through_points(&a, &b, &c).and_then(admit) else {
             continue;
         };
         let n_inliers = counted.count_inliers(&AffineForm::from(&plane));

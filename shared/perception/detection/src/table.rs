@@ -16,6 +16,9 @@ pub struct Table {
     /// Plane, camera frame; its positive side holds the camera, or is up in a cloud that no
     /// single camera has seen.
     pub plane: Plane,
+    /// Plane that the image alone would make the table; another one than `plane` where the table of
+    /// earlier frames is kept.
+    pub plane_by_image: Plane,
     /// Transform into the table's frame: z along the normal, heights over the table.
     pub table_from_camera: RigidTransform,
     /// Convex hull of the visible part of the table, in the table's frame.
@@ -55,6 +58,19 @@ impl Table {
     }
 }
 
+/// Greatest angle between two views of one surface, radians. Chosen.
+const SAME_SURFACE_RAD: f64 = 0.035;
+
+/// Greatest distance between two views of one surface in the middle of its visible part, metres.
+/// Chosen.
+const SAME_SURFACE_M: f64 = 0.015;
+
+/// True if two planes, of which `middle` is on one, are views of one surface.
+pub fn is_same_surface(one: &Plane, other: &Plane, middle: &Point3<f64>) -> bool {
+    one.normal.dot(&other.normal) >= SAME_SURFACE_RAD.cos()
+        && (one.height_m(middle) - other.height_m(middle)).abs() <= SAME_SURFACE_M
+}
+
 /// Reason for the selection of a table. Two tables of one height count as two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TableChoice {
@@ -74,6 +90,8 @@ pub enum TableChoice {
     },
     /// Surface around a larger one above it, the top of an object, level or leaning.
     Around,
+    /// Table of the frames before, although this image alone would give another one.
+    Kept,
 }
 
 impl fmt::Display for TableChoice {
@@ -82,6 +100,7 @@ impl fmt::Display for TableChoice {
         match *self {
             Self::Only => write!(f, "the only surface that can be a table"),
             Self::Around => write!(f, "around the top of an object that covers much of it"),
+            Self::Kept => write!(f, "the table of the frames before"),
             Self::Most => write!(f, "most of the points in range"),
             Self::Largest { n_others: n } => {
                 write!(f, "larger than {n} other {} that can be a table", others(n))

@@ -101,6 +101,7 @@ mod tests {
         let mut corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(Point2::from);
         let table = Table {
             plane,
+            plane_by_image: plane,
             table_from_camera: plane.plane_from_source(),
             polygon: ConvexPolygon::convex_hull_of(&mut corners),
             outline: Outline::default(),

@@ -3,15 +3,16 @@
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::occluded_table::{OccludedTableBuffers, stands_on};
-use crate::plane_ransac::{PlaneSearchBuffers, UpCone, largest_plane_in_image};
+use crate::plane_ransac::{
+    PlaneSearchBuffers, UpCone, hypothesis_draws, largest_plane_in_image, least_squares_plane,
+};
 use crate::plane_region::{
-    PlaneRegionBuffers, RegionFilter, find_region, region_plane, region_polygon,
+    PlaneRegionBuffers, RegionFilter, find_region, region_axes, region_plane, region_polygon,
 };
 use crate::samples::Samples;
-use crate::table::{FLOOR_GAP_M, Table, TableChoice};
+use crate::table::{FLOOR_GAP_M, Table, TableChoice, is_same_surface};
 use geometry::Plane;
-use nalgebra::{Unit, Vector3};
-use random::Random;
+use nalgebra::{Point3, Unit, Vector3};
 use sensor_noise::DepthNoise;
 
 /// Greatest number of planes searched in one image.
@@ -80,32 +81,99 @@ enum TableLikelihood {
     Likely,
 }
 
-/// Select the table of an image: among the largest planes the most table-like one by
-/// direction, place over a floor and size. `None` when no plane is large enough and
-/// directed like a table.
+/// Plane of a table, with the parts of it that belong to the table.
+#[derive(Debug, Clone, Copy)]
+struct ChosenPlane {
+    plane: Plane,
+    parts: RegionFilter,
+    choice: TableChoice,
+}
+
+/// Select the table of an image: the table of earlier frames if it is seen, otherwise among the
+/// largest planes the most table-like one by direction, place over a floor and size. `None` when
+/// no plane is large enough and directed like a table.
 ///
 /// `samples` are assigned to planes during the search and reset afterwards.
 pub(crate) fn select_table(
     samples: &mut Samples,
     up_in_camera: Option<Unit<Vector3<f64>>>,
+    expected: Option<Plane>,
     config: &RawConfig,
-    random: &mut Random,
     buffers: &mut TableSelectionBuffers,
 ) -> Option<Table> {
     let n_min = ((samples.len() as f64 * SHARE_MIN) as usize).max(8);
-    let is_all = find_planes(samples, up_in_camera, config, n_min, random, buffers);
+    let is_all = find_planes(samples, up_in_camera, config, n_min, buffers);
     samples.reset_assignment(config);
+    let by_image = choose_by_image(samples, is_all, n_min, config, buffers);
+    let kept = expected.and_then(|plane| find_again(samples, &plane, n_min, &mut buffers.region));
+    let chosen = match (by_image, kept) {
+        (Some(by_image), Some((plane, middle))) => ChosenPlane {
+            plane,
+            ..if is_same_surface(&plane, &by_image.plane, &middle) {
+                by_image
+            } else {
+                kept_plane(plane)
+            }
+        },
+        (None, Some((plane, _))) => kept_plane(plane),
+        (by_image, None) => by_image?,
+    };
+    find_region(samples, &chosen.plane, chosen.parts, &mut buffers.region);
+    let plane_by_image = by_image.map_or(chosen.plane, |by_image| by_image.plane);
+    outlined_table(samples, &chosen, plane_by_image, buffers)
+}
+
+fn kept_plane(plane: Plane) -> ChosenPlane {
+    ChosenPlane {
+        plane,
+        parts: RegionFilter::WideOnly,
+        choice: TableChoice::Kept,
+    }
+}
+
+/// Table that the image alone gives.
+fn choose_by_image(
+    samples: &Samples,
+    is_all: bool,
+    n_min: usize,
+    config: &RawConfig,
+    buffers: &mut TableSelectionBuffers,
+) -> Option<ChosenPlane> {
     let (chosen, mut choice) = choose_table(&buffers.found, n_min)?;
     if choice == TableChoice::Only && !is_all {
         choice = TableChoice::Most;
     }
     let region = &mut buffers.region;
     find_region(samples, &chosen.plane, RegionFilter::WideOnly, region);
-    if let Some(plane) = find_table_under(samples, &chosen, config, n_min, buffers) {
-        find_region(samples, &plane, RegionFilter::All, &mut buffers.region);
-        return outlined_table(samples, plane, TableChoice::Around, buffers);
+    let under = find_table_under(samples, &chosen, config, n_min, buffers);
+    Some(match under {
+        Some(plane) => ChosenPlane {
+            plane,
+            parts: RegionFilter::All,
+            choice: TableChoice::Around,
+        },
+        None => ChosenPlane {
+            plane: chosen.plane,
+            parts: RegionFilter::WideOnly,
+            choice,
+        },
+    })
+}
+
+/// Plane of a surface of earlier frames refitted to this image, and the middle of what is seen of
+/// it; `None` when it is not seen in its place.
+fn find_again(
+    samples: &Samples,
+    expected: &Plane,
+    n_min: usize,
+    region: &mut PlaneRegionBuffers,
+) -> Option<(Plane, Point3<f64>)> {
+    if find_region(samples, expected, RegionFilter::WideOnly, region) < n_min {
+        return None;
     }
-    outlined_table(samples, chosen.plane, choice, buffers)
+    let axes = region_axes(samples, region)?;
+    let plane = least_squares_plane(&axes)?.facing(&Point3::origin());
+    is_same_surface(&plane, expected, &axes.centroid).then_some((plane, axes.centroid))
 }
 
 /// Plane search: the largest planes of an image, of which the samples stay assigned. `true`
@@ -116,9 +184,9 @@ fn find_planes(
     up_in_camera: Option<Unit<Vector3<f64>>>,
     config: &RawConfig,
     n_min: usize,
-    random: &mut Random,
     buffers: &mut TableSelectionBuffers,
 ) -> bool {
+    let mut random = hypothesis_draws();
     let cone = up_in_camera.map(|up| UpCone {
         up,
         cos_min: config.table_tilt_max_rad.cos(),
@@ -126,11 +194,9 @@ fn find_planes(
     let n_dominant = (samples.n_unassigned() as f64 * DOMINANT_SHARE) as usize;
     buffers.found.clear();
     for _ in 0..N_PLANES_MAX {
-        let search = &mut buffers.search;
-        let Some(plane) = largest_plane_in_image(samples, cone.as_ref(), n_min, random, search)
-        else {
-            break;
-        };
+        let (cone, search) = (cone.as_ref(), &mut buffers.search);
+        let plane = largest_plane_in_image(samples, cone, n_min, &mut random, search);
+        let Some(plane) = plane else { break };
         let found =
             through_largest_region(samples, plane, up_in_camera, n_min, &mut buffers.region);
         samples.assign_inliers(&AffineForm::from(&plane));
@@ -273,8 +339,8 @@ fn is_above(upper: &PlaneCandidate, lower: &PlaneCandidate) -> bool {
 /// Table of a plane with the polygon of its region, which was found last.
 fn outlined_table(
     samples: &Samples,
-    plane: Plane,
-    choice: TableChoice,
+    &ChosenPlane { plane, choice, .. }: &ChosenPlane,
+    plane_by_image: Plane,
     buffers: &mut TableSelectionBuffers,
 ) -> Option<Table> {
     let region = &mut buffers.region;
@@ -287,6 +353,7 @@ fn outlined_table(
     outline.assign_hull(&polygon);
     let table = Table {
         plane,
+        plane_by_image,
         table_from_camera,
         polygon,
         outline,

@@ -200,6 +200,7 @@ mod tests {
         let plane = Plane::through(&Point3::new(0.0, 0.0, 1.0), -Vector3::z_axis());
         Table {
             plane,
+            plane_by_image: plane,
             table_from_camera: plane.plane_from_source(),
             polygon: ConvexPolygon::convex_hull_of(corners),
             outline: Outline::default(),

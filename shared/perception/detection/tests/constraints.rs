@@ -33,7 +33,6 @@ fn found(points: &[Point], surroundings: ScenePriors<'_>, config: &Config) -> De
     let frame = DetectionInput {
         cloud: OrganizedCloud::new(points, 640, 480).expect("a full grid"),
         up_in_camera: None,
-        seed: 3,
         priors: surroundings,
     };
     detect(
@@ -141,6 +140,7 @@ fn assumptions_name_the_absent_sources() {
     let empty_scene = assumptions_of(ScenePriors {
         instructor: Some(&[]),
         robot: Some(&[]),
+        table: None,
         tracks: &[],
         bodies: None,
         world_from_camera: RigidTransform::identity(),
@@ -403,6 +403,7 @@ fn body_constraints_are_independent_where_person_and_robot_meet() {
     let surroundings = ScenePriors {
         robot: Some(&robot),
         instructor: Some(&person),
+        table: None,
         tracks: &[],
         bodies: None,
         world_from_camera: RigidTransform::identity(),
@@ -562,6 +563,7 @@ fn body_mask_ignores_non_finite_capsules() {
     let surroundings = ScenePriors {
         robot: Some(&capsules),
         instructor: Some(&capsules),
+        table: None,
         tracks: &[],
         bodies: None,
         world_from_camera: RigidTransform::identity(),

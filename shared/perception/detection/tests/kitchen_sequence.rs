@@ -59,7 +59,6 @@ fn table_selection_prefers_the_table_to_walls_and_floor() {
             let frame = DetectionInput {
                 cloud,
                 up_in_camera,
-                seed: index as u64,
                 priors: ScenePriors::default(),
             };
             detect(

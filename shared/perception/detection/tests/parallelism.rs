@@ -20,16 +20,17 @@ fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
     let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
     let config = Config::default();
     let mut workspace = Workspace::default();
-    let mut search = |seed| {
+    let mut table = None;
+    let mut search = || {
         let frame = DetectionInput {
             cloud: OrganizedCloud::new(points, 640, 480).expect("an image"),
             up_in_camera: None,
-            seed,
             priors: ScenePriors {
                 instructor: None,
                 robot: Some(&links),
                 bodies: None,
                 world_from_camera: RigidTransform::identity(),
+                table,
                 tracks: &tracks,
             },
         };
@@ -39,9 +40,10 @@ fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
             observer: None,
         };
         detect(&frame, &config, &mut workspace, &mut detection, execution).expect("an image");
+        table = detection.table.as_ref().map(|table| table.plane);
         detection
     };
-    (0..6).map(&mut search).collect()
+    (0..6).map(|_| search()).collect()
 }
 
 #[test]

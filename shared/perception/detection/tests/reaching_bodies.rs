@@ -35,7 +35,6 @@ fn search(boxes: &[BoxOnTable], priors: ScenePriors<'_>) -> Detection {
     let frame = DetectionInput {
         cloud: OrganizedCloud::new(&points, 640, 480).expect("a full grid"),
         up_in_camera: None,
-        seed: 3,
         priors,
     };
     let mut workspace = Workspace::default();

@@ -6,6 +6,7 @@ use constraint::Ternary;
 use detection::{
     Config, Detection, DetectionInput, Execution, ScenePriors, Support, Workspace, detect,
 };
+use geometry::Plane;
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::{OrganizedCloud, Point, Rgba};
 use proptest::prelude::*;
@@ -30,7 +31,6 @@ fn found(points: &[Point], size: (usize, usize), up: Option<Unit<Vector3<f64>>>)
     let frame = DetectionInput {
         cloud,
         up_in_camera: up,
-        seed: 3,
         priors: ScenePriors::default(),
     };
     detect(
@@ -248,7 +248,6 @@ fn workspace_reuse_keeps_no_state() {
         let frame = DetectionInput {
             cloud,
             up_in_camera: None,
-            seed: 3,
             priors: ScenePriors::default(),
         };
         detect(
@@ -280,7 +279,7 @@ proptest! {
     #[test]
     fn detection_accepts_any_bit_pattern(
         size in (2..40_usize, 2..40_usize),
-        seed in any::<u64>(),
+        expected in prop::option::of((prop::array::uniform3(-1.0..1.0_f64), -5.0..5.0_f64)),
         values in prop::collection::vec((coordinate(), coordinate(), coordinate(), any::<u32>()), 1600),
         up in prop::option::of(prop::array::uniform3(-1.0..1.0_f64)),
     ) {
@@ -289,7 +288,12 @@ proptest! {
         let up_in_camera = up.and_then(|up| Unit::try_new(Vector3::from(up), 1e-3));
         let cloud = OrganizedCloud::new(&points, size.0, size.1).unwrap();
         let mut detection = Detection::default();
-        let frame = DetectionInput { cloud, up_in_camera, seed, priors: ScenePriors::default() };
+        let table = expected.and_then(|(normal, offset_m)| {
+            let normal = Unit::try_new(Vector3::from(normal), 1e-3)?;
+            Some(Plane { normal, offset_m })
+        });
+        let priors = ScenePriors { table, ..ScenePriors::default() };
+        let frame = DetectionInput { cloud, up_in_camera, priors };
         detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection, Execution::default()).unwrap();
         prop_assert!(detection.point_indices.iter().all(|&i| points[i as usize].is_finite()));
     }

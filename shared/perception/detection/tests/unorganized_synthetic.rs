@@ -36,7 +36,6 @@ fn found_with(points: &[Point], up: Option<Vector3<f64>>, workspace: &mut Worksp
     let frame = DetectionInput {
         cloud: OrganizedCloud::new(points, points.len(), 1).expect("a row"),
         up_in_camera: up.map(Unit::new_normalize),
-        seed: 3,
         priors: ScenePriors::default(),
     };
     detect(
@@ -142,7 +141,6 @@ fn unorganized_column_matches_row() {
     let frame = DetectionInput {
         cloud: OrganizedCloud::new(&points, 1, points.len()).unwrap(),
         up_in_camera: None,
-        seed: 3,
         priors: ScenePriors::default(),
     };
     detect(
@@ -456,7 +454,6 @@ proptest! {
 
     #[test]
     fn unorganized_detection_accepts_any_bit_pattern(
-        seed in any::<u64>(),
         values in prop::collection::vec((coordinate(), coordinate(), coordinate(), any::<u32>()), 1..2500),
         up in prop::option::of(prop::array::uniform3(-1.0..1.0_f64)),
         is_column in any::<bool>(),
@@ -466,7 +463,7 @@ proptest! {
         let (width, height) = if is_column { (1, points.len()) } else { (points.len(), 1) };
         let cloud = OrganizedCloud::new(&points, width, height).unwrap();
         let up_in_camera = up.and_then(|up| Unit::try_new(Vector3::from(up), 1e-3));
-        let frame = DetectionInput { cloud, up_in_camera, seed , priors: ScenePriors::default(),};
+        let frame = DetectionInput { cloud, up_in_camera, priors: ScenePriors::default() };
         let mut detection = Detection::default();
         detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection, Execution::default()).unwrap();
         prop_assert!(detection.point_indices.iter().all(|&i| points[i as usize].is_finite()));

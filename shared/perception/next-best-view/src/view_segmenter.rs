@@ -30,7 +30,7 @@ impl ViewSegmenter {
     }
 
     /// Visible areas of the segments in a view, and the area of all the rest, square metres.
-    /// `seed` is that of detection, `up_in_camera` the direction against gravity.
+    /// `up_in_camera` is the direction against gravity.
     ///
     /// # Errors
     /// A view that detection refuses, such as one in which nothing is visible.
@@ -38,7 +38,6 @@ impl ViewSegmenter {
         &mut self,
         view: &VirtualView,
         up_in_camera: Option<Unit<Vector3<f64>>>,
-        seed: u64,
     ) -> Result<(&[f64], f64), Error> {
         view.write_cloud(&mut self.points);
         let (width, height) = view.size();
@@ -49,7 +48,6 @@ impl ViewSegmenter {
         let frame = DetectionInput {
             cloud,
             up_in_camera,
-            seed,
             priors: ScenePriors::default(),
         };
         detect(
@@ -124,7 +122,7 @@ mod tests {
         view.render(&scene, &camera, &config).unwrap();
         let up = Unit::new_normalize(camera.rotation.inverse() * Vector3::z());
         let mut segmenter = ViewSegmenter::default();
-        let (segments, rest) = segmenter.segment(&view, Some(up), 1).unwrap();
+        let (segments, rest) = segmenter.segment(&view, Some(up)).unwrap();
         assert_eq!(segments.len(), 2, "{segments:?}");
         let [first, second] = view.object_areas_m2() else {
             panic!("two objects");
@@ -141,9 +139,6 @@ mod tests {
         // An empty view has no segments.
         let empty = PlanningScene::new(&[], &[]).unwrap();
         view.render(&empty, &camera, &config).unwrap();
-        assert_eq!(
-            segmenter.segment(&view, Some(up), 1).unwrap(),
-            (&[][..], 0.0)
-        );
+        assert_eq!(segmenter.segment(&view, Some(up)).unwrap(), (&[][..], 0.0));
     }
 }

@@ -5,8 +5,10 @@
 //! object, evaluation and replay do both on the calling thread
 //! ([`SequentialExecutor`](crate::SequentialExecutor)).
 
+use crate::table_memory::TableMemory;
 use crate::{Config, FramePose, Posterior, Sighting, Track, TrackTable, TrackUpdate};
 use detection::{Detection, ExpectedTrack};
+use geometry::Plane;
 use learning::{CategoryIndex, TrackEvidence};
 use point_cloud::Point;
 use std::pin::pin;
@@ -36,6 +38,10 @@ pub trait FrameExecutor {
 
     /// Buffer for the expected tracks, a prior of the coming detection.
     fn expected_tracks(&mut self) -> &mut Vec<ExpectedTrack>;
+
+    /// Receives the plane of the table of earlier frames, camera frame, a prior of the coming
+    /// detection.
+    fn expect_table(&mut self, table: Option<Plane>);
 
     /// Gathers the other scene priors: people and the robot.
     ///
@@ -91,6 +97,7 @@ impl ObservedTracks<'_> {
 #[derive(Debug)]
 pub struct FramePipeline {
     tracks: TrackTable,
+    table: TableMemory,
     update: TrackUpdate,
     last_capture_ns: u64,
 }
@@ -100,6 +107,7 @@ impl FramePipeline {
     pub fn new(config: Config) -> Self {
         Self {
             tracks: TrackTable::new(config),
+            table: TableMemory::default(),
             update: TrackUpdate::default(),
             last_capture_ns: 0,
         }
@@ -155,6 +163,7 @@ impl FramePipeline {
         self.restart_if_time_jumped(frame.capture_ns, executor);
         executor.stage_started(FrameStage::Priors);
         self.tracks.predict(frame, executor.expected_tracks());
+        executor.expect_table(self.table.expected(frame));
         executor.gather_priors()?;
         executor.stage_finished(FrameStage::Priors);
         let detected = executor.detect().await?;
@@ -188,6 +197,7 @@ impl FramePipeline {
         if capture_ns < self.last_capture_ns {
             self.update.ended_tracks.clear();
             self.tracks.clear(&mut self.update.ended_tracks);
+            self.table.clear();
             for track_id in &self.update.ended_tracks {
                 executor.track_ended(*track_id);
             }
@@ -203,6 +213,7 @@ impl FramePipeline {
         executor: &mut E,
     ) {
         executor.stage_started(FrameStage::Association);
+        self.table.update(detection.table.as_ref(), frame);
         let next_id = || executor.next_track_id();
         self.tracks
             .update(detection, cloud, frame, next_id, &mut self.update);

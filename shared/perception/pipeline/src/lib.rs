@@ -35,7 +35,6 @@
 //!         camera: None,
 //!     },
 //!     cloud: OrganizedCloud::new(&points, 2, 2)?,
-//!     seed: 0,
 //!     people: None,
 //!     robot: None,
 //! };
@@ -60,6 +59,7 @@ mod shared_shift;
 mod sighting_evidence;
 mod stored_view;
 mod table_height;
+mod table_memory;
 mod track;
 mod track_recovery;
 mod track_table;

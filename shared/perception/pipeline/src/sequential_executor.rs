@@ -8,7 +8,7 @@ use crate::{
 use detection::{
     BodyMap, Detection, DetectionInput, Execution, ExpectedTrack, ScenePriors, Workspace, detect,
 };
-use geometry::Capsule;
+use geometry::{Capsule, Plane};
 use learning::CategoryIndex;
 use point_cloud::OrganizedCloud;
 use std::collections::BTreeMap;
@@ -21,12 +21,17 @@ pub struct SequentialFrame<'a> {
     pub pose: FramePose,
     /// Point cloud of the frame, camera frame.
     pub cloud: OrganizedCloud<'a>,
-    /// Seed of detection; the frame number, so that a replay draws the same samples.
-    pub seed: u64,
     /// Capsules of people, camera frame; `None` when no source reports people.
     pub people: Option<&'a [Capsule]>,
     /// Capsules of the robot, camera frame; `None` when no source reports the robot.
     pub robot: Option<&'a [Capsule]>,
+}
+
+/// State of one object, and the descriptor of its last view.
+#[derive(Debug, Default)]
+struct SequentialObject {
+    state: ObjectState,
+    descriptor: Vec<f32>,
 }
 
 /// State of the objects and buffers, which last from frame to frame.
@@ -38,10 +43,10 @@ pub struct SequentialState {
     detection: Detection,
     bodies: BodyMap,
     expected: Vec<ExpectedTrack>,
-    objects: BTreeMap<u64, ObjectState>,
+    expected_table: Option<Plane>,
+    objects: BTreeMap<u64, SequentialObject>,
     object_workspace: ObjectWorkspace,
     categories: CategoryIndex,
-    descriptor: Vec<f32>,
     last_track_id: u64,
 }
 
@@ -58,12 +63,28 @@ impl SequentialState {
             detection: Detection::default(),
             bodies: BodyMap::default(),
             expected: Vec::new(),
+            expected_table: None,
             objects: BTreeMap::new(),
             object_workspace: ObjectWorkspace::new()?,
             categories: category_index(),
-            descriptor: Vec::new(),
             last_track_id: 0,
         })
+    }
+
+    /// Replaces the taught categories, between two frames.
+    pub fn set_categories(&mut self, categories: CategoryIndex) {
+        self.categories = categories;
+    }
+
+    /// Detection of the last frame.
+    pub fn detection(&self) -> &Detection {
+        &self.detection
+    }
+
+    /// Descriptor of the last view of a live object, as it is stored when it is taught.
+    pub fn descriptor(&self, track_id: u64) -> Option<&[f32]> {
+        let object = self.objects.get(&track_id)?;
+        Some(&object.descriptor)
     }
 
     /// Runs one frame through a pipeline sequentially.
@@ -98,12 +119,12 @@ impl SequentialExecutor<'_> {
         let input = DetectionInput {
             cloud: self.frame.cloud,
             up_in_camera: self.frame.pose.up_in_camera,
-            seed: self.frame.seed,
             priors: ScenePriors {
                 instructor: self.frame.people,
                 robot: self.frame.robot,
                 bodies: Some(&state.bodies),
                 world_from_camera: self.frame.pose.world_from_camera,
+                table: state.expected_table,
                 tracks: &state.expected,
             },
         };
@@ -137,12 +158,12 @@ impl SequentialExecutor<'_> {
                 evidence: &tracks.evidence(sighting.track_id),
             };
             let object = state.objects.entry(sighting.track_id).or_default();
-            let posterior = object.observe(
+            let posterior = object.state.observe(
                 &observation,
                 &state.categories,
                 &state.config,
                 &mut state.object_workspace,
-                &mut state.descriptor,
+                &mut object.descriptor,
             )?;
             tracks.apply(sighting.track_id, &posterior);
         }
@@ -156,6 +177,10 @@ impl FrameExecutor for SequentialExecutor<'_> {
 
     fn expected_tracks(&mut self) -> &mut Vec<ExpectedTrack> {
         &mut self.state.expected
+    }
+
+    fn expect_table(&mut self, table: Option<Plane>) {
+        self.state.expected_table = table;
     }
 
     fn detect(&mut self) -> impl Future<Output = Result<Detection, Error>> + Send {

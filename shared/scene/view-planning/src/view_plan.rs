@@ -147,7 +147,7 @@ fn rate_by_segments(
         // A view that detection refuses, such as an empty one, has no segments.
         let entropy =
             segmenter
-                .segment(&view, Some(up_in_camera), 1)
+                .segment(&view, Some(up_in_camera))
                 .map_or(0.0, |(areas_m2, rest_m2)| {
                     view_entropy(areas_m2, rest_m2, config.total_area, config.log_base)
                 });

@@ -5,6 +5,7 @@ mod report_page;
 mod scene_result;
 
 use crate::arguments::DetectionArguments;
+use crate::evaluate::perturbation::{NO_POINT, add_noise, shifted};
 use crate::output_files::{create_folder, write};
 use crate::timing::durations_ms;
 use command_line::{Output, progress_bar};
@@ -16,9 +17,10 @@ use evaluation::labelled_scenes::{LabelledScene, LabelledScenes, SceneEntry};
 use evaluation::memory_floor::sum_of_words;
 use evaluation::scene_picture;
 use evaluation::segmentation_score::Overlaps;
-use point_cloud::OrganizedCloud;
+use point_cloud::{OrganizedCloud, Point};
+use random::Random;
 use report::DetectionReport;
-use scene_result::{PsiScores, SceneResult, SkippedScene};
+use scene_result::{PsiScores, SceneDraws, SceneResult, SkippedScene, WovRange};
 use service::Failure;
 use statistics::percentiles::Percentiles;
 use std::convert::Infallible;
@@ -130,7 +132,6 @@ impl<'a> SceneEvaluator<'a> {
         let frame = DetectionInput {
             cloud: cloud.map_err(scene_error)?,
             up_in_camera: scene.up_in_camera,
-            seed: self.arguments.seed,
             priors: ScenePriors::default(),
         };
         let whole_objects = if scene.has_part_labels {
@@ -140,6 +141,7 @@ impl<'a> SceneEvaluator<'a> {
         } else {
             None
         };
+        let draws = self.draw_anew(&scene, frame)?;
         let found = self.find(&frame, false)?;
         let scores = PsiScores::of(&found, &scene.labels).ok_or_else(no_object)?;
         self.write_labels(&entry.name, &found, &scene)?;
@@ -154,11 +156,47 @@ impl<'a> SceneEvaluator<'a> {
             n_points: scene.points.len(),
             scores,
             whole_objects,
+            draws,
             detection_ms: Percentiles::of(durations_ms.clone()).unwrap_or_default(),
             durations_ms,
             pass_ms,
             picture,
         })
+    }
+
+    /// Scores of a scene with noise drawn anew, and shifted; `None` without draws and for a cloud
+    /// without an image grid.
+    fn draw_anew(
+        &mut self,
+        scene: &LabelledScene,
+        frame: DetectionInput<'_>,
+    ) -> Result<Option<SceneDraws>, SceneError> {
+        let n_draws = self.arguments.draws as usize;
+        if n_draws == 0 || scene.height < 2 {
+            return Ok(None);
+        }
+        let mut wov = |points: &[Point], labels: &[u16]| {
+            let cloud = OrganizedCloud::new(points, scene.width, scene.height);
+            let cloud = cloud.map_err(scene_error)?;
+            let found = self.find(&DetectionInput { cloud, ..frame }, false)?;
+            let scores = PsiScores::of(&found, labels).ok_or_else(no_object)?;
+            Ok::<f64, SceneError>(scores.before_psi.wov)
+        };
+        let mut noisy = scene.points.clone();
+        let (mut with_noise, mut after_shift) = (Vec::new(), Vec::new());
+        for draw in 0..n_draws {
+            add_noise(
+                &scene.points,
+                &mut Random::from_seed(draw as u64),
+                &mut noisy,
+            );
+            with_noise.push(wov(&noisy, &scene.labels)?);
+            let points = shifted(&scene.points, scene.width, draw, NO_POINT);
+            let labels = shifted(&scene.labels, scene.width, draw, 0);
+            after_shift.push(wov(&points, &labels)?);
+        }
+        let ranges = WovRange::of(&with_noise).zip(WovRange::of(&after_shift));
+        Ok(ranges.map(|(noise, shifted)| SceneDraws { noise, shifted }))
     }
 
     /// Detects the objects of a scene, with their disjoint parts joined or not.

@@ -163,7 +163,7 @@ impl Turntable {
         self.kinect.look(&self.world, frame, &mut self.points)?;
         let world_from_camera = self.world.world_from_camera();
         let up_in_camera = up_in_camera(&world_from_camera, &Vector3::z_axis());
-        self.detect(up_in_camera, frame);
+        self.detect(up_in_camera);
         let centre_in_camera = world_from_camera.inverse() * self.centre();
         let detection = self.detector.detection();
         let Some(found) = candidate_at_centre(&detection.candidates, &centre_in_camera) else {
@@ -192,13 +192,13 @@ impl Turntable {
         )
     }
 
-    fn detect(&mut self, up_in_camera: Unit<Vector3<f64>>, seed: u64) {
+    fn detect(&mut self, up_in_camera: Unit<Vector3<f64>>) {
         let camera = self.kinect.camera();
         let size = (camera.width as usize, camera.height as usize);
         let Ok(cloud) = OrganizedCloud::new(&self.points, size.0, size.1) else {
             return;
         };
-        self.detector.detect(cloud, Some(up_in_camera), seed);
+        self.detector.detect(cloud, Some(up_in_camera));
     }
 }
 

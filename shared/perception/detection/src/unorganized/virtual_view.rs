@@ -129,7 +129,6 @@ impl VirtualView {
         let frame = DetectionInput {
             cloud,
             up_in_camera,
-            seed: 0,
             priors: ScenePriors::default(),
         };
         organized.recycle(&mut self.detection);

@@ -17,7 +17,6 @@ use crate::table::Table;
 use crate::table_surface::TableSurface;
 use crate::{Config, RawConfig};
 use point_cloud::{OrganizedCloud, Point};
-use random::Random;
 
 /// Side of the voxels for the plane search, metres. Chosen.
 const VOXEL_M: f32 = 0.010;
@@ -79,14 +78,9 @@ impl VoxelDetector {
         let points = frame.cloud.points();
         let position = |i: usize| points[i].is_finite().then(|| coordinates(&points[i]));
         self.voxels.fill(points.len(), position, VOXEL_M);
-        let mut random = Random::from_seed(frame.seed);
-        let found = self.search.find(
-            &self.voxels,
-            frame.up_in_camera,
-            config,
-            &mut random,
-            &mut self.surface,
-        );
+        let found = self
+            .search
+            .find(&self.voxels, frame.up_in_camera, config, &mut self.surface);
         let Some(VoxelTable { table, lowest_m }) = found else {
             return;
         };

@@ -5,7 +5,9 @@ use super::voxel_grid::VoxelGrid;
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::outline::Outline;
-use crate::plane_ransac::{SearchEffort, UpCone, largest_plane, least_squares_plane};
+use crate::plane_ransac::{
+    SearchEffort, UpCone, hypothesis_draws, largest_plane, least_squares_plane,
+};
 use crate::plane_region::{
     CELL_M, PlaneRegionBuffers, RegionFilter, RegionRule, find_region_along, region_axes,
     region_polygon,
@@ -113,9 +115,9 @@ impl VoxelTableSearch {
         voxels: &VoxelGrid,
         up: Option<Unit<Vector3<f64>>>,
         config: &RawConfig,
-        random: &mut Random,
         surface: &mut TableSurface,
     ) -> Option<VoxelTable> {
+        let mut random = hypothesis_draws();
         self.centroids.refill(voxels);
         let level = |up| UpCone {
             up,
@@ -131,7 +133,7 @@ impl VoxelTableSearch {
         };
         let mut empty = None;
         for cone in cones.iter().flatten() {
-            self.find_planes(voxels, cone, config, random, surface);
+            self.find_planes(voxels, cone, config, &mut random, surface);
             let chosen = choose_table(&self.found);
             let chosen = chosen.map(|(plane, choice)| (as_table(plane, choice, config), plane));
             if let Some((table, plane)) = chosen {
@@ -231,6 +233,7 @@ fn as_table(found: &VoxelPlaneCandidate, choice: TableChoice, config: &RawConfig
     VoxelTable {
         table: Table {
             plane: found.plane,
+            plane_by_image: found.plane,
             table_from_camera: found.plane_from_cloud,
             polygon: found.polygon.clone(),
             outline: Outline::around(&found.polygon),

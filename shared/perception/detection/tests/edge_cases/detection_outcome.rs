@@ -25,12 +25,20 @@ pub(crate) fn detected(
     size: (usize, usize),
     up_in_camera: Option<Unit<Vector3<f64>>>,
 ) -> Detection {
+    detected_with(points, size, up_in_camera, ScenePriors::default())
+}
+
+fn detected_with(
+    points: &[Point],
+    size: (usize, usize),
+    up_in_camera: Option<Unit<Vector3<f64>>>,
+    priors: ScenePriors<'_>,
+) -> Detection {
     let mut detection = Detection::default();
     let frame = DetectionInput {
         cloud: OrganizedCloud::new(points, size.0, size.1).expect("a full grid"),
         up_in_camera,
-        seed: 3,
-        priors: ScenePriors::default(),
+        priors,
     };
     let (config, mut workspace) = (Config::default(), Workspace::default());
     detect(
@@ -42,6 +50,10 @@ pub(crate) fn detected(
     )
     .expect("an image");
     detection
+}
+
+fn size_of(scene: &SyntheticScene) -> (usize, usize) {
+    (scene.camera.width as usize, scene.camera.height as usize)
 }
 
 impl DetectionOutcome {
@@ -66,8 +78,18 @@ impl DetectionOutcome {
         truth: Vec<u16>,
         up: Option<Unit<Vector3<f64>>>,
     ) -> Self {
-        let size = (scene.camera.width as usize, scene.camera.height as usize);
-        let detection = detected(points, size, up);
+        let detection = detected(points, size_of(scene), up);
+        Self::of_detection(scene, detection, truth)
+    }
+
+    /// Outcome for a scene with unknown up and known priors.
+    pub(crate) fn with_priors(scene: &SyntheticScene, priors: ScenePriors<'_>) -> Self {
+        let (points, truth) = scene.render();
+        let detection = detected_with(&points, size_of(scene), None, priors);
+        Self::of_detection(scene, detection, truth)
+    }
+
+    fn of_detection(scene: &SyntheticScene, detection: Detection, truth: Vec<u16>) -> Self {
         let mut candidate_of = vec![NO_CANDIDATE; truth.len()];
         for (number, candidate) in detection.candidates.iter().enumerate() {
             for &pixel in detection.points_of(candidate) {

@@ -3,7 +3,7 @@
 use crate::detection_outcome::DetectionOutcome;
 use crate::synthetic_scene::{OBJECT, PlacedShape, SyntheticScene, TABLE};
 use crate::{HIGH, objects};
-use detection::TableChoice;
+use detection::{ScenePriors, TableChoice};
 
 /// Rectangular test table with its centre at a point.
 fn table_at(sides: [f64; 2], [x, y]: [f64; 2], z: f64) -> PlacedShape {
@@ -93,4 +93,34 @@ fn of_two_tables_of_one_height_the_larger_is_chosen_and_the_other_counted() {
             assert!(truth.contains(&choice), "{choice:?}");
         }
     }
+}
+
+#[test]
+fn table_of_earlier_frames_stays_the_table_while_it_is_seen() {
+    let lower = table_at([0.6, 0.5], [-0.35, 0.0], HIGH - 0.2);
+    let upper = table_at([0.4, 0.4], [0.35, 0.0], HIGH);
+    let on_lower = PlacedShape::cuboid([0.1, 0.1, 0.12], [-0.3, 0.0, HIGH - 0.2], OBJECT);
+    let on_upper = PlacedShape::cuboid([0.1, 0.1, 0.12], [0.3, 0.0, HIGH], OBJECT + 1);
+    let both = view().with([
+        lower.clone(),
+        upper.clone(),
+        on_lower.clone(),
+        on_upper.clone(),
+    ]);
+    let upper_alone = DetectionOutcome::of(&view().with([upper, on_upper]));
+    let expected = ScenePriors {
+        table: Some(upper_alone.table().plane),
+        ..ScenePriors::default()
+    };
+    let outcome = DetectionOutcome::with_priors(&both, expected);
+    assert_eq!(outcome.table().choice, TableChoice::Kept);
+    assert!((outcome.table_height_m([0.35, 0.0]) - HIGH).abs() < 0.003);
+    outcome.assert_objects(&[OBJECT + 1], 0.9);
+    // What the image alone would give is told, so that most images can decide.
+    let by_image = DetectionOutcome::of(&both).table().plane;
+    assert!((outcome.table().plane_by_image.offset_m - by_image.offset_m).abs() < 0.002);
+    // A table that is gone is not kept.
+    let outcome = DetectionOutcome::with_priors(&view().with([lower, on_lower]), expected);
+    assert_ne!(outcome.table().choice, TableChoice::Kept);
+    outcome.assert_objects(&[OBJECT], 0.9);
 }

@@ -23,6 +23,8 @@ impl FrameExecutor for Recorder {
         &mut self.expected
     }
 
+    fn expect_table(&mut self, _table: Option<Plane>) {}
+
     fn gather_priors(&mut self) -> Result<(), &'static str> {
         self.calls.push("gather".into());
         Ok(())

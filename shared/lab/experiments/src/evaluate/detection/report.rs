@@ -10,6 +10,9 @@ use serde::Serialize;
 use statistics::percentiles::Percentiles;
 use std::collections::BTreeMap;
 
+/// Greatest spread of a steady scene's weighted overlap.
+const STEADY_SPREAD_MAX: f64 = 0.01;
+
 /// Report of a detection evaluation; scores are means over scenes, scenes are ordered worst first.
 #[derive(Debug, Serialize)]
 pub(super) struct DetectionReport<'a> {
@@ -24,6 +27,9 @@ pub(super) struct DetectionReport<'a> {
     pub(super) all: SceneGroup,
     pub(super) groups: BTreeMap<&'a str, SceneGroup>,
     pub(super) halves: Halves,
+    /// `None` without draws.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) draws: Option<DrawSpreads>,
     pub(super) detection_ms: Percentiles,
     pub(super) ns_per_point: f64,
     pub(super) pass_over_cloud_ms: f64,
@@ -40,10 +46,36 @@ pub(super) struct DetectionReport<'a> {
 #[derive(Debug, Serialize)]
 pub(super) struct Settings {
     detection: &'static str,
-    seed: u64,
+    draws: u32,
     pub(super) repeats: u32,
     threads: u32,
     hypothesis_pixels_min: usize,
+}
+
+/// Scenes by the spread of their scores over draws.
+#[derive(Debug, Serialize)]
+pub(super) struct DrawSpreads {
+    /// Number of scenes whose weighted overlap stays within one point when noise is drawn anew.
+    pub(super) n_steady_with_noise: usize,
+    /// Number of scenes whose weighted overlap stays within one point when the image is shifted.
+    pub(super) n_steady_shifted: usize,
+    /// Greatest spread of a scene over both.
+    pub(super) spread_max: f64,
+}
+
+impl DrawSpreads {
+    fn of(results: &[SceneResult]) -> Option<Self> {
+        let draws = || results.iter().filter_map(|result| result.draws.as_ref());
+        let is_steady = |spread: f64| spread <= STEADY_SPREAD_MAX;
+        let spreads = draws().flat_map(|draws| [draws.noise.spread(), draws.shifted.spread()]);
+        let of_noise = draws().filter(|draws| is_steady(draws.noise.spread()));
+        let of_shift = draws().filter(|draws| is_steady(draws.shifted.spread()));
+        Some(Self {
+            n_steady_with_noise: of_noise.count(),
+            n_steady_shifted: of_shift.count(),
+            spread_max: spreads.max_by(f64::total_cmp)?,
+        })
+    }
 }
 
 /// Scenes split by the parity of the number in their name.
@@ -120,6 +152,7 @@ impl<'a> DetectionReport<'a> {
                 even: SceneGroup::of(results, |result| !result.is_odd),
                 odd: SceneGroup::of(results, |result| result.is_odd),
             },
+            draws: DrawSpreads::of(results),
             detection_ms: all.detection_ms,
             ns_per_point: percentiles(results, ns_per_point)?.p50,
             pass_over_cloud_ms: pass_ms,
@@ -128,7 +161,7 @@ impl<'a> DetectionReport<'a> {
             skipped,
             settings: Settings {
                 detection: "default",
-                seed: arguments.seed,
+                draws: arguments.draws,
                 repeats: arguments.repeats,
                 threads: 1,
                 hypothesis_pixels_min: HYPOTHESIS_PIXELS_MIN,

@@ -24,6 +24,9 @@ pub(super) struct SceneResult {
     /// Scores of objects against labels whose parts are joined; `None` without labels of parts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) whole_objects: Option<PsiScores>,
+    /// Scores over draws that must not matter; `None` without draws.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) draws: Option<SceneDraws>,
     /// Percentiles of the detection times, milliseconds.
     pub(super) detection_ms: Percentiles,
     /// Detection times, milliseconds, one for each repetition.
@@ -34,6 +37,36 @@ pub(super) struct SceneResult {
     pub(super) pass_ms: Vec<f64>,
     /// Path of the picture, relative to the output folder.
     pub(super) picture: String,
+}
+
+/// weighted overlap of a scene over draws that must not matter.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct SceneDraws {
+    /// With depth noise drawn anew.
+    pub(super) noise: WovRange,
+    /// With the image shifted against the subsampling.
+    pub(super) shifted: WovRange,
+}
+
+/// Range of weighted overlap, from 0 to 1.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct WovRange {
+    min: f64,
+    max: f64,
+}
+
+impl WovRange {
+    /// Range of at least one value.
+    pub(super) fn of(values: &[f64]) -> Option<Self> {
+        Some(Self {
+            min: values.iter().copied().min_by(f64::total_cmp)?,
+            max: values.iter().copied().max_by(f64::total_cmp)?,
+        })
+    }
+
+    pub(super) fn spread(&self) -> f64 {
+        self.max - self.min
+    }
 }
 
 /// Scores of the hypotheses before and after the candidate rule ψ.

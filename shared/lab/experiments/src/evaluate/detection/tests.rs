@@ -18,7 +18,7 @@ fn arguments(dataset: &Path, out: &Path) -> DetectionArguments {
         dataset: dataset.to_owned(),
         out: out.to_owned(),
         labels: Some(out.join("labels")),
-        seed: 1,
+        draws: 2,
         repeats: 2,
     }
 }
@@ -235,6 +235,7 @@ fn report_lists_groups_halves_and_worst_scenes() {
         n_points: 1000,
         scores: scores(wov),
         whole_objects: Some(scores(0.125)),
+        draws: None,
         detection_ms: Percentiles { p50: 2.0, p99: 4.0 },
         durations_ms: vec![2.0, 4.0],
         pass_ms: vec![0.1],

@@ -113,8 +113,8 @@ impl QueryScene {
             kinect
                 .look(&world, frame, &mut points)
                 .map_err(Failure::general)?;
-            let stamp = (frame, (frame + 1) * FRAME_NS);
-            track(&mut tracker, &world, stamp, &points, true)?;
+            let capture_ns = (frame + 1) * FRAME_NS;
+            track(&mut tracker, &world, capture_ns, &points, true)?;
         }
         let mut objects: Vec<TrueObject> = world.objects().iter().map(true_object).collect();
         let tracks = tracks(&tracker, &mut objects);

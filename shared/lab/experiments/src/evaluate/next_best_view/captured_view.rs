@@ -60,7 +60,7 @@ impl CapturedView {
         number: usize,
         (matcher, planner): (&mut SegmentMatcher, Option<&ScenePlanner<'_>>),
     ) -> Result<Self, Failure> {
-        let mut segments = matcher.find(scene, &image, number)?;
+        let mut segments = matcher.find(scene, &image)?;
         let plans = planner.map(|planner| planner.plan(&image, &mut segments, number));
         let plans = plans.transpose()?.unwrap_or_default();
         let (areas_m2, background_m2) = true_areas(scene, &image);

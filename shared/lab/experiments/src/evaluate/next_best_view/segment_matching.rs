@@ -115,11 +115,10 @@ impl SegmentMatcher {
         &mut self,
         scene: &BinScene,
         image: &LabelledImage<'_>,
-        seed: usize,
     ) -> Result<MatchedSegments, Failure> {
         let size = (image.camera.width as usize, image.camera.height as usize);
         let cloud = OrganizedCloud::new(image.points, size.0, size.1).map_err(Failure::general)?;
-        let detection = self.detector.detect(cloud, image.up_in_camera, seed as u64);
+        let detection = self.detector.detect(cloud, image.up_in_camera);
         let mut found = MatchedSegments {
             is_detected: vec![false; scene.objects.len()],
             segments: Vec::new(),

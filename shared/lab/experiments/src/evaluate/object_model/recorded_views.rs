@@ -71,7 +71,7 @@ pub(super) fn read(
         let up = gravity.map(|down| up_in_camera(&world_from_camera, &-down));
         let cloud = OrganizedCloud::new(&points, camera.width as usize, camera.height as usize)
             .map_err(Failure::general)?;
-        let detection = detector.detect(cloud, up, index as u64);
+        let detection = detector.detect(cloud, up);
         for (points, centre) in whole_objects(detection, &points) {
             let view = OrbitView {
                 points,

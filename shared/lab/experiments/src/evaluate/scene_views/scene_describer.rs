@@ -100,7 +100,7 @@ impl SceneDescriber {
         let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
         let cloud = OrganizedCloud::new(&self.points, width, height).map_err(Failure::general)?;
         let up = Some(frame_truth.up_in_camera);
-        self.detector.detect(cloud, up, number as u64);
+        self.detector.detect(cloud, up);
         let mut described = self.label_and_describe(&frame_truth);
         if let Some(name) = SceneSampler::name_if_first(number) {
             let place = format!("{PICTURES}/{name}.png");

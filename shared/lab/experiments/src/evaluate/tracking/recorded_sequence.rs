@@ -115,7 +115,6 @@ impl RecordedSequence {
                 camera: Some(*camera),
             },
             cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
-            seed: index as u64,
             people: None,
             robot: None,
         })

@@ -55,8 +55,7 @@ pub(super) fn play(
         }
         let objects = truth.of_frame(&exact_view(&kinect, &world), &objects);
         let capture_ns = FIRST_CAPTURE_NS + (world.time_s() * 1e9).round() as u64;
-        let stamp = (number, capture_ns);
-        track(&mut tracker, &world, stamp, &points, hidden_people)?;
+        track(&mut tracker, &world, capture_ns, &points, hidden_people)?;
         let tracks = tracker.track_states();
         sequence.frames.push(TrackedFrame {
             time_s: world.time_s(),
@@ -81,12 +80,12 @@ fn exact_view<'a>(kinect: &'a SimulatedKinect, world: &World) -> LabelledDepthIm
     }
 }
 
-/// Tracks the objects of a frame of a world, given by its number and capture time, nanoseconds.
+/// Tracks the objects of a frame of a world, given by its capture time, nanoseconds.
 /// With `hidden_people` the poses of people are not told.
 pub(in super::super) fn track(
     tracker: &mut TrackingPipeline,
     world: &World,
-    (number, capture_ns): (u64, u64),
+    capture_ns: u64,
     points: &[Point],
     hidden_people: bool,
 ) -> Result<(), Failure> {
@@ -108,7 +107,6 @@ pub(in super::super) fn track(
             camera: Some(camera),
         },
         cloud: OrganizedCloud::new(points, width, height).map_err(Failure::general)?,
-        seed: number,
         people: (!hidden_people).then_some(&people[..]),
         robot: (!arm.is_empty()).then_some(&arm[..]),
     };

@@ -1,6 +1,7 @@
 //! Tracking under evaluation: the frame pipeline of the daemon, run sequentially.
 
 use evaluation::tracked_frame::TrackState;
+use learning::CategoryIndex;
 use pipeline::{Config, FramePipeline, SequentialFrame, SequentialState, Track};
 use tracking::{AssociationConfig, MotionConfig, TrackPhase, Visibility};
 
@@ -25,13 +26,26 @@ impl TrackingPipeline {
     ///
     /// # Errors
     /// When the frame cannot be searched or an object cannot be described.
-    pub(super) fn step(&mut self, frame: &SequentialFrame<'_>) -> Result<(), pipeline::Error> {
+    pub(in super::super) fn step(
+        &mut self,
+        frame: &SequentialFrame<'_>,
+    ) -> Result<(), pipeline::Error> {
         self.state.process(&mut self.pipeline, frame)
     }
 
     /// Live tracks after the last frame.
     pub(in super::super) fn tracks(&self) -> &[Track] {
         self.pipeline.tracks()
+    }
+
+    /// Executor state after the last frame.
+    pub(in super::super) fn state(&self) -> &SequentialState {
+        &self.state
+    }
+
+    /// Replaces the taught categories, between two frames.
+    pub(in super::super) fn set_categories(&mut self, categories: CategoryIndex) {
+        self.state.set_categories(categories);
     }
 
     /// States of the live tracks after the last frame.
@@ -46,7 +60,7 @@ impl TrackingPipeline {
     }
 
     /// Ids of the tracks that ended with the last frame.
-    pub(super) fn ended(&self) -> &[u64] {
+    pub(in super::super) fn ended(&self) -> &[u64] {
         &self.pipeline.update().ended_tracks
     }
 }

@@ -19,6 +19,7 @@ fn table_at(height_m: f64) -> Table {
         .map(|(x, y)| Point2::new(x, y));
     Table {
         plane,
+        plane_by_image: plane,
         table_from_camera: plane.plane_from_source(),
         polygon: ConvexPolygon::convex_hull_of(&mut corners),
         outline: Outline::default(),

@@ -1,0 +1,38 @@
+//! `tabula-lab evaluate still-pictures`: one picture played again and again, the same bytes or with
+//! depth noise drawn anew, must keep its table, its tracks and its labels.
+
+mod picture;
+mod play;
+mod report;
+
+use crate::arguments::StillPicturesArguments;
+use crate::output_files::create_folder;
+use crate::parallel;
+use command_line::Output;
+use picture::StillPictures;
+use play::{Noise, play};
+use report::{StillPicturesReport, page};
+use service::Failure;
+use std::process::ExitCode;
+
+/// Plays all pictures, and writes the report.
+pub(super) fn run(
+    arguments: &StillPicturesArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    create_folder(&arguments.out)?;
+    let pictures = StillPictures::open(&arguments.dataset, arguments.every as usize)?;
+    let n_frames = arguments.frames as usize;
+    let plays = parallel::try_map(pictures.len(), "pictures", output, |number| {
+        let picture = pictures.read(number)?;
+        let equal = play(&picture, n_frames, Noise::None)?;
+        let seed = arguments.seed.wrapping_add(number as u64);
+        let noisy = play(&picture, n_frames, Noise::Redrawn { seed })?;
+        Ok((picture.name, [equal, noisy]))
+    })?;
+    let document = StillPicturesReport::of(plays, arguments);
+    page(&document).publish(&arguments.out, "still-pictures.json", &document, output)
+}
+
+#[cfg(test)]
+mod tests;
