@@ -104,34 +104,27 @@ pub(crate) fn select_table(
     let n_min = ((samples.len() as f64 * SHARE_MIN) as usize).max(8);
     let is_all = find_planes(samples, up_in_camera, config, n_min, buffers);
     samples.reset_assignment(config);
-    let by_image = choose_by_image(samples, is_all, n_min, config, buffers);
     let kept = expected.and_then(|plane| find_again(samples, &plane, n_min, &mut buffers.region));
-    let chosen = match (by_image, kept) {
-        (Some(by_image), Some((plane, middle))) => ChosenPlane {
-            plane,
-            ..if is_same_surface(&plane, &by_image.plane, &middle) {
-                by_image
-            } else {
-                kept_plane(plane)
-            }
-        },
-        (None, Some((plane, _))) => kept_plane(plane),
-        (by_image, None) => by_image?,
+    let by_image = choose_by_image(samples, is_all, n_min, config, buffers);
+    let Some((plane, middle)) = kept else {
+        let by_image = by_image?;
+        return outlined_table(samples, &by_image, by_image.plane, buffers);
     };
-    find_region(samples, &chosen.plane, chosen.parts, &mut buffers.region);
-    let plane_by_image = by_image.map_or(chosen.plane, |by_image| by_image.plane);
+    let same = by_image.filter(|one| is_same_surface(&plane, &one.plane, &middle));
+    let (parts, choice) = same.map_or((RegionFilter::WideOnly, TableChoice::Kept), |same| {
+        (same.parts, same.choice)
+    });
+    let chosen = ChosenPlane {
+        plane,
+        parts,
+        choice,
+    };
+    find_region(samples, &plane, parts, &mut buffers.region);
+    let plane_by_image = by_image.map_or(plane, |by_image| by_image.plane);
     outlined_table(samples, &chosen, plane_by_image, buffers)
 }
 
-fn kept_plane(plane: Plane) -> ChosenPlane {
-    ChosenPlane {
-        plane,
-        parts: RegionFilter::WideOnly,
-        choice: TableChoice::Kept,
-    }
-}
-
-/// Table that the image alone gives.
+/// Table that the image alone gives; its region is the one found last.
 fn choose_by_image(
     samples: &Samples,
     is_all: bool,
@@ -147,11 +140,14 @@ fn choose_by_image(
     find_region(samples, &chosen.plane, RegionFilter::WideOnly, region);
     let under = find_table_under(samples, &chosen, config, n_min, buffers);
     Some(match under {
-        Some(plane) => ChosenPlane {
-            plane,
-            parts: RegionFilter::All,
-            choice: TableChoice::Around,
-        },
+        Some(plane) => {
+            find_region(samples, &plane, RegionFilter::All, &mut buffers.region);
+            ChosenPlane {
+                plane,
+                parts: RegionFilter::All,
+                choice: TableChoice::Around,
+            }
+        }
         None => ChosenPlane {
             plane: chosen.plane,
             parts: RegionFilter::WideOnly,

@@ -5,7 +5,7 @@ mod report_page;
 mod scene_result;
 
 use crate::arguments::DetectionArguments;
-use crate::evaluate::perturbation::{NO_POINT, add_noise, shifted};
+use crate::evaluate::perturbation::{add_noise, shifted};
 use crate::output_files::{create_folder, write};
 use crate::timing::durations_ms;
 use command_line::{Output, progress_bar};
@@ -17,7 +17,7 @@ use evaluation::labelled_scenes::{LabelledScene, LabelledScenes, SceneEntry};
 use evaluation::memory_floor::sum_of_words;
 use evaluation::scene_picture;
 use evaluation::segmentation_score::Overlaps;
-use point_cloud::{OrganizedCloud, Point};
+use point_cloud::{OrganizedCloud, Point, Rgba};
 use random::Random;
 use report::DetectionReport;
 use scene_result::{PsiScores, SceneDraws, SceneResult, SkippedScene, WovRange};
@@ -183,6 +183,7 @@ impl<'a> SceneEvaluator<'a> {
             Ok::<f64, SceneError>(scores.before_psi.wov)
         };
         let mut noisy = scene.points.clone();
+        let no_point = Point::without_depth(Rgba::opaque(0, 0, 0));
         let (mut with_noise, mut after_shift) = (Vec::new(), Vec::new());
         for draw in 0..n_draws {
             add_noise(
@@ -191,7 +192,7 @@ impl<'a> SceneEvaluator<'a> {
                 &mut noisy,
             );
             with_noise.push(wov(&noisy, &scene.labels)?);
-            let points = shifted(&scene.points, scene.width, draw, NO_POINT);
+            let points = shifted(&scene.points, scene.width, draw, no_point);
             let labels = shifted(&scene.labels, scene.width, draw, 0);
             after_shift.push(wov(&points, &labels)?);
         }

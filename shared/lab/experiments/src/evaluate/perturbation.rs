@@ -1,7 +1,7 @@
 //! Perturbations of a picture that must not matter: depth noise drawn anew, and a shift of the image
 //! against the grid of the subsampling.
 
-use point_cloud::{Point, Rgba};
+use point_cloud::Point;
 use random::Random;
 use sensor_noise::DepthNoise;
 
@@ -34,17 +34,10 @@ pub(super) fn shifted<T: Copy>(image: &[T], width: usize, shift: usize, outside:
         .collect()
 }
 
-/// Point of a pixel without depth.
-pub(super) const NO_POINT: Point = Point {
-    x: f32::NAN,
-    y: f32::NAN,
-    z: f32::NAN,
-    color: Rgba::opaque(0, 0, 0),
-};
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use point_cloud::Rgba;
 
     #[test]
     fn shifted_images_move_by_columns_and_rows() {
@@ -62,9 +55,9 @@ mod tests {
             x: 0.2,
             y: -0.1,
             z: 1.0,
-            ..NO_POINT
+            color: Rgba::opaque(0, 0, 0),
         };
-        let (clean, mut noisy) = (vec![point; 10_000], vec![NO_POINT; 10_000]);
+        let (clean, mut noisy) = (vec![point; 10_000], vec![point; 10_000]);
         add_noise(&clean, &mut Random::from_seed(1), &mut noisy);
         let on_ray = |p: &Point| (p.x - 0.2 * p.z).abs() < 1e-6 && (p.y + 0.1 * p.z).abs() < 1e-6;
         assert!(noisy.iter().all(on_ray));

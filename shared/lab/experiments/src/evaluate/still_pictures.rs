@@ -10,7 +10,7 @@ use crate::output_files::create_folder;
 use crate::parallel;
 use command_line::Output;
 use picture::StillPictures;
-use play::{Noise, play};
+use play::play;
 use report::{StillPicturesReport, page};
 use service::Failure;
 use std::process::ExitCode;
@@ -25,9 +25,9 @@ pub(super) fn run(
     let n_frames = arguments.frames as usize;
     let plays = parallel::try_map(pictures.len(), "pictures", output, |number| {
         let picture = pictures.read(number)?;
-        let equal = play(&picture, n_frames, Noise::None)?;
+        let equal = play(&picture, n_frames, None)?;
         let seed = arguments.seed.wrapping_add(number as u64);
-        let noisy = play(&picture, n_frames, Noise::Redrawn { seed })?;
+        let noisy = play(&picture, n_frames, Some(seed))?;
         Ok((picture.name, [equal, noisy]))
     })?;
     let document = StillPicturesReport::of(plays, arguments);

@@ -21,16 +21,6 @@ const N_TAUGHT: usize = 3;
 /// Time between two frames, nanoseconds.
 const FRAME_NS: u64 = 33_333_333;
 
-/// Noise added to the depth of a picture.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Noise {
-    None,
-    /// That of a Kinect, drawn anew for each frame.
-    Redrawn {
-        seed: u64,
-    },
-}
-
 /// Result of a play: changes of the tracks, of their labels and of the table.
 #[derive(Debug, Clone, Default, Serialize)]
 pub(super) struct PlayResult {
@@ -61,18 +51,19 @@ impl PlayResult {
     }
 }
 
-/// Plays a picture, with its three largest objects taught before.
+/// Plays a picture, with its three largest objects taught before. `noise_seed` seeds the Kinect noise
+/// that is drawn anew for each frame; `None` for the same bytes.
 pub(super) fn play(
     picture: &StillPicture,
     n_frames: usize,
-    noise: Noise,
+    noise_seed: Option<u64>,
 ) -> Result<PlayResult, Failure> {
-    let mut player = Player::new(picture, noise, pipeline::category_index())?;
+    let mut player = Player::new(picture, noise_seed, pipeline::category_index())?;
     for frame in 0..N_FRAMES_SETTLED {
         player.step(frame)?;
     }
     let taught = player.largest_objects()?;
-    let mut player = Player::new(picture, noise, taught)?;
+    let mut player = Player::new(picture, noise_seed, taught)?;
     for frame in 0..n_frames {
         player.step(frame)?;
     }
@@ -93,17 +84,14 @@ struct Player<'a> {
 impl<'a> Player<'a> {
     fn new(
         picture: &'a StillPicture,
-        noise: Noise,
+        noise_seed: Option<u64>,
         taught: CategoryIndex,
     ) -> Result<Self, Failure> {
         let mut tracker = TrackingPipeline::new().map_err(Failure::general)?;
         tracker.set_categories(taught);
         Ok(Self {
             picture,
-            noise: match noise {
-                Noise::None => None,
-                Noise::Redrawn { seed } => Some(Random::from_seed(seed)),
-            },
+            noise: noise_seed.map(Random::from_seed),
             points: picture.points.clone(),
             tracker,
             labels: BTreeMap::new(),
