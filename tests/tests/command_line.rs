@@ -84,7 +84,14 @@ const OBJECTS: &[(&str, JsonType)] = &[
     ("ignored", List),
     ("n_more_ignored", Count),
 ];
-const SURFACE: &[(&str, JsonType)] = &[("kind", Text), ("normal", Vector(3)), ("offset_m", Number)];
+const SURFACE: &[(&str, JsonType)] = &[
+    ("kind", Text),
+    ("normal", Vector(3)),
+    ("offset_m", Number),
+    ("outline_m", List),
+    ("n_samples", Count),
+    ("track_ids", List),
+];
 const ASSUMPTION: &[(&str, JsonType)] = &[("name", Text), ("sentence", Text)];
 const OBJECT: &[(&str, JsonType)] = &[
     ("track_id", Count),

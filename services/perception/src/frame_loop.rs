@@ -328,10 +328,10 @@ impl FrameLoop {
         );
         self.assumption_log
             .update(Assumptions::from_bits(summary.assumptions));
-        self.table_log.update(detected.detection.table.as_ref());
+        self.table_log.update(detected.detection.table());
         let noise_ratio = self.pipeline.noise_ratio();
         self.noise_log.update(noise_ratio);
-        let table_depth_m = detected.detection.table.as_ref().map(Table::middle_depth_m);
+        let table_depth_m = detected.detection.table().map(Table::middle_depth_m);
         self.latest_scene
             .set_depth_noise(noise_ratio, table_depth_m);
         summary.stamps.published_ns = monotonic_ns();

@@ -91,8 +91,8 @@ impl FrameExecutor for LiveExecutor<'_> {
         &mut self.state.detector.priors_mut().tracks
     }
 
-    fn expect_table(&mut self, table: Option<Plane>) {
-        self.state.detector.priors_mut().table = table;
+    fn expected_surfaces(&mut self) -> &mut Vec<Plane> {
+        &mut self.state.detector.priors_mut().surfaces
     }
 
     fn gather_priors(&mut self) -> Result<(), FrameError> {

@@ -38,8 +38,8 @@ pub(crate) struct PriorBuffers {
     pub(crate) people: BodyPrior,
     /// Bodies found in depth in the previous frame.
     pub(crate) bodies: BodyMap,
-    /// Plane of the table of earlier frames, predicted to the frame's capture.
-    pub(crate) table: Option<Plane>,
+    /// Planes of the surfaces of earlier frames, predicted to the frame's capture, the table first.
+    pub(crate) surfaces: Vec<Plane>,
     /// Live tracks, predicted to the frame's capture.
     pub(crate) tracks: Vec<ExpectedTrack>,
 }
@@ -51,7 +51,7 @@ impl PriorBuffers {
             instructor: self.people.capsules(),
             robot: self.robot.capsules(),
             bodies: Some(&self.bodies),
-            table: self.table,
+            surfaces: &self.surfaces,
             tracks: &self.tracks,
             ..ScenePriors::default()
         }

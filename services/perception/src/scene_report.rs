@@ -5,13 +5,13 @@ use crate::newest_view::{NewestView, NewestViews};
 use crate::object_actor::ObservedView;
 use constraint::Assumption;
 use control_protocol::{DescriptorBytes, StoredView, ViewId};
-use detection::{Candidate, Detection};
+use detection::{Candidate, Detection, SurfaceRole, Table};
 use geometry::RigidTransform;
 use learning::{DESCRIPTOR_KIND, N_NEAREST, Neighbour, Recognition};
 use message::{
-    MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, NearCategory,
-    ObjectViewHeader, RejectedCandidate, SceneObject, SceneSummary, StageStamps, Text, TrackState,
-    WirePose, upper_triangle,
+    MAX_NEAR_CATEGORIES, MAX_REJECTED_CANDIDATES, MAX_SCENE_OBJECTS, MAX_SURFACE_CORNERS,
+    MAX_SURFACES, NearCategory, ObjectViewHeader, RejectedCandidate, SceneObject, SceneSummary,
+    StageStamps, SurfaceKind, Text, TrackState, WirePose, WireSurface, upper_triangle,
 };
 use pipeline::{CandidateMeasurement, Sighting, Track};
 use point_cloud::Rgba;
@@ -159,7 +159,7 @@ pub(crate) fn summary(received: &ReceivedFrame) -> SceneSummary {
     }
 }
 
-/// Adds the result of detection: the camera pose, the table plane, the assumptions, and the
+/// Adds the result of detection: the camera pose, the support surfaces, the assumptions, and the
 /// rejected candidates.
 pub(crate) fn add_detection(
     summary: &mut SceneSummary,
@@ -174,11 +174,9 @@ pub(crate) fn add_detection(
     summary.assumptions = assumptions.bits();
     let pose = world_from_camera.copied().unwrap_or_default();
     summary.world_from_camera = WirePose::from(&pose);
-    if let Some(table) = &detection.table {
-        let plane = table.plane.transformed(&pose);
-        let normal = plane.normal.into_inner();
-        summary.has_table = 1;
-        summary.table_plane = [normal.x, normal.y, normal.z, plane.offset_m];
+    summary.n_surfaces = detection.surfaces.len().min(MAX_SURFACES) as u32;
+    for (wire, found) in summary.surfaces.iter_mut().zip(&detection.surfaces) {
+        *wire = surface(found, &pose);
     }
     summary.n_rejected = rejected.len() as u32;
     summary.n_ignored = rejected.len().min(MAX_REJECTED_CANDIDATES) as u32;
@@ -186,6 +184,32 @@ pub(crate) fn add_detection(
     for (rejected, candidate) in summary.ignored.iter_mut().zip(candidates) {
         *rejected = ignored(candidate, &pose);
     }
+}
+
+/// Wire surface; of a hull with many corners every second or third one is told.
+fn surface(found: &Table, world_from_camera: &RigidTransform) -> WireSurface {
+    let plane = found.plane.transformed(world_from_camera);
+    let normal = plane.normal.into_inner();
+    let kind = match found.role {
+        SurfaceRole::Table => SurfaceKind::Table,
+        SurfaceRole::Level => SurfaceKind::Level,
+        SurfaceRole::NewLevel => SurfaceKind::NewLevel,
+        SurfaceRole::Floor => SurfaceKind::Floor,
+    };
+    let n_corners = found.polygon.corners().len();
+    let step = n_corners.div_ceil(MAX_SURFACE_CORNERS).max(1);
+    let mut surface = WireSurface {
+        plane: [normal.x, normal.y, normal.z, plane.offset_m],
+        kind: kind.code(),
+        n_samples: found.n_samples as u32,
+        n_corners: n_corners.div_ceil(step) as u32,
+        ..WireSurface::default()
+    };
+    let corners = found.corners(world_from_camera).step_by(step);
+    for (wire, corner) in surface.corners_m.iter_mut().zip(corners) {
+        *wire = corner.coords.cast().into();
+    }
+    surface
 }
 
 fn ignored(candidate: &Candidate, world_from_camera: &RigidTransform) -> RejectedCandidate {

@@ -7,6 +7,7 @@ mod health;
 mod object;
 mod rejected;
 mod rounding;
+mod surface;
 #[cfg(test)]
 mod tests;
 
@@ -16,7 +17,7 @@ pub use rounding::rounded;
 
 use crate::{SceneObject, SceneSummary, WirePose};
 use constraint::{Assumption, Assumptions};
-use scene_document::{AssumptionDocument, CameraPoseDocument, SceneDocument, SurfaceDocument};
+use scene_document::{AssumptionDocument, CameraPoseDocument, SceneDocument};
 
 /// Document of a scene at a time of the monotonic clock, nanoseconds.
 pub fn scene(scene: &SceneSummary, objects: &[SceneObject], now_ns: u64) -> SceneDocument {
@@ -45,8 +46,8 @@ pub fn scene(scene: &SceneSummary, objects: &[SceneObject], now_ns: u64) -> Scen
         published_ns: Some(scene.stamps.published_ns),
         frames_dropped: scene.frames_dropped,
         n_late: scene.n_late,
-        has_table: scene.has_table == 1,
-        surfaces: table(scene).into_iter().collect(),
+        has_table: scene.table().is_some(),
+        surfaces: surface::surfaces(scene, objects),
         has_world_pose: has_world_pose(scene),
         camera: camera_pose(&scene.world_from_camera),
         up: up(scene),
@@ -69,24 +70,13 @@ fn has_world_pose(scene: &SceneSummary) -> bool {
     scene.frame_flags & crate::frame_flag::HAS_WORLD_POSE != 0
 }
 
-/// Table of a scene; `None` when none was found.
-fn table(scene: &SceneSummary) -> Option<SurfaceDocument> {
-    let [x, y, z, offset_m] = scene.table_plane;
-    (scene.has_table == 1 && scene.table_plane.iter().all(|v| v.is_finite())).then(|| {
-        SurfaceDocument {
-            kind: "table".to_owned(),
-            normal: [x, y, z],
-            offset_m,
-        }
-    })
-}
-
 /// Direction against gravity in the world, as far as it is known.
 fn up(scene: &SceneSummary) -> Option<[f64; 3]> {
     if has_world_pose(scene) {
         Some([0.0, 0.0, 1.0])
     } else {
-        table(scene).map(|table| table.normal)
+        let [x, y, z, _] = scene.table()?.plane;
+        Some([x, y, z])
     }
 }
 

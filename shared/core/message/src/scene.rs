@@ -3,6 +3,7 @@
 use crate::near_category::{MAX_NEAR_CATEGORIES, NearCategory};
 use crate::pose::WirePose;
 use crate::scene_time::SceneTime;
+use crate::surface::{MAX_SURFACES, WireSurface};
 use crate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, SCHEMA_VERSION, Text, frame_flag};
 use bytemuck::{AnyBitPattern, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
@@ -118,7 +119,7 @@ pub struct SceneObject {
 
 /// Scene summary after one frame. The payload is the tracked objects, by track-id.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneSummary.v7")]
+#[type_name("tabula.SceneSummary.v8")]
 #[repr(C)]
 pub struct SceneSummary {
     /// [`SCHEMA_VERSION`] of the sending program.
@@ -137,8 +138,8 @@ pub struct SceneSummary {
     pub stamps: StageStamps,
     /// Age above which the scene is stale, nanoseconds: a frame should have come by then.
     pub stale_after_ns: u64,
-    /// 1 when detection found a table.
-    pub has_table: u32,
+    /// Number of valid entries of `surfaces`.
+    pub n_surfaces: u32,
     /// Number of objects; larger than the payload when they do not all fit.
     pub n_objects_total: u32,
     /// Number of object actors that missed their deadline; their objects were predicted.
@@ -146,8 +147,8 @@ pub struct SceneSummary {
     /// Number of candidates of this frame that neither started nor continued a track; larger than
     /// `n_ignored` when they do not all fit.
     pub n_rejected: u32,
-    /// Plane of the table in the world frame: unit normal and offset, metres.
-    pub table_plane: [f64; 4],
+    /// Support surfaces, the table first.
+    pub surfaces: [WireSurface; MAX_SURFACES],
     /// Pose of the camera, `world_from_camera`: the identity when it is not known, invalid
     /// before the first frame.
     pub world_from_camera: WirePose,
@@ -168,7 +169,10 @@ const _: () = assert!(
         && size_of::<ActorStamps>() == 40
         && size_of::<SceneObject>() == 984
 );
-const _: () = assert!(size_of::<SceneSummary>() == 344 + 136 + MAX_REJECTED_CANDIDATES * 176);
+const _: () = assert!(
+    size_of::<SceneSummary>()
+        == 312 + 136 + MAX_REJECTED_CANDIDATES * 176 + MAX_SURFACES * size_of::<WireSurface>()
+);
 
 impl Default for SceneObject {
     fn default() -> Self {
@@ -201,6 +205,17 @@ impl SceneSummary {
             stale_after_ns: self.stale_after_ns,
             is_lockstep: self.frame_flags & frame_flag::LOCKSTEP != 0,
         }
+    }
+
+    /// Support surfaces of the summary, the table first; those of no known kind are not valid.
+    pub fn surfaces(&self) -> &[WireSurface] {
+        &self.surfaces[..MAX_SURFACES.min(self.n_surfaces as usize)]
+    }
+
+    /// Table: the surface on which objects are looked for first; `None` when none was found.
+    pub fn table(&self) -> Option<&WireSurface> {
+        let table = self.surfaces().first();
+        table.filter(|table| table.checked_kind().is_some())
     }
 
     /// Rejected candidates of the summary.

@@ -76,9 +76,9 @@ fn object_messages() -> Vec<(&'static str, String)> {
             position_covariance_m2, rotation_covariance_rad2, velocity_m_s,
             angular_velocity_rad_s, categories, stamps
         }
-        SceneSummary "tabula.SceneSummary.v7" {
+        SceneSummary "tabula.SceneSummary.v8" {
             schema_version, frame_flags, sent, session, sequence, frames_dropped, stamps,
-            stale_after_ns, has_table, n_objects_total, n_late, n_rejected, table_plane,
+            stale_after_ns, n_surfaces, n_objects_total, n_late, n_rejected, surfaces,
             world_from_camera, source_name, assumptions, rule, n_ignored, ignored
         }
         NearCategory "tabula.NearCategory.v4" { label, distance, probability }
@@ -92,6 +92,9 @@ fn object_messages() -> Vec<(&'static str, String)> {
             track_id, session, sequence, capture_ns, sent
         }
         WireFinding "tabula.Finding.v1" { truth, reason, values }
+        WireSurface "tabula.Surface.v1" {
+            plane, kind, n_samples, n_corners, corners_m, reserved
+        }
         RejectedCandidate "tabula.IgnoredBlob.v1" {
             pose, size_m, n_points, verdict, decisive, findings
         }

@@ -79,13 +79,23 @@ pub struct SceneDocument {
 /// Support surface: a plane that carries objects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SurfaceDocument {
-    /// Kind of the surface: `table`.
+    /// Kind of the surface: `table`; `level`, a further one that carries objects, such as the board
+    /// of a shelf; `new-level`, one that only the present frame shows; `floor`.
     pub kind: String,
     /// Upward unit normal of its plane, world frame.
     pub normal: [f64; 3],
     /// Offset of its plane, metres: a point lies on it where its product with the normal and the
     /// offset sum to zero.
     pub offset_m: f64,
+    /// Corners of the convex hull of what is seen of it, world frame, metres, in order around it.
+    #[serde(default)]
+    pub outline_m: Vec<[f64; 3]>,
+    /// Number of samples of the subsampled image on it: its evidence in this frame.
+    #[serde(default)]
+    pub n_samples: u32,
+    /// Track-ids of the objects on and over it.
+    #[serde(default)]
+    pub track_ids: Vec<u64>,
 }
 
 /// Pose of the camera in the world.

@@ -125,6 +125,9 @@ fn golden_objects_and_scenes_are_written_and_read() {
             kind: "table".into(),
             normal: [0.0, 0.0, 1.0],
             offset_m: -0.75,
+            outline_m: vec![[0.0, 0.0, 0.75], [1.0, 0.0, 0.75], [1.0, 1.0, 0.75]],
+            n_samples: 900,
+            track_ids: vec![7],
         }],
         has_world_pose: true,
         camera: Some(CameraPoseDocument {
@@ -141,7 +144,7 @@ fn golden_objects_and_scenes_are_written_and_read() {
         n_more_ignored: 6,
     };
     check(
-        "scene",
+        "scene-2",
         &[("scene", scene), ("none", SceneDocument::default())],
     );
 }
@@ -152,6 +155,18 @@ fn place() -> PlaceDocument {
         orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
         size_m: [0.125, 0.25, 0.5],
     }
+}
+
+#[test]
+fn golden_scene_of_0_2_is_still_read() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/scene.txt");
+    let scenes = golden::read(&file);
+    let read = |bytes: &[u8]| serde_json::from_slice::<SceneDocument>(bytes).unwrap();
+    let scenes: Vec<SceneDocument> = scenes.iter().map(|(_, bytes)| read(bytes)).collect();
+    let table = &scenes[0].surfaces[0];
+    assert_eq!((table.kind.as_str(), table.offset_m), ("table", -0.75));
+    assert!(table.outline_m.is_empty() && table.track_ids.is_empty() && table.n_samples == 0);
+    assert!(scenes[1].surfaces.is_empty());
 }
 
 #[test]

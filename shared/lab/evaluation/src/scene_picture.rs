@@ -3,7 +3,7 @@
 use crate::hypothesis_image::HypothesisImages;
 use crate::labelled_scenes::LabelledScene;
 use crate::segmentation_score::{FIRST_OBJECT_LABEL, Overlaps};
-use detection::Table;
+use detection::{SurfaceRole, Table};
 use geometry::PinholeCamera;
 use png::{BitDepth, ColorType, EncodingError};
 use point_cloud::Point;
@@ -15,7 +15,6 @@ const GAP_PX: usize = 4;
 /// Width of the stripes on hypotheses that ψ ignores, pixels.
 const STRIPE_PX: usize = 5;
 const GAP_COLOR: [u8; 3] = [255; 3];
-const TABLE_COLOR: [u8; 3] = [70, 190, 90];
 /// Colour of hypotheses too small to count.
 const UNSCORED_COLOR: [u8; 3] = [150; 3];
 /// Camera model for drawing unorganised clouds.
@@ -25,17 +24,18 @@ const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Paint {
     Nothing,
-    Table,
+    Surface(SurfaceRole),
     /// Object or hypothesis, painted in its own colour.
     Object([u8; 3]),
     /// Hypothesis that the metric ψ ignores, drawn striped.
     Ignored([u8; 3]),
 }
 
-/// Draws a scene as PNG in three panels: the colour image, the labelled objects, and the
-/// hypotheses in the colours of their matched objects.
+/// Draws a scene as PNG in three panels: the colour image, the labelled objects if there are any,
+/// and the hypotheses in the colours of their matched objects.
 ///
-/// The table (in the ground truth: whatever is labelled and no object) is green, hypotheses that
+/// The table (in the ground truth: whatever is labelled and no object) is green, a further level
+/// blue, and a surface without objects brown; hypotheses that
 /// ψ ignores are striped, those too small to count are grey, and points without depth are dark.
 /// An unorganised cloud is projected into a Kinect's image.
 ///
@@ -43,7 +43,7 @@ enum Paint {
 /// If the PNG encoder fails.
 pub fn draw(
     scene: &LabelledScene,
-    table: Option<&Table>,
+    surfaces: &[Table],
     found: &HypothesisImages,
     overlaps: &Overlaps,
 ) -> Result<Vec<u8>, EncodingError> {
@@ -52,12 +52,19 @@ pub fn draw(
         .iter()
         .map(|&label| paint_of_label(label, overlaps))
         .collect();
-    let result = paint_result(scene, table, found, overlaps);
+    let has_truth = truth.iter().any(|paint| *paint != Paint::Nothing);
+    let result = paint_result(scene, surfaces, found, overlaps);
+    let panels = [
+        Some(None),
+        has_truth.then_some(Some(&truth)),
+        Some(Some(&result)),
+    ];
+    let n_panels = panels.iter().flatten().count();
     let grid = PixelGrid::of(scene);
-    let width = 3 * grid.width + 2 * GAP_PX;
+    let width = n_panels * (grid.width + GAP_PX) - GAP_PX;
     let mut image = Vec::with_capacity(3 * width * grid.height);
     for row in 0..grid.height {
-        for (i, paint_of) in [None, Some(&truth), Some(&result)].into_iter().enumerate() {
+        for (i, paint_of) in panels.into_iter().flatten().enumerate() {
             if i > 0 {
                 image.extend(GAP_COLOR.repeat(GAP_PX));
             }
@@ -92,14 +99,14 @@ pub fn encode(image: &[u8], width: usize, height: usize) -> Result<Vec<u8>, Enco
 fn paint_of_label(label: u16, overlaps: &Overlaps) -> Paint {
     match overlaps.labels().binary_search(&label) {
         Ok(object) => Paint::Object(object_color(object)),
-        Err(_) if (1..FIRST_OBJECT_LABEL).contains(&label) => Paint::Table,
+        Err(_) if (1..FIRST_OBJECT_LABEL).contains(&label) => Paint::Surface(SurfaceRole::Table),
         Err(_) => Paint::Nothing,
     }
 }
 
 fn paint_result(
     scene: &LabelledScene,
-    table: Option<&Table>,
+    surfaces: &[Table],
     found: &HypothesisImages,
     overlaps: &Overlaps,
 ) -> Vec<Paint> {
@@ -109,11 +116,12 @@ fn paint_result(
     let colors: Vec<[u8; 3]> = (0..overlaps.numbers().len())
         .map(|h| object_color(object_of(h).unwrap_or(matches.len() + h)))
         .collect();
-    let is_table = |point: &Point| {
-        table.is_some_and(|table| {
-            let p = table.table_from_camera * point.position();
-            p.z.abs() < TABLE_BAND_M && table.polygon.contains(&p.xy())
-        })
+    let surface_of = |point: &Point| {
+        let is_on = |surface: &&Table| {
+            let p = surface.table_from_camera * point.position();
+            p.z.abs() < TABLE_BAND_M && surface.polygon.contains(&p.xy())
+        };
+        surfaces.iter().find(is_on).map(|surface| surface.role)
     };
     let numbers = found.before_psi.iter().zip(&found.after_psi);
     let paint = |(point, (&before, &after)): (&Point, (&u16, &u16))| {
@@ -122,13 +130,20 @@ fn paint_result(
             hypothesis.map_or(UNSCORED_COLOR, |hypothesis| colors[hypothesis])
         };
         match (before, after) {
-            (0, _) if is_table(point) => Paint::Table,
-            (0, _) => Paint::Nothing,
+            (0, _) => surface_of(point).map_or(Paint::Nothing, Paint::Surface),
             (_, 0) => Paint::Ignored(color()),
             _ => Paint::Object(color()),
         }
     };
     scene.points.iter().zip(numbers).map(paint).collect()
+}
+
+fn surface_color(role: SurfaceRole) -> [u8; 3] {
+    match role {
+        SurfaceRole::Table => [70, 190, 90],
+        SurfaceRole::Level => [60, 120, 255],
+        SurfaceRole::NewLevel | SurfaceRole::Floor => [170, 100, 40],
+    }
 }
 
 fn painted(point: &Point, paint: Paint, is_stripe: bool) -> [u8; 3] {
@@ -141,7 +156,7 @@ fn painted(point: &Point, paint: Paint, is_stripe: bool) -> [u8; 3] {
     match paint {
         Paint::Nothing if point.is_finite() => rgb,
         Paint::Nothing => mixed([0; 3], 5),
-        Paint::Table => mixed(TABLE_COLOR, 3),
+        Paint::Surface(role) => mixed(surface_color(role), 3),
         Paint::Ignored(_) if is_stripe => mixed([0; 3], 6),
         Paint::Object(color) | Paint::Ignored(color) => mixed(color, 6),
     }
@@ -270,7 +285,7 @@ mod tests {
             after_psi,
         };
         let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
-        let file = draw(scene, None, &found, &overlaps).unwrap();
+        let file = draw(scene, &[], &found, &overlaps).unwrap();
         let mut reader = png::Decoder::new(Cursor::new(file)).read_info().unwrap();
         let mut image = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut image).unwrap();

@@ -128,7 +128,7 @@ fn unorganized_segmentation_agrees_with_organized() {
 
 /// `world_from_camera` with the table level and 0.7 m above the floor, rotated and shifted.
 fn world_from_camera(detection: &Detection) -> Option<Isometry3<f64>> {
-    let table = detection.table.as_ref()?;
+    let table = detection.table()?;
     let world_from_table = Isometry3::new(Vector3::new(1.5, -0.7, 0.7), Vector3::z() * 0.4);
     Some(world_from_table * table.table_from_camera)
 }

@@ -75,7 +75,7 @@ fn segments(
         Execution::default(),
     )?;
     let mut segment_of = vec![0; cloud.points().len()];
-    if let Some(table) = &detection.table {
+    if let Some(table) = detection.table() {
         for (segment, point) in segment_of.iter_mut().zip(cloud.points()) {
             let p = table.table_from_camera * point.position();
             *segment = u32::from(p.z.abs() < 0.01 && table.polygon.contains(&p.xy()));

@@ -22,6 +22,9 @@ pub enum Support {
 pub struct Candidate {
     /// Range of the candidate's points in [`Detection::point_indices`](crate::Detection).
     pub range: Range<usize>,
+    /// Index of the surface on or over which it stands, in
+    /// [`Detection::surfaces`](crate::Detection).
+    pub surface: usize,
     /// Centroid: mean of the candidate's points.
     pub centroid: Point3<f64>,
     /// Minimum-area upright bounding box: z along the table's normal, x along the longer

@@ -30,9 +30,9 @@ pub struct ScenePriors<'a> {
     /// Camera pose of the frame, by which motion since earlier frames is measured; the identity
     /// when it is unknown.
     pub world_from_camera: RigidTransform,
-    /// Plane of the table of earlier frames, predicted to this frame, camera frame: it stays the
-    /// table while it is seen. `None` when the image alone decides.
-    pub table: Option<Plane>,
+    /// Planes of the support surfaces of earlier frames, predicted to this frame, camera frame, the
+    /// table first: they stay while they are seen. Empty when the image alone decides.
+    pub surfaces: &'a [Plane],
     /// Live tracks, with boxes predicted to this frame.
     pub tracks: &'a [ExpectedTrack],
 }

@@ -29,13 +29,14 @@
 //! };
 //! let (mut workspace, mut detection) = (Workspace::default(), Detection::default());
 //! detect(&frame, &Config::default(), &mut workspace, &mut detection, Execution::default())?;
-//! assert!(detection.table.is_none() && detection.candidates.is_empty());
+//! assert!(detection.surfaces.is_empty() && detection.candidates.is_empty());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod affine_form;
 mod body_map;
 mod candidate;
+mod carried_objects;
 mod cielab;
 mod cluster_hypothesis;
 mod clusters;
@@ -47,7 +48,9 @@ mod error;
 mod execution;
 mod footprint;
 mod input;
+mod level_surfaces;
 mod near_limit;
+mod near_rim;
 mod occluded_table;
 mod organized;
 mod outline;
@@ -74,6 +77,7 @@ mod table_selection;
 mod table_surface;
 mod unorganized;
 mod upright_box;
+mod walls;
 mod workspace;
 
 pub use body_map::BodyMap;
@@ -92,5 +96,5 @@ pub use segmentation::{
 };
 pub use segmentation_training::add_examples;
 pub use stage::DetectionStage;
-pub use table::{Table, TableChoice, is_same_surface};
+pub use table::{SurfaceRole, Table, TableChoice, is_same_surface};
 pub use workspace::Workspace;

@@ -10,7 +10,31 @@ use std::fmt;
 /// their table. Chosen.
 pub(crate) const FLOOR_GAP_M: f64 = 0.35;
 
-/// Table: the support surface found in a cloud.
+/// Greatest thickness of a board, metres: the face at its rim belongs to it. Chosen.
+pub(crate) const BOARD_THICKNESS_MAX_M: f32 = 0.05;
+
+/// Role of a surface among those of a frame, in their order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SurfaceRole {
+    /// Table: the surface on which objects are looked for first.
+    Table,
+    /// Level of furniture over or under the table that carries objects, too, such as the board of
+    /// a shelf.
+    Level,
+    /// Level that only the present frame shows, and on which no object is looked for yet.
+    NewLevel,
+    /// Floor, or another surface so far under the table that no object is looked for there.
+    Floor,
+}
+
+impl SurfaceRole {
+    /// `true` when objects are looked for on the surface.
+    pub fn carries_objects(self) -> bool {
+        self <= Self::Level
+    }
+}
+
+/// Table: a support surface found in a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Plane, camera frame; its positive side holds the camera, or is up in a cloud that no
@@ -28,6 +52,8 @@ pub struct Table {
     pub outline: Outline,
     /// Reason for the selection among the planes of the image.
     pub choice: TableChoice,
+    /// Role among the surfaces of the frame.
+    pub role: SurfaceRole,
     /// Number of samples of the subsampled image on the table.
     pub n_samples: usize,
     /// Depth noise measured on the table: the configured law, scaled by `noise_ratio`.
@@ -42,6 +68,13 @@ impl Table {
     /// [`Outline::rim_distance_m`].
     pub fn rim_distance_m(&self, place: &Point2<f64>) -> f64 {
         self.outline.rim_distance_m(place)
+    }
+
+    /// Corners of the convex hull of the visible part, in another frame.
+    pub fn corners(&self, frame_from_camera: &RigidTransform) -> impl Iterator<Item = Point3<f64>> {
+        let frame_from_table = frame_from_camera * self.table_from_camera.inverse();
+        let corners = self.polygon.corners().iter();
+        corners.map(move |corner| frame_from_table * Point3::new(corner.x, corner.y, 0.0))
     }
 
     /// Depth of the middle of the visible part of the table along the optical axis, metres.
@@ -92,6 +125,8 @@ pub enum TableChoice {
     Around,
     /// Table of the frames before, although this image alone would give another one.
     Kept,
+    /// Surface beside the table with free space beneath one of the two.
+    Level,
 }
 
 impl fmt::Display for TableChoice {
@@ -101,6 +136,7 @@ impl fmt::Display for TableChoice {
             Self::Only => write!(f, "the only surface that can be a table"),
             Self::Around => write!(f, "around the top of an object that covers much of it"),
             Self::Kept => write!(f, "the table of the frames before"),
+            Self::Level => write!(f, "another level, with free space between it and the table"),
             Self::Most => write!(f, "most of the points in range"),
             Self::Largest { n_others: n } => {
                 write!(f, "larger than {n} other {} that can be a table", others(n))

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::RawConfig;
     use crate::outline::Outline;
-    use crate::table::TableChoice;
+    use crate::table::{SurfaceRole, TableChoice};
     use geometry::{ConvexPolygon, Plane};
     use nalgebra::{Point2, Point3, Vector3};
     use point_cloud::{OrganizedCloud, Point, Rgba};
@@ -106,6 +106,7 @@ mod tests {
             polygon: ConvexPolygon::convex_hull_of(&mut corners),
             outline: Outline::default(),
             choice: TableChoice::Only,
+            role: SurfaceRole::Table,
             n_samples: 0,
             depth_noise: law,
             noise_ratio: 1.0,

@@ -2,6 +2,8 @@
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
+use crate::level_surfaces::LevelSearch;
+use crate::near_rim::NearRim;
 use crate::occluded_table::{OccludedTableBuffers, stands_on};
 use crate::plane_ransac::{
     PlaneSearchBuffers, UpCone, hypothesis_draws, largest_plane_in_image, least_squares_plane,
@@ -10,7 +12,7 @@ use crate::plane_region::{
     PlaneRegionBuffers, RegionFilter, find_region, region_axes, region_plane, region_polygon,
 };
 use crate::samples::Samples;
-use crate::table::{FLOOR_GAP_M, Table, TableChoice, is_same_surface};
+use crate::table::{FLOOR_GAP_M, SurfaceRole, Table, TableChoice, is_same_surface};
 use geometry::Plane;
 use nalgebra::{Point3, Unit, Vector3};
 use sensor_noise::DepthNoise;
@@ -46,25 +48,28 @@ const FROM_ABOVE_MIN: f64 = 0.9;
 #[derive(Debug, Default)]
 pub(crate) struct TableSelectionBuffers {
     search: PlaneSearchBuffers,
-    region: PlaneRegionBuffers,
-    found: Vec<PlaneCandidate>,
+    pub(crate) region: PlaneRegionBuffers,
+    pub(crate) rim: NearRim,
+    /// Planes of the image.
+    pub(crate) found: Vec<PlaneCandidate>,
     occluded: OccludedTableBuffers,
-    /// Table of an earlier frame, whose memory the next one reuses.
-    spare: Option<Table>,
+    /// Surfaces of earlier frames, whose memory the next ones reuse.
+    spare: Vec<Table>,
 }
 
 impl TableSelectionBuffers {
-    /// Recycle the buffers of a table for the next frame.
-    pub(crate) fn recycle(&mut self, table: Option<Table>) {
-        self.spare = table.or(self.spare.take());
+    /// Recycle the buffers of surfaces for the next frame.
+    pub(crate) fn recycle(&mut self, surfaces: &mut Vec<Table>) {
+        self.spare.append(surfaces);
     }
 }
 
 /// Plane found in an image, with its table likelihood.
 #[derive(Debug, Clone, Copy)]
-struct PlaneCandidate {
-    plane: Plane,
-    n_samples: usize,
+pub(crate) struct PlaneCandidate {
+    pub(crate) plane: Plane,
+    /// Number of samples of its largest region.
+    pub(crate) n_samples: usize,
     /// Number of its regions that are large enough for a table.
     n_surfaces: usize,
     likelihood: TableLikelihood,
@@ -83,28 +88,54 @@ enum TableLikelihood {
 
 /// Plane of a table, with the parts of it that belong to the table.
 #[derive(Debug, Clone, Copy)]
-struct ChosenPlane {
-    plane: Plane,
-    parts: RegionFilter,
-    choice: TableChoice,
+pub(crate) struct ChosenPlane {
+    pub(crate) plane: Plane,
+    pub(crate) parts: RegionFilter,
+    pub(crate) choice: TableChoice,
 }
 
-/// Select the table of an image: the table of earlier frames if it is seen, otherwise among the
-/// largest planes the most table-like one by direction, place over a floor and size. `None` when
-/// no plane is large enough and directed like a table.
+/// Select the support surfaces of an image, the table first; none when no plane is large enough
+/// and directed like a table. `expected` are the surfaces of earlier frames, the table first.
 ///
 /// `samples` are assigned to planes during the search and reset afterwards.
-pub(crate) fn select_table(
+pub(crate) fn select_surfaces(
     samples: &mut Samples,
     up_in_camera: Option<Unit<Vector3<f64>>>,
-    expected: Option<Plane>,
+    expected: &[Plane],
     config: &RawConfig,
     buffers: &mut TableSelectionBuffers,
-) -> Option<Table> {
+    surfaces: &mut Vec<Table>,
+) {
     let n_min = ((samples.len() as f64 * SHARE_MIN) as usize).max(8);
     let is_all = find_planes(samples, up_in_camera, config, n_min, buffers);
     samples.reset_assignment(config);
-    let kept = expected.and_then(|plane| find_again(samples, &plane, n_min, &mut buffers.region));
+    surfaces.extend(select_table(
+        samples,
+        expected.first(),
+        (n_min, is_all),
+        config,
+        buffers,
+    ));
+    let levels = LevelSearch {
+        samples,
+        config,
+        expected,
+        n_min,
+    };
+    levels.find(buffers, surfaces);
+}
+
+/// Select the table of an image: the table of earlier frames if it is seen, otherwise among the
+/// largest planes the most table-like one by direction, place over a floor and size. `is_all` tells
+/// that all planes were searched.
+fn select_table(
+    samples: &Samples,
+    expected: Option<&Plane>,
+    (n_min, is_all): (usize, bool),
+    config: &RawConfig,
+    buffers: &mut TableSelectionBuffers,
+) -> Option<Table> {
+    let kept = expected.and_then(|plane| find_again(samples, plane, n_min, &mut buffers.region));
     let by_image = choose_by_image(samples, is_all, n_min, config, buffers);
     let Some((plane, middle)) = kept else {
         let by_image = by_image?;
@@ -158,7 +189,7 @@ fn choose_by_image(
 
 /// Plane of a surface of earlier frames refitted to this image, and the middle of what is seen of
 /// it; `None` when it is not seen in its place.
-fn find_again(
+pub(crate) fn find_again(
     samples: &Samples,
     expected: &Plane,
     n_min: usize,
@@ -333,7 +364,7 @@ fn is_above(upper: &PlaneCandidate, lower: &PlaneCandidate) -> bool {
 }
 
 /// Table of a plane with the polygon of its region, which was found last.
-fn outlined_table(
+pub(crate) fn outlined_table(
     samples: &Samples,
     &ChosenPlane { plane, choice, .. }: &ChosenPlane,
     plane_by_image: Plane,
@@ -341,7 +372,7 @@ fn outlined_table(
 ) -> Option<Table> {
     let region = &mut buffers.region;
     let table_from_camera = plane.plane_from_source();
-    let (mut polygon, mut outline) = match buffers.spare.take() {
+    let (mut polygon, mut outline) = match buffers.spare.pop() {
         Some(spare) => (spare.polygon, spare.outline),
         None => Default::default(),
     };
@@ -354,12 +385,13 @@ fn outlined_table(
         polygon,
         outline,
         choice,
+        role: SurfaceRole::Table,
         n_samples: region.n_samples(),
         depth_noise: DepthNoise::default(),
         noise_ratio: 1.0,
     };
     if table.polygon.corners().len() < 3 {
-        buffers.spare = Some(table);
+        buffers.spare.push(table);
         return None;
     }
     Some(table)

@@ -190,7 +190,7 @@ fn scanline_interval(corners: &[Point2<f64>], v: f64, margin_m: f64) -> [f64; 2]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::TableChoice;
+    use crate::table::{SurfaceRole, TableChoice};
     use geometry::Plane;
     use nalgebra::{Point3, Vector3};
     use proptest::prelude::*;
@@ -206,6 +206,7 @@ mod tests {
             outline: Outline::default(),
             n_samples: 0,
             choice: TableChoice::Only,
+            role: SurfaceRole::Table,
             depth_noise: DepthNoise::default(),
             noise_ratio: 1.0,
         }

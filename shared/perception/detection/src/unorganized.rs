@@ -67,7 +67,7 @@ pub(crate) fn detect_unorganized(
     // below, is uniformly dense too.
     let is_view = evidence == Some(ViewEvidence::Lattice) || !detection.candidates.is_empty();
     if !is_view {
-        detection.table = None;
+        detection.surfaces.clear();
         let detector = &mut buffers.voxel_detector;
         detector.detect(frame, config, organized, detection);
     }

@@ -9,7 +9,7 @@ use detection::{
     BodyMap, Candidate, Config, Detection, DetectionInput, Execution, ScenePriors, Workspace,
     detect,
 };
-use geometry::RigidTransform;
+use geometry::{Plane, RigidTransform};
 use point_cloud::OrganizedCloud;
 use synthetic::{BoxOnTable, camera_from_table, render};
 
@@ -43,7 +43,7 @@ fn organized_detection_allocates_nothing_in_steady_state() {
     let config = Config::default();
     let mut bodies = BodyMap::default();
     let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
-    let mut table = None;
+    let mut table: Option<Plane> = None;
     for number in 0..55 {
         let has_arm = number >= 15;
         let points = if has_arm { &with_arm } else { &without_arm };
@@ -55,7 +55,7 @@ fn organized_detection_allocates_nothing_in_steady_state() {
                 robot: Some(&links),
                 bodies: Some(&bodies),
                 world_from_camera: RigidTransform::identity(),
-                table: (number >= 5).then_some(table).flatten(),
+                surfaces: if number < 5 { &[] } else { table.as_slice() },
                 tracks: &tracks,
             },
         };
@@ -70,7 +70,7 @@ fn organized_detection_allocates_nothing_in_steady_state() {
         .unwrap();
         let n_allocations = n_allocations() - before;
         bodies.assign(&detection.bodies);
-        table = detection.table.as_ref().map(|table| table.plane);
+        table = detection.table().map(|table| table.plane);
         assert_eq!(bodies.is_any(), has_arm);
         assert!(detection.candidates.len() >= 3);
         let is_limb = |c: &Candidate| c.findings.is_person_or_robot();

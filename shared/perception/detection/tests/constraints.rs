@@ -140,7 +140,7 @@ fn assumptions_name_the_absent_sources() {
     let empty_scene = assumptions_of(ScenePriors {
         instructor: Some(&[]),
         robot: Some(&[]),
-        table: None,
+        surfaces: &[],
         tracks: &[],
         bodies: None,
         world_from_camera: RigidTransform::identity(),
@@ -403,7 +403,7 @@ fn body_constraints_are_independent_where_person_and_robot_meet() {
     let surroundings = ScenePriors {
         robot: Some(&robot),
         instructor: Some(&person),
-        table: None,
+        surfaces: &[],
         tracks: &[],
         bodies: None,
         world_from_camera: RigidTransform::identity(),
@@ -563,7 +563,7 @@ fn body_mask_ignores_non_finite_capsules() {
     let surroundings = ScenePriors {
         robot: Some(&capsules),
         instructor: Some(&capsules),
-        table: None,
+        surfaces: &[],
         tracks: &[],
         bodies: None,
         world_from_camera: RigidTransform::identity(),

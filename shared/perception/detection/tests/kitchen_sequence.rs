@@ -69,7 +69,7 @@ fn table_selection_prefers_the_table_to_walls_and_floor() {
                 Execution::default(),
             )
             .unwrap();
-            let height = height_m(detection.table.as_ref(), &world_from_camera, &up);
+            let height = height_m(detection.table(), &world_from_camera, &up);
             *n_found += u32::from(height.is_some_and(|height| TABLE_HEIGHT_M.contains(&height)));
         }
         n_looked += 1;

@@ -10,7 +10,7 @@ use detection::{
     Config, Detection, DetectionInput, Execution, Parallelism, ScenePriors, Sequential, Workspace,
     detect,
 };
-use geometry::RigidTransform;
+use geometry::{Plane, RigidTransform};
 use point_cloud::{OrganizedCloud, Point};
 use scoped_threads::ScopedThreads;
 use synthetic::{BoxOnTable, render};
@@ -20,7 +20,7 @@ fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
     let (tracks, links) = (scene_priors::tracks(), [scene_priors::link()]);
     let config = Config::default();
     let mut workspace = Workspace::default();
-    let mut table = None;
+    let mut surfaces: Vec<Plane> = Vec::new();
     let mut search = || {
         let frame = DetectionInput {
             cloud: OrganizedCloud::new(points, 640, 480).expect("an image"),
@@ -30,7 +30,7 @@ fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
                 robot: Some(&links),
                 bodies: None,
                 world_from_camera: RigidTransform::identity(),
-                table,
+                surfaces: &surfaces,
                 tracks: &tracks,
             },
         };
@@ -40,7 +40,11 @@ fn searched(points: &[Point], parallelism: &dyn Parallelism) -> Vec<Detection> {
             observer: None,
         };
         detect(&frame, &config, &mut workspace, &mut detection, execution).expect("an image");
-        table = detection.table.as_ref().map(|table| table.plane);
+        surfaces = detection
+            .surfaces
+            .iter()
+            .map(|surface| surface.plane)
+            .collect();
         detection
     };
     (0..6).map(|_| search()).collect()

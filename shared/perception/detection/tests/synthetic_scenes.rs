@@ -58,7 +58,7 @@ fn detection_finds_boxes_at_their_true_pose() {
     let seen_share = 0.78..0.9;
     for known_up in [None, Some(up)] {
         let detection = found(&points, (640, 480), known_up);
-        let table = detection.table.as_ref().unwrap();
+        let table = detection.table().unwrap();
         assert!(table.plane.normal.angle(&up) < 0.01);
         assert!(
             table
@@ -229,7 +229,7 @@ fn detection_of_an_empty_image_has_no_table() {
     for point in [zero, empty, far, one] {
         let detection = found(&vec![point; 640 * 480], (640, 480), None);
         assert!(
-            detection.table.is_none() && detection.candidates.is_empty(),
+            detection.surfaces.is_empty() && detection.candidates.is_empty(),
             "{point:?}"
         );
     }
@@ -279,7 +279,7 @@ proptest! {
     #[test]
     fn detection_accepts_any_bit_pattern(
         size in (2..40_usize, 2..40_usize),
-        expected in prop::option::of((prop::array::uniform3(-1.0..1.0_f64), -5.0..5.0_f64)),
+        expected in prop::collection::vec((prop::array::uniform3(-1.0..1.0_f64), -5.0..5.0_f64), 0..4),
         values in prop::collection::vec((coordinate(), coordinate(), coordinate(), any::<u32>()), 1600),
         up in prop::option::of(prop::array::uniform3(-1.0..1.0_f64)),
     ) {
@@ -288,11 +288,12 @@ proptest! {
         let up_in_camera = up.and_then(|up| Unit::try_new(Vector3::from(up), 1e-3));
         let cloud = OrganizedCloud::new(&points, size.0, size.1).unwrap();
         let mut detection = Detection::default();
-        let table = expected.and_then(|(normal, offset_m)| {
+        let surfaces = expected.into_iter().filter_map(|(normal, offset_m)| {
             let normal = Unit::try_new(Vector3::from(normal), 1e-3)?;
             Some(Plane { normal, offset_m })
         });
-        let priors = ScenePriors { table, ..ScenePriors::default() };
+        let surfaces: Vec<Plane> = surfaces.collect();
+        let priors = ScenePriors { surfaces: &surfaces, ..ScenePriors::default() };
         let frame = DetectionInput { cloud, up_in_camera, priors };
         detect(&frame, &Config::default(), &mut Workspace::default(), &mut detection, Execution::default()).unwrap();
         prop_assert!(detection.point_indices.iter().all(|&i| points[i as usize].is_finite()));

@@ -195,7 +195,7 @@ fn unorganized_merged_views_in_the_world_frame() {
             (shuffled(&points), Some(Vector3::z())),
         ] {
             let detection = found(&points, up);
-            let table = detection.table.as_ref().expect("a table");
+            let table = detection.table().expect("a table");
             assert!(table.plane.normal.angle(&Vector3::z()) < 0.01);
             assert!((table.polygon.area_m2() / 0.96 - 1.0).abs() < 0.08);
             assert_eq!(detection.candidates.len(), 3, "{world_from_table} {up:?}");
@@ -324,7 +324,7 @@ fn unorganized_degenerate_clouds_have_no_table() {
     for points in clouds {
         for up in [None, Some(Vector3::z())] {
             let detection = found(&points, up);
-            assert!(detection.table.is_none() && detection.candidates.is_empty());
+            assert!(detection.surfaces.is_empty() && detection.candidates.is_empty());
             assert!(detection.point_indices.is_empty());
         }
     }
@@ -337,7 +337,7 @@ fn unorganized_empty_table_has_no_candidates() {
         (merged(&[]), Some(Vector3::z())),
     ] {
         let detection = found(&points, up);
-        assert!(detection.table.is_some() && detection.candidates.is_empty());
+        assert!(!detection.surfaces.is_empty() && detection.candidates.is_empty());
     }
 }
 
@@ -391,7 +391,7 @@ fn unorganized_hypotheses_are_limited_to_the_largest() {
         }
     }
     let detection = found(&points, Some(Vector3::z()));
-    assert!(detection.table.is_some());
+    assert!(!detection.surfaces.is_empty());
     assert!((1..=512).contains(&detection.candidates.len()));
 }
 

@@ -41,7 +41,7 @@ impl DepthNoiseEstimate {
     /// Adds the ratio of a detection; one without a table has none.
     pub(crate) fn add(&mut self, detection: &Detection) {
         self.configured = detection.depth_noise;
-        if let Some(table) = &detection.table {
+        if let Some(table) = detection.table() {
             self.add_ratio(table.noise_ratio);
         }
     }

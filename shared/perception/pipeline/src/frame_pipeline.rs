@@ -5,7 +5,7 @@
 //! object, evaluation and replay do both on the calling thread
 //! ([`SequentialExecutor`](crate::SequentialExecutor)).
 
-use crate::table_memory::TableMemory;
+use crate::surface_memory::SurfaceMemory;
 use crate::{Config, FramePose, Posterior, Sighting, Track, TrackTable, TrackUpdate};
 use detection::{Detection, ExpectedTrack};
 use geometry::Plane;
@@ -39,9 +39,8 @@ pub trait FrameExecutor {
     /// Buffer for the expected tracks, a prior of the coming detection.
     fn expected_tracks(&mut self) -> &mut Vec<ExpectedTrack>;
 
-    /// Receives the plane of the table of earlier frames, camera frame, a prior of the coming
-    /// detection.
-    fn expect_table(&mut self, table: Option<Plane>);
+    /// Buffer for the planes of the expected surfaces, a prior of the coming detection.
+    fn expected_surfaces(&mut self) -> &mut Vec<Plane>;
 
     /// Gathers the other scene priors: people and the robot.
     ///
@@ -97,7 +96,7 @@ impl ObservedTracks<'_> {
 #[derive(Debug)]
 pub struct FramePipeline {
     tracks: TrackTable,
-    table: TableMemory,
+    surfaces: SurfaceMemory,
     update: TrackUpdate,
     last_capture_ns: u64,
 }
@@ -107,7 +106,7 @@ impl FramePipeline {
     pub fn new(config: Config) -> Self {
         Self {
             tracks: TrackTable::new(config),
-            table: TableMemory::default(),
+            surfaces: SurfaceMemory::default(),
             update: TrackUpdate::default(),
             last_capture_ns: 0,
         }
@@ -163,7 +162,7 @@ impl FramePipeline {
         self.restart_if_time_jumped(frame.capture_ns, executor);
         executor.stage_started(FrameStage::Priors);
         self.tracks.predict(frame, executor.expected_tracks());
-        executor.expect_table(self.table.expected(frame));
+        self.surfaces.predict(frame, executor.expected_surfaces());
         executor.gather_priors()?;
         executor.stage_finished(FrameStage::Priors);
         let detected = executor.detect().await?;
@@ -197,7 +196,7 @@ impl FramePipeline {
         if capture_ns < self.last_capture_ns {
             self.update.ended_tracks.clear();
             self.tracks.clear(&mut self.update.ended_tracks);
-            self.table.clear();
+            self.surfaces.clear();
             for track_id in &self.update.ended_tracks {
                 executor.track_ended(*track_id);
             }
@@ -213,7 +212,7 @@ impl FramePipeline {
         executor: &mut E,
     ) {
         executor.stage_started(FrameStage::Association);
-        self.table.update(detection.table.as_ref(), frame);
+        self.surfaces.update(&detection.surfaces, frame);
         let next_id = || executor.next_track_id();
         self.tracks
             .update(detection, cloud, frame, next_id, &mut self.update);

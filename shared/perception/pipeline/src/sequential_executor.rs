@@ -43,7 +43,7 @@ pub struct SequentialState {
     detection: Detection,
     bodies: BodyMap,
     expected: Vec<ExpectedTrack>,
-    expected_table: Option<Plane>,
+    expected_surfaces: Vec<Plane>,
     objects: BTreeMap<u64, SequentialObject>,
     object_workspace: ObjectWorkspace,
     categories: CategoryIndex,
@@ -63,7 +63,7 @@ impl SequentialState {
             detection: Detection::default(),
             bodies: BodyMap::default(),
             expected: Vec::new(),
-            expected_table: None,
+            expected_surfaces: Vec::new(),
             objects: BTreeMap::new(),
             object_workspace: ObjectWorkspace::new()?,
             categories: category_index(),
@@ -124,7 +124,7 @@ impl SequentialExecutor<'_> {
                 robot: self.frame.robot,
                 bodies: Some(&state.bodies),
                 world_from_camera: self.frame.pose.world_from_camera,
-                table: state.expected_table,
+                surfaces: &state.expected_surfaces,
                 tracks: &state.expected,
             },
         };
@@ -179,8 +179,8 @@ impl FrameExecutor for SequentialExecutor<'_> {
         &mut self.state.expected
     }
 
-    fn expect_table(&mut self, table: Option<Plane>) {
-        self.state.expected_table = table;
+    fn expected_surfaces(&mut self) -> &mut Vec<Plane> {
+        &mut self.state.expected_surfaces
     }
 
     fn detect(&mut self) -> impl Future<Output = Result<Detection, Error>> + Send {

@@ -56,6 +56,7 @@ mod tests {
     fn candidate(x: f64, half_m: f64, n_points: usize) -> Candidate {
         Candidate {
             range: 0..n_points,
+            surface: 0,
             centroid: Point3::new(x, 0.0, 0.8),
             oriented_box: OrientedBox {
                 frame_from_box: RigidTransform::translation(x, 0.0, 0.8),

@@ -13,7 +13,7 @@ use crate::track::{MOVED_AFTER_HANDLED_NS, Track, WHOLE_FRACTION_MIN};
 use crate::track_recovery::{TrackRecovery, occlusion_of_unmatched};
 use crate::{Config, Posterior};
 use constraint::Ternary;
-use detection::{Candidate, Detection, ExpectedTrack, Support};
+use detection::{Candidate, Detection, ExpectedTrack, Support, Table};
 use geometry::OrientedBox;
 use learning::{CategoryIndex, TrackEvidence};
 use nalgebra::Vector3;
@@ -181,8 +181,8 @@ impl TrackTable {
     /// An existing track accepts its candidate regardless of the constraint rule, for
     /// instance at the table's rim or in the air. In the space of a person or the robot
     /// it accepts only candidates of similar appearance. A new track needs a candidate
-    /// for which the rule is true. A frame of another surface than the table of the tracks has
-    /// no candidates, and says of no object that it is gone. `next_id` supplies ascending
+    /// for which the rule is true. Of a frame whose table is another than that of the tracks only
+    /// the candidates on theirs count; where theirs is not found, no object is said to be gone. `next_id` supplies ascending
     /// ids, or `None` while there are none; `cloud` is the cloud of the detection.
     pub fn update(
         &mut self,
@@ -197,7 +197,7 @@ impl TrackTable {
         update.rejected_candidates.clear();
         let is_predicted = |track: &Track| track.filter.stamp_ns() == frame.capture_ns;
         debug_assert!(self.tracks.iter().all(is_predicted), "predict comes first");
-        let surface = detection.table.as_ref();
+        let surface = detection.table();
         let surface = surface.map(|table| TableHeight::of(table, frame));
         let is_elsewhere = surface.is_some_and(|surface| {
             !self.is_of_tracks(&surface) && !self.other_table.has_lasted(&surface, frame.capture_ns)
@@ -205,12 +205,10 @@ impl TrackTable {
         self.watch_other_table(surface, frame);
         self.measured.clear();
         self.light.add(cloud, frame.capture_ns);
-        if is_elsewhere {
-            self.measured.resize(detection.candidates.len(), None);
-        } else {
+        if !is_elsewhere {
             self.depth_noise.add(detection);
-            self.measure(detection, cloud, frame);
         }
+        self.measure(detection, cloud, frame, is_elsewhere);
         let shift_m = self.associate(frame, update);
         for sighting in &mut update.sightings {
             let measurement = &mut sighting.measured.measurement;
@@ -221,7 +219,7 @@ impl TrackTable {
         }
         let view = frame.shifted(&-shift_m).view(cloud, self.depth_noise.law());
         self.classify_unmatched(frame.capture_ns, view.as_ref());
-        if is_elsewhere {
+        if is_elsewhere && !self.is_any_of_tracks(detection, frame) {
             self.disregard_free_space();
         }
         end_duplicates(&mut self.tracks);
@@ -229,7 +227,7 @@ impl TrackTable {
         self.mark_missed(frame);
         self.remove_lost_tracks(frame, update);
         self.start_tracks(detection, frame, &mut next_id, update);
-        self.remember_table(surface, update);
+        self.remember_tables(detection, frame, update);
         let TrackUpdate {
             sightings,
             rejected_candidates,
@@ -308,6 +306,14 @@ impl TrackTable {
         of_tracks.peek().is_none() || of_tracks.any(|table| table.is_same(surface))
     }
 
+    /// True if one of the surfaces that carry objects is the table of a confirmed track, or none of
+    /// them has one.
+    fn is_any_of_tracks(&self, detection: &Detection, frame: &FramePose) -> bool {
+        let surfaces = detection.surfaces.iter();
+        let mut carriers = surfaces.filter(|surface| surface.role.carries_objects());
+        carriers.any(|surface| self.is_of_tracks(&TableHeight::of(surface, frame)))
+    }
+
     /// Watches for how long another surface is found in place of the table of the tracks, with
     /// none of them in view.
     fn watch_other_table(&mut self, surface: Option<TableHeight>, frame: &FramePose) {
@@ -325,13 +331,24 @@ impl TrackTable {
         tracks.filter(|track| track.phase() == TrackPhase::Confirmed)
     }
 
-    fn measure(&mut self, detection: &Detection, cloud: &[Point], frame: &FramePose) {
+    /// Measures the candidates; of a frame of another table only those on a surface of the tracks.
+    fn measure(
+        &mut self,
+        detection: &Detection,
+        cloud: &[Point],
+        frame: &FramePose,
+        is_elsewhere: bool,
+    ) {
         let noise = self.depth_noise.law();
         let balance = self.light.white_balance();
         for candidate in &detection.candidates {
             let indices = detection.points_of(candidate);
-            let measured = candidate
-                .is_object_sized
+            let surface = detection.surfaces.get(candidate.surface);
+            let is_of_tracks =
+                |surface: &Table| self.is_of_tracks(&TableHeight::of(surface, frame));
+            let is_measured =
+                candidate.is_object_sized && (!is_elsewhere || surface.is_some_and(is_of_tracks));
+            let measured = is_measured
                 .then(|| {
                     let points = (indices, cloud);
                     CandidateMeasurement::from_candidate(candidate, points, frame, noise, balance)
@@ -533,14 +550,16 @@ impl TrackTable {
         update_track(&mut self.tracks[track], candidate, &measured, frame, update);
     }
 
-    /// Remembers the table of the tracks that were seen to stand on it.
-    fn remember_table(&mut self, surface: Option<TableHeight>, update: &TrackUpdate) {
+    /// Remembers the table of each track that was seen to stand on one.
+    fn remember_tables(&mut self, detection: &Detection, frame: &FramePose, update: &TrackUpdate) {
         let standing = update.sightings.iter();
         let standing =
             standing.filter(|seen| seen.measured.measurement.conditions().stands_on_table);
         for sighting in standing {
+            let surface = detection.candidates[sighting.candidate].surface;
+            let table = detection.surfaces.get(surface);
             if let Some(track) = self.track_mut(sighting.track_id) {
-                track.table = surface;
+                track.table = table.map(|table| TableHeight::of(table, frame));
             }
         }
     }

@@ -3,7 +3,7 @@
 
 use message::{
     ActorEvent, ArmState, Health, MemoryChange, ObjectViewHeader, PersonBody, ProcessKind,
-    RejectedCandidate, SceneObject, SceneSummary, WireCapsule, document,
+    RejectedCandidate, SceneObject, SceneSummary, WireCapsule, WireSurface, document,
 };
 use recording::documents::{
     ActorEventDocument, ArmDocument, MemoryChangeDocument, ObjectViewDocument, PersonDocument,
@@ -95,12 +95,17 @@ fn documents_with_any_number_conform_to_their_schemas() {
             ..SceneObject::default()
         };
         let mut scene = SceneSummary {
-            table_plane: [number; 4],
-            has_table: 1,
+            n_surfaces: 1,
             n_ignored: 1,
             ..SceneSummary::default()
         };
         scene.ignored[0] = RejectedCandidate::default();
+        scene.surfaces[0] = WireSurface {
+            plane: [number; 4],
+            kind: 1,
+            n_corners: 1,
+            ..WireSurface::default()
+        };
         check_document(&document::scene(&scene, &[object], 0));
         let view = ObjectViewHeader {
             distance: number as f32,

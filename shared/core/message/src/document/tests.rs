@@ -1,6 +1,7 @@
 use super::*;
 use crate::{
-    ActorEvent, ActorStamps, Health, NearCategory, ObjectViewHeader, SceneTime, Text, TrackState,
+    ActorEvent, ActorStamps, Health, NearCategory, ObjectViewHeader, SceneTime, SurfaceKind, Text,
+    TrackState, WireSurface,
 };
 use bytemuck::AnyBitPattern;
 
@@ -155,4 +156,55 @@ fn covariance_and_nearest_categories_are_reported() {
     );
     assert_eq!(report.stamps.asked_ns, Some(5));
     assert_eq!(report.stamps.begun_ns, None);
+}
+
+/// Level surface of a kind at a height, world frame.
+fn level_surface(kind: SurfaceKind, height_m: f64) -> WireSurface {
+    WireSurface {
+        plane: [0.0, 0.0, 1.0, -height_m],
+        kind: kind.code(),
+        ..WireSurface::default()
+    }
+}
+
+#[test]
+fn objects_are_listed_with_the_highest_surface_under_them() {
+    let object = |track_id: u64, centre_m: f64| {
+        let mut object = SceneObject {
+            track_id,
+            size_m: [0.1; 3],
+            ..SceneObject::default()
+        };
+        object.pose.orientation_xyzw = [0.0, 0.0, 0.0, 1.0];
+        object.pose.position_m = [0.3, 0.1, centre_m];
+        object
+    };
+    let mut scene = SceneSummary {
+        n_surfaces: 3,
+        ..SceneSummary::default()
+    };
+    scene.surfaces[0] = level_surface(SurfaceKind::Table, 0.7);
+    scene.surfaces[1] = level_surface(SurfaceKind::Level, 1.0);
+    scene.surfaces[2] = level_surface(SurfaceKind::Floor, 0.0);
+    // On the table, on another object there, on the level, and beside both on the floor.
+    let objects = [(1, 0.75), (2, 0.85), (3, 1.04), (4, 0.05)];
+    let objects = objects.map(|(track_id, centre_m)| object(track_id, centre_m));
+    let surfaces = super::scene(&scene, &objects, 0).surfaces;
+    let listed = surfaces
+        .iter()
+        .map(|one| (one.kind.as_str(), one.track_ids.as_slice()));
+    let truth: [(&str, &[u64]); 3] = [("table", &[1, 2]), ("level", &[3]), ("floor", &[])];
+    assert!(listed.eq(truth), "{surfaces:?}");
+}
+
+#[test]
+fn arbitrary_surfaces_are_reported_without_a_panic() {
+    for summary in of_any_bytes::<SceneSummary>() {
+        let surfaces = scene(&summary, &[], 0).surfaces;
+        assert!(surfaces.len() <= crate::MAX_SURFACES);
+        let places = surfaces
+            .iter()
+            .flat_map(|one| one.outline_m.iter().flatten());
+        assert!(places.into_iter().all(|value| value.is_finite()));
+    }
 }

@@ -226,7 +226,7 @@ impl<'a> SceneEvaluator<'a> {
     ) -> Result<String, Failure> {
         let picture = format!("{PICTURES}/{name}.png");
         let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
-        let image = scene_picture::draw(scene, self.detection.table.as_ref(), found, &overlaps);
+        let image = scene_picture::draw(scene, &self.detection.surfaces, found, &overlaps);
         let image = image.map_err(Failure::general)?;
         write(&self.arguments.out.join(&picture), &image)?;
         Ok(picture)

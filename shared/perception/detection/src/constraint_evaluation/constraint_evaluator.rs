@@ -45,7 +45,8 @@ const RIM_TOLERANCE_M: f64 = 0.01;
 /// Constraint evaluator: the scene against which hypotheses are evaluated.
 pub(crate) struct ConstraintEvaluator<'a> {
     pub(crate) cloud: OrganizedCloud<'a>,
-    pub(crate) table: &'a Table,
+    /// Surface of the hypotheses, with its index among those of the frame.
+    pub(crate) surface: (usize, &'a Table),
     pub(crate) priors: ScenePriors<'a>,
     pub(crate) body_mask: &'a BodyMask,
     /// Bodies found in depth, with the image they were found in; `None` without any.
@@ -75,7 +76,7 @@ impl ConstraintEvaluator<'_> {
     ) -> Candidate {
         let oriented_box = hypothesis
             .upright_box
-            .in_camera(&self.table.table_from_camera);
+            .in_camera(&self.surface.1.table_from_camera);
         let findings = self.findings(hypothesis, &oriented_box, indices, is_cut);
         let (verdict, decisive) = if hypothesis.is_object_sized {
             (rule.evaluate(&findings), rule.decisive(&findings))
@@ -84,6 +85,7 @@ impl ConstraintEvaluator<'_> {
         };
         Candidate {
             range,
+            surface: self.surface.0,
             centroid: hypothesis.statistics.centroid,
             oriented_box,
             occluded_base_m: hypothesis.occluded_base_m(),
@@ -264,15 +266,15 @@ impl ConstraintEvaluator<'_> {
     /// table that is hidden or outside of the view.
     fn rim_finding(&self, hypothesis_box: &OrientedBox, pixels: &[u32], is_cut: bool) -> Finding {
         let near_m = self.config.rim_distance_m;
-        let centre = self.table.table_from_camera * hypothesis_box.centre();
-        let outline = &self.table.outline;
+        let centre = self.surface.1.table_from_camera * hypothesis_box.centre();
+        let outline = &self.surface.1.outline;
         if !is_cut && outline.contains_disc(&centre.xy(), reach_m(hypothesis_box) + near_m) {
             return finding(false, Reason::AwayFromRim);
         }
         let (mut n, mut n_beyond, mut n_near, mut n_unseen) = (0_u32, 0_u32, 0_u32, 0_u32);
         for &pixel in samples(pixels) {
             let point = self.cloud.points()[pixel as usize].position();
-            let place = (self.table.table_from_camera * point).xy();
+            let place = (self.surface.1.table_from_camera * point).xy();
             let [rim_m, unseen_m] = outline.border_distances_m(&place);
             n += 1;
             n_beyond += u32::from(rim_m < -RIM_TOLERANCE_M);

@@ -101,7 +101,7 @@ impl VoxelDetector {
         self.split_large_clusters(&frame.cloud, &table, config, organized);
         self.find_hypotheses(&frame.cloud, &table_axes, config);
         self.write(frame, &table, rules, detection);
-        detection.table = Some(table);
+        detection.surfaces.push(table);
     }
 
     /// List the points in the prism above the table and map the table's own points. Returns
@@ -271,7 +271,7 @@ impl VoxelDetector {
         let evaluator = ConstraintEvaluator {
             depth_bodies: None,
             cloud: frame.cloud,
-            table,
+            surface: (0, table),
             priors: frame.priors,
             body_mask: &self.body_mask,
             config: config.get(),

@@ -13,7 +13,7 @@ use crate::plane_region::{
     region_polygon,
 };
 use crate::samples::Samples;
-use crate::table::{FLOOR_GAP_M, Table, TableChoice};
+use crate::table::{FLOOR_GAP_M, SurfaceRole, Table, TableChoice};
 use crate::table_surface::TableSurface;
 use geometry::{ConvexPolygon, Plane, RigidTransform};
 use nalgebra::{Unit, Vector3};
@@ -238,6 +238,7 @@ fn as_table(found: &VoxelPlaneCandidate, choice: TableChoice, config: &RawConfig
             polygon: found.polygon.clone(),
             outline: Outline::around(&found.polygon),
             choice,
+            role: SurfaceRole::Table,
             n_samples: found.n_voxels,
             depth_noise: config.depth_noise,
             noise_ratio: 1.0,

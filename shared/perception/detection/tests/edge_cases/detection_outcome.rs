@@ -105,7 +105,7 @@ impl DetectionOutcome {
     }
 
     pub(crate) fn table(&self) -> &Table {
-        self.detection.table.as_ref().expect("a table")
+        self.detection.table().expect("a table")
     }
 
     /// Height of the table over the floor along a vertical line, metres.

@@ -130,7 +130,7 @@ fn the_smallest_images_have_no_table() {
             for up in [None, Some(-Vector3::y_axis())] {
                 let found = detected(&vec![point; size.0 * size.1], size, up);
                 assert!(
-                    found.table.is_none() && found.candidates.is_empty(),
+                    found.surfaces.is_empty() && found.candidates.is_empty(),
                     "{size:?}"
                 );
             }

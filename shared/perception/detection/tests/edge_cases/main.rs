@@ -5,6 +5,7 @@ mod detection_outcome;
 mod hidden_bases;
 mod hollow_objects;
 mod image_geometry;
+mod levels_and_walls;
 mod segmentation;
 mod several_tables;
 #[path = "../synthetic/synthetic_scene.rs"]

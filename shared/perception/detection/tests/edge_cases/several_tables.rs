@@ -109,7 +109,7 @@ fn table_of_earlier_frames_stays_the_table_while_it_is_seen() {
     ]);
     let upper_alone = DetectionOutcome::of(&view().with([upper, on_upper]));
     let expected = ScenePriors {
-        table: Some(upper_alone.table().plane),
+        surfaces: &[upper_alone.table().plane],
         ..ScenePriors::default()
     };
     let outcome = DetectionOutcome::with_priors(&both, expected);

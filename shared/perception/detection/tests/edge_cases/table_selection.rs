@@ -13,9 +13,9 @@ fn a_wall_is_no_table() {
             .with([PlacedShape::wall(0.2)]);
         for outcome in DetectionOutcome::both(&scene) {
             assert!(
-                outcome.detection.table.is_none(),
+                outcome.detection.surfaces.is_empty(),
                 "{:?}",
-                outcome.detection.table
+                outcome.detection.surfaces
             );
         }
     }
@@ -27,8 +27,8 @@ fn a_wall_before_a_level_camera_needs_known_up() {
         SyntheticScene::seen_from([0.0, -1.0, 1.0], [0.0, 0.0, 1.0]).with([PlacedShape::wall(0.2)]);
     let [without, with] = DetectionOutcome::both(&scene);
     // With unknown up, this looks like a table seen from above.
-    assert!(without.detection.table.is_some());
-    assert!(with.detection.table.is_none());
+    assert!(!without.detection.surfaces.is_empty());
+    assert!(with.detection.surfaces.is_empty());
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn a_tilted_plane_is_no_table_where_up_is_known() {
         for (deg, is_table) in [(0.0, true), (8.0, true), (20.0, false), (-20.0, false)] {
             let scene = view().with([table().tilted(axis, deg)]);
             let [_, with] = DetectionOutcome::both(&scene);
-            assert_eq!(with.detection.table.is_some(), is_table, "{deg}");
+            assert_eq!(!with.detection.surfaces.is_empty(), is_table, "{deg}");
         }
     }
 }
@@ -104,8 +104,7 @@ fn a_tilted_plane_gives_way_to_the_level_floor_under_it() {
     let [_, with] = DetectionOutcome::both(&scene);
     assert!(
         with.detection
-            .table
-            .as_ref()
+            .table()
             .is_none_or(|_| with.table_height_m([0.0, 0.0]).abs() < 0.02)
     );
 }

@@ -8,6 +8,7 @@ use tracking::{AssociationConfig, MotionConfig};
 struct Recorder {
     calls: Vec<String>,
     expected: Vec<ExpectedTrack>,
+    surfaces: Vec<Plane>,
     fails_to_detect: bool,
 }
 
@@ -23,7 +24,9 @@ impl FrameExecutor for Recorder {
         &mut self.expected
     }
 
-    fn expect_table(&mut self, _table: Option<Plane>) {}
+    fn expected_surfaces(&mut self) -> &mut Vec<Plane> {
+        &mut self.surfaces
+    }
 
     fn gather_priors(&mut self) -> Result<(), &'static str> {
         self.calls.push("gather".into());

@@ -14,6 +14,7 @@ fn candidate_at(x: f64) -> Candidate {
     let frame_from_box = RigidTransform::new(Vector3::new(x, 0.0, 0.8), Vector3::zeros());
     Candidate {
         range: 0..100,
+        surface: 0,
         occluded_base_m: 0.0,
         centroid: Point3::new(x, 0.0, 0.8),
         oriented_box: OrientedBox {

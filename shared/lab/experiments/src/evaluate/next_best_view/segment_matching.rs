@@ -122,7 +122,7 @@ impl SegmentMatcher {
         let mut found = MatchedSegments {
             is_detected: vec![false; scene.objects.len()],
             segments: Vec::new(),
-            table_in_camera: detection.table.as_ref().map(|table| table.plane),
+            table_in_camera: detection.table().map(|table| table.plane),
         };
         let n_visible = visible_pixels(scene, image);
         let candidates = detection.candidates.iter();

@@ -121,7 +121,7 @@ impl SceneDescriber {
             }
         }
         let detection = self.detector.detection();
-        let table = detection.table.as_ref();
+        let table = detection.table();
         let up = table.map(|table| up_in_camera(&table.table_from_camera, &Vector3::z_axis()));
         let is_object = |candidate: &&Candidate| candidate.verdict == Ternary::True;
         for candidate in detection.candidates.iter().filter(is_object) {
@@ -178,7 +178,7 @@ impl SceneDescriber {
             Failure::general("detection finds more objects than 16 bits can number")
         })?;
         let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
-        let image = scene_picture::draw(&scene, detection.table.as_ref(), &found, &overlaps);
+        let image = scene_picture::draw(&scene, &detection.surfaces, &found, &overlaps);
         write(path, &image.map_err(Failure::general)?)
     }
 }

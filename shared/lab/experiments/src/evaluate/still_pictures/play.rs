@@ -4,6 +4,10 @@ use super::picture::StillPicture;
 use crate::evaluate::perturbation::add_noise;
 use crate::evaluate::tracking::tracking_pipeline::TrackingPipeline;
 use detection::Table;
+use evaluation::hypothesis_image::HypothesisImages;
+use evaluation::labelled_scenes::LabelledScene;
+use evaluation::scene_picture;
+use evaluation::segmentation_score::{FIRST_OBJECT_LABEL, Overlaps};
 use learning::{CategoryIndex, CategoryName, ViewId};
 use pipeline::{FramePose, SequentialFrame, Track};
 use point_cloud::{OrganizedCloud, Point};
@@ -51,13 +55,13 @@ impl PlayResult {
     }
 }
 
-/// Plays a picture, with its three largest objects taught before. `noise_seed` seeds the Kinect noise
-/// that is drawn anew for each frame; `None` for the same bytes.
+/// Plays a picture, with its three largest objects taught before, and draws the last frame.
+/// `noise_seed` seeds the Kinect noise that is drawn anew for each frame; `None` for the same bytes.
 pub(super) fn play(
     picture: &StillPicture,
     n_frames: usize,
     noise_seed: Option<u64>,
-) -> Result<PlayResult, Failure> {
+) -> Result<(PlayResult, Vec<u8>), Failure> {
     let mut player = Player::new(picture, noise_seed, pipeline::category_index())?;
     for frame in 0..N_FRAMES_SETTLED {
         player.step(frame)?;
@@ -67,7 +71,8 @@ pub(super) fn play(
     for frame in 0..n_frames {
         player.step(frame)?;
     }
-    Ok(player.result)
+    let drawn = player.draw()?;
+    Ok((player.result, drawn))
 }
 
 struct Player<'a> {
@@ -159,7 +164,7 @@ impl<'a> Player<'a> {
     }
 
     fn compare_table(&mut self) {
-        let table = self.tracker.state().detection().table.as_ref();
+        let table = self.tracker.state().detection().table();
         if let (Some(table), Some(before)) = (table, &self.table) {
             let result = &mut self.result;
             let turn_deg = table.plane.normal.angle(&before.plane.normal).to_degrees();
@@ -170,6 +175,35 @@ impl<'a> Player<'a> {
         if let Some(table) = table {
             self.table = Some(table.clone());
         }
+    }
+
+    /// PNG picture of the last frame: colour, what the tracks see, and surfaces and candidates.
+    fn draw(&self) -> Result<Vec<u8>, Failure> {
+        let detection = self.tracker.state().detection();
+        let mut labels = vec![0; self.points.len()];
+        for (label, sighting) in (1..).zip(&self.tracker.update().sightings) {
+            for &point in detection.points_of(&detection.candidates[sighting.candidate]) {
+                labels[point as usize] = label * FIRST_OBJECT_LABEL;
+            }
+        }
+        let scene = LabelledScene {
+            points: self.points.clone(),
+            labels,
+            has_part_labels: false,
+            width: self.picture.width,
+            height: self.picture.height,
+            up_in_camera: self.picture.up_in_camera,
+        };
+        let mut found = HypothesisImages::of(detection, scene.points.len()).ok_or_else(|| {
+            Failure::general("detection finds more objects than 16 bits can number")
+        })?;
+        // Striped is what no track sees.
+        let of_tracks = scene.labels.iter().zip(&found.before_psi);
+        let of_tracks = of_tracks.map(|(&label, &number)| if label > 0 { number } else { 0 });
+        found.after_psi = of_tracks.collect();
+        let overlaps = Overlaps::count(&found.before_psi, &scene.labels);
+        let surfaces = &detection.surfaces;
+        scene_picture::draw(&scene, surfaces, &found, &overlaps).map_err(Failure::general)
     }
 
     /// Categories of the largest objects, each taught as itself.

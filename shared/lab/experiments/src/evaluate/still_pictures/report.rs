@@ -3,6 +3,7 @@
 use super::play::PlayResult;
 use crate::arguments::StillPicturesArguments;
 use crate::evaluate::tabular_report::{ReportTable, TabularReport};
+use plot::figure_page::PageFigure;
 use serde::Serialize;
 
 /// Report of the still-picture test.
@@ -25,6 +26,9 @@ pub(super) struct StillPicturesReport {
 #[derive(Debug, Serialize)]
 pub(super) struct PictureResult {
     pub(super) name: String,
+    /// Colour, surfaces and candidates after the last frame with equal bytes, relative to the output
+    /// folder.
+    pub(super) picture: String,
     /// The same bytes played again and again.
     pub(super) equal: PlayResult,
     /// Noise drawn anew for each frame.
@@ -32,16 +36,7 @@ pub(super) struct PictureResult {
 }
 
 impl StillPicturesReport {
-    pub(super) fn of(
-        plays: Vec<(String, [PlayResult; 2])>,
-        arguments: &StillPicturesArguments,
-    ) -> Self {
-        let result = |(name, [equal, noise]): (String, [PlayResult; 2])| PictureResult {
-            name,
-            equal,
-            noise,
-        };
-        let pictures: Vec<PictureResult> = plays.into_iter().map(result).collect();
+    pub(super) fn of(pictures: Vec<PictureResult>, arguments: &StillPicturesArguments) -> Self {
         let count = |play: fn(&PictureResult) -> &PlayResult| {
             pictures.iter().filter(|one| play(one).is_still()).count()
         };
@@ -59,7 +54,9 @@ impl StillPicturesReport {
 /// Tables and notes of the report.
 pub(super) fn page(document: &StillPicturesReport) -> TabularReport<'static> {
     let all = document.pictures.iter().flat_map(|picture| {
-        let PictureResult { name, equal, noise } = picture;
+        let PictureResult {
+            name, equal, noise, ..
+        } = picture;
         [(name, "equal", equal), (name, "noise", noise)]
     });
     let moved = all.filter(|(_, _, play)| !play.is_still());
@@ -95,6 +92,23 @@ pub(super) fn page(document: &StillPicturesReport) -> TabularReport<'static> {
              begins or ends and no label changes",
             document.n_pictures, document.n_frames, document.n_still, document.n_still_with_noise
         )],
+        figures: document.pictures.iter().map(figure).collect(),
         ..TabularReport::default()
+    }
+}
+
+/// Colour, surfaces and candidates of a picture.
+fn figure(picture: &PictureResult) -> PageFigure {
+    let PlayResult {
+        n_tracks,
+        n_track_ids,
+        ..
+    } = picture.equal;
+    PageFigure {
+        caption: format!(
+            "{}: {n_tracks} tracks, {n_track_ids} track-ids",
+            picture.name
+        ),
+        picture: picture.picture.clone(),
     }
 }

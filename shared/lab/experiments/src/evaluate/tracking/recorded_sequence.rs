@@ -80,7 +80,7 @@ impl RecordedSequence {
                 time_s: index as f64 / RATE_HZ,
                 objects,
                 tracks: tracker.track_states(),
-                ended: tracker.ended().to_vec(),
+                ended: tracker.update().ended_tracks.clone(),
             };
             show(&ProcessedFrame {
                 index,

@@ -62,7 +62,7 @@ pub(super) fn play(
             objects,
             tracks_of_people: tracks_of_people(&kinect, &world, &tracks),
             tracks,
-            ended: tracker.ended().to_vec(),
+            ended: tracker.update().ended_tracks.clone(),
         });
         sequence.notes.append(&mut world.take_notes());
     }

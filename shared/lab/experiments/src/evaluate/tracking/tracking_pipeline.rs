@@ -2,7 +2,7 @@
 
 use evaluation::tracked_frame::TrackState;
 use learning::CategoryIndex;
-use pipeline::{Config, FramePipeline, SequentialFrame, SequentialState, Track};
+use pipeline::{Config, FramePipeline, SequentialFrame, SequentialState, Track, TrackUpdate};
 use tracking::{AssociationConfig, MotionConfig, TrackPhase, Visibility};
 
 /// Frame pipeline with its sequential executor.
@@ -59,8 +59,8 @@ impl TrackingPipeline {
         tracks.collect()
     }
 
-    /// Ids of the tracks that ended with the last frame.
-    pub(in super::super) fn ended(&self) -> &[u64] {
-        &self.pipeline.update().ended_tracks
+    /// Sightings and ended tracks of the last frame.
+    pub(in super::super) fn update(&self) -> &TrackUpdate {
+        self.pipeline.update()
     }
 }

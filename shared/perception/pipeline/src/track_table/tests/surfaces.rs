@@ -1,7 +1,7 @@
 //! Frames of another surface than the table of the tracks.
 
 use super::*;
-use detection::{Outline, Table, TableChoice};
+use detection::{Outline, SurfaceRole, Table, TableChoice};
 use geometry::{ConvexPolygon, Plane};
 use nalgebra::{Point2, Unit};
 
@@ -24,6 +24,7 @@ fn table_at(height_m: f64) -> Table {
         polygon: ConvexPolygon::convex_hull_of(&mut corners),
         outline: Outline::default(),
         choice: TableChoice::Only,
+        role: SurfaceRole::Table,
         n_samples: 1000,
         depth_noise: DepthNoise::KINECT_V1,
         noise_ratio: 1.0,
@@ -32,7 +33,7 @@ fn table_at(height_m: f64) -> Table {
 
 fn detection(height_m: f64, places: &[f64]) -> Detection {
     Detection {
-        table: Some(table_at(height_m)),
+        surfaces: vec![table_at(height_m)],
         candidates: places.iter().map(|x| candidate_at(*x)).collect(),
         point_indices: (0..200).collect(),
         ..Detection::default()
@@ -125,4 +126,43 @@ fn surface_is_free_once_no_track_is_left() {
     });
     // After the 10 s of an object that is missing.
     assert!(n_frames.is_some_and(|n| n > 290), "{n_frames:?}");
+}
+
+#[test]
+fn of_a_frame_with_another_table_only_objects_on_the_tracked_one_count() {
+    let (mut fixture, wall) = confirmed_on_table();
+    let mut seen = detection(SEAT_M, &[0.0, 0.3]);
+    seen.surfaces.push(Table {
+        role: SurfaceRole::Level,
+        ..table_at(TABLE_M)
+    });
+    seen.candidates[0].surface = 1;
+    for _ in 0..5 {
+        show(&mut fixture, &wall, &seen);
+        assert_eq!(fixture.update.rejected_candidates, [1]);
+    }
+    assert_eq!(fixture.ids(), [1]);
+    assert_eq!(fixture.table.tracks()[0].visibility(), Visibility::Visible);
+}
+
+#[test]
+fn objects_on_each_level_of_the_tracked_furniture_start_tracks() {
+    let (mut fixture, wall) = confirmed_on_table();
+    let mut seen = detection(TABLE_M, &[0.0, 0.3]);
+    seen.surfaces.push(Table {
+        role: SurfaceRole::Level,
+        ..table_at(TABLE_M + 0.3)
+    });
+    seen.candidates[1].surface = 1;
+    for _ in 0..3 {
+        show(&mut fixture, &wall, &seen);
+    }
+    assert_eq!(fixture.ids(), [1, 2]);
+    // Each level alone is the table of a track.
+    for _ in 0..3 {
+        let mut upper = detection(TABLE_M + 0.3, &[0.3]);
+        upper.candidates[0].surface = 0;
+        show(&mut fixture, &wall, &upper);
+        assert!(fixture.update.rejected_candidates.is_empty());
+    }
 }
