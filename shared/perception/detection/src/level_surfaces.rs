@@ -10,7 +10,9 @@ use crate::footprint::Footprint;
 use crate::plane_region::{RegionFilter, find_region, region_axes, region_plane};
 use crate::samples::Samples;
 use crate::table::{FLOOR_GAP_M, SurfaceRole, Table, TableChoice, is_same_surface};
-use crate::table_selection::{ChosenPlane, TableSelectionBuffers, find_again, outlined_table};
+use crate::table_selection::{
+    ChosenPlane, PlaneCandidate, TableSelectionBuffers, find_again, outlined_table,
+};
 use geometry::{BoundingRectangle, Plane};
 use nalgebra::Point3;
 
@@ -65,13 +67,18 @@ impl LevelSearch<'_> {
         let (table, table_length_m) = (table.plane, length_m(table));
         let mut is_table_raised = None;
         for index in 0..buffers.found.len() {
+            if !self.may_be_level(&buffers.found[index], &table) {
+                continue;
+            }
             let Some(level) = self.level(index, &table, buffers) else {
                 continue;
             };
+            // Whether a floor far below is under a raised table makes no difference.
             let is_raised = if level.gap_m > 0.0 {
                 self.is_raised(&level.plane, buffers)
             } else {
-                *is_table_raised.get_or_insert_with(|| self.is_raised(&table, buffers))
+                -level.gap_m <= self.config.height_max_m
+                    && *is_table_raised.get_or_insert_with(|| self.is_raised(&table, buffers))
             };
             let is_found =
                 |found: &Table| is_same_surface(&found.plane, &level.plane, &level.middle);
@@ -102,6 +109,15 @@ impl LevelSearch<'_> {
         }
     }
 
+    /// `true` for a plane that is parallel to the table and not in it.
+    fn may_be_level(&self, found: &PlaneCandidate, table: &Plane) -> bool {
+        // At the foot of the camera the planes are as far apart as anywhere.
+        let gap_m = found.plane.offset_m - table.offset_m;
+        found.n_samples >= self.n_min
+            && is_parallel(&found.plane, table)
+            && gap_m.abs() >= 0.5 * LEVEL_GAP_MIN_M
+    }
+
     /// Level in one of the planes of the image; `None` when it is none.
     fn level(
         &self,
@@ -109,18 +125,15 @@ impl LevelSearch<'_> {
         table: &Plane,
         buffers: &mut TableSelectionBuffers,
     ) -> Option<Level> {
-        let found = &buffers.found[index];
-        let is_parallel = |plane: &Plane| plane.normal.dot(&table.normal) >= PARALLEL_COS_MIN;
-        if found.n_samples < self.n_min || !is_parallel(&found.plane) {
-            return None;
-        }
         let (samples, region) = (self.samples, &mut buffers.region);
-        find_region(samples, &found.plane, RegionFilter::WideOnly, region);
+        let found = &buffers.found[index].plane;
+        find_region(samples, found, RegionFilter::WideOnly, region);
         let plane = region_plane(samples, region)?;
         let middle = region_axes(samples, region)?.centroid;
         let gap_m = table.height_m(&middle);
         let length_m = self.length_of_level(&plane, buffers)?;
-        (is_parallel(&plane) && gap_m.abs() >= LEVEL_GAP_MIN_M).then_some(Level {
+        let is_level = is_parallel(&plane, table) && gap_m.abs() >= LEVEL_GAP_MIN_M;
+        is_level.then_some(Level {
             plane,
             middle,
             gap_m,
@@ -188,6 +201,10 @@ impl LevelSearch<'_> {
         let level = outlined_table(self.samples, &chosen, *plane, buffers);
         surfaces.extend(level.map(|level| Table { role, ..level }));
     }
+}
+
+fn is_parallel(plane: &Plane, table: &Plane) -> bool {
+    plane.normal.dot(&table.normal) >= PARALLEL_COS_MIN
 }
 
 /// Longest side of the bounding rectangle of what is seen of a surface, metres.

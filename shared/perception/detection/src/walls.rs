@@ -38,6 +38,9 @@ const BAND_SIGMAS: f32 = 4.0;
 /// Greatest distance of a corner of the surface behind a wall, metres. Chosen.
 const BEHIND_MAX_M: f64 = 0.06;
 
+/// The same for a hypothesis of three noisy samples, metres. Chosen.
+const HYPOTHESIS_BEHIND_MAX_M: f64 = 0.3;
+
 /// Least extent along a wall, metres. Chosen.
 const EXTENT_MIN_M: f64 = 0.25;
 
@@ -63,11 +66,30 @@ const N_COUNTED: usize = 512;
 /// Greatest number of walls.
 const N_WALLS_MAX: usize = 4;
 
+/// Sample that may show a wall.
+#[derive(Debug, Clone, Copy)]
+struct WallSample {
+    sample: u32,
+    position: [f32; 3],
+    /// Half width of the band of a wall at its depth, metres.
+    band_m: f32,
+}
+
+impl WallSample {
+    fn is_on(&self, plane: &AffineForm) -> bool {
+        let [x, y, z] = self.position;
+        plane.at(x, y, z).abs() <= self.band_m
+    }
+
+    fn point(&self) -> Point3<f64> {
+        Point3::from(self.position.map(f64::from))
+    }
+}
+
 /// Walls around a surface, with buffers. Reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Walls {
-    /// Samples that may show a wall.
-    pool: Vec<u32>,
+    pool: Vec<WallSample>,
     planes: Vec<Plane>,
 }
 
@@ -77,9 +99,7 @@ struct WallSearch<'a> {
     table: &'a Table,
     cells: &'a TableSurface,
     axes: [AffineForm; 3],
-    height_max_m: f32,
-    /// Greatest side of an object, metres.
-    side_max_m: f64,
+    config: &'a RawConfig,
     n_min: usize,
 }
 
@@ -97,27 +117,24 @@ impl Walls {
             table,
             cells,
             axes: AffineForm::coordinates_of(&table.table_from_camera),
-            height_max_m: config.height_max_m as f32,
-            side_max_m: config.side_max_m,
-            n_min: (SHARE_MIN * samples.len() as f64) as usize,
+            config,
+            n_min: ((SHARE_MIN * samples.len() as f64) as usize).max(3),
         };
         self.planes.clear();
         self.pool.clear();
         let all = 0..samples.len();
-        self.pool.extend(
-            all.filter(|&one| search.may_be_wall(one))
-                .map(|one| one as u32),
-        );
+        self.pool
+            .extend(all.filter_map(|one| search.wall_sample(one)));
         let mut random = hypothesis_draws();
         for _ in 0..N_WALLS_MAX {
-            let Some(plane) = search.largest_steep_plane(&self.pool, &mut random) else {
+            let Some(plane) = search.largest_plane_behind(&self.pool, &mut random) else {
                 return;
             };
             if search.is_wall(&plane, &self.pool) {
                 self.planes.push(plane);
             }
-            let is_in_band = search.band(&plane);
-            self.pool.retain(|sample| !is_in_band(&sample));
+            let plane = AffineForm::from(&plane);
+            self.pool.retain(|one| !one.is_on(&plane));
         }
     }
 
@@ -144,103 +161,100 @@ fn band_m(depth_m: f32, noise: &DepthNoise) -> f32 {
 }
 
 impl WallSearch<'_> {
-    fn coordinates(&self, sample: usize) -> [f32; 3] {
-        [0, 1, 2].map(|axis| self.samples.coordinate(&self.axes[axis], sample))
-    }
-
-    /// `true` for a sample over the height of the surface that is not well inside its border.
-    fn may_be_wall(&self, sample: usize) -> bool {
-        if self.samples.depth(sample) <= 0.0 {
-            return false;
-        }
-        let [u, v, height_m] = self.coordinates(sample);
-        let is_table = |du: f32, dv: f32| self.cells.is_table(u + du, v + dv);
-        let is_inside = || {
-            is_table(-BORDER_M, 0.0)
-                && is_table(BORDER_M, 0.0)
-                && is_table(0.0, -BORDER_M)
-                && is_table(0.0, BORDER_M)
-        };
-        height_m >= HEIGHT_MIN_M && !is_inside()
-    }
-
-    /// `true` for the samples in the band of a plane.
-    fn band<'b>(&'b self, plane: &Plane) -> impl Fn(&&u32) -> bool + 'b {
-        let distance = AffineForm::from(plane);
-        move |&&sample| {
-            let sample = sample as usize;
-            let distance_m = self.samples.coordinate(&distance, sample).abs();
-            distance_m <= band_m(self.samples.depth(sample), &self.table.depth_noise)
-        }
-    }
-
-    /// Steep plane with the most samples, facing the camera (RANSAC, Fischler and Bolles 1981);
-    /// `None` when it has too few.
-    fn largest_steep_plane(&self, pool: &[u32], random: &mut Random) -> Option<Plane> {
-        if pool.len() < self.n_min.max(3) {
+    /// Sample over the height of the surface that is not well inside its border.
+    fn wall_sample(&self, sample: usize) -> Option<WallSample> {
+        let depth_m = self.samples.depth(sample);
+        let [u, v, height] = &self.axes;
+        if depth_m <= 0.0 || self.samples.coordinate(height, sample) < HEIGHT_MIN_M {
             return None;
         }
-        let step = pool.len().div_ceil(N_COUNTED);
-        let counted = || pool.iter().step_by(step);
+        let [u, v] = [u, v].map(|axis| self.samples.coordinate(axis, sample));
+        let around = [
+            [-BORDER_M, 0.0],
+            [BORDER_M, 0.0],
+            [0.0, -BORDER_M],
+            [0.0, BORDER_M],
+        ];
+        let is_inside = |[du, dv]: [f32; 2]| self.cells.is_table(u + du, v + dv);
+        (!around.into_iter().all(is_inside)).then(|| WallSample {
+            sample: sample as u32,
+            position: self.samples.position(sample).cast().into(),
+            band_m: band_m(depth_m, &self.table.depth_noise),
+        })
+    }
+
+    /// Steep plane with the most samples, facing the camera and about behind the surface (RANSAC,
+    /// Fischler and Bolles 1981); `None` when it has too few.
+    fn largest_plane_behind(&self, pool: &[WallSample], random: &mut Random) -> Option<Plane> {
+        if pool.len() < self.n_min {
+            return None;
+        }
+        let counted = pool.iter().step_by(pool.len().div_ceil(N_COUNTED));
         let mut best = (0, None);
         for _ in 0..N_HYPOTHESES {
-            let [a, b, c] = [0; 3].map(|_| {
-                let drawn = pool[random.below(pool.len())];
-                self.samples.position(drawn as usize)
-            });
-            let Some(plane) = Plane::through_points(&a, &b, &c).filter(|one| self.is_steep(one))
+            let [a, b, c] = [0; 3].map(|_| pool[random.below(pool.len())].point());
+            let plane = Plane::through_points(&a, &b, &c);
+            let plane = plane.map(|plane| plane.facing(&Point3::origin()));
+            let Some(plane) = plane.filter(|one| self.is_behind(one, HYPOTHESIS_BEHIND_MAX_M))
             else {
                 continue;
             };
-            let n = counted().filter(self.band(&plane)).count();
+            let form = AffineForm::from(&plane);
+            let n = counted.clone().filter(|one| one.is_on(&form)).count();
             if n > best.0 {
-                best = (n, Some(plane));
+                best = (n, Some(form));
             }
         }
+        let form = best.1?;
         let mut moments = Moments::default();
-        let plane = best.1?;
-        for &sample in pool.iter().filter(self.band(&plane)) {
-            moments.add(&self.samples.position(sample as usize));
+        for one in pool.iter().filter(|one| one.is_on(&form)) {
+            moments.add(&one.point());
         }
         let plane = least_squares_plane(&moments.principal_axes()?)?.facing(&Point3::origin());
-        let n = pool.iter().filter(self.band(&plane)).count();
-        (n >= self.n_min && self.is_steep(&plane)).then_some(plane)
+        let form = AffineForm::from(&plane);
+        let n = pool.iter().filter(|one| one.is_on(&form)).count();
+        (n >= self.n_min).then_some(plane)
     }
 
-    fn is_steep(&self, plane: &Plane) -> bool {
-        plane.normal.dot(&self.table.plane.normal).abs() <= SLANT_SIN_MAX
+    /// `true` for a steep plane that faces the camera and has all corners of the surface at most a
+    /// distance behind it.
+    fn is_behind(&self, plane: &Plane, behind_max_m: f64) -> bool {
+        let is_steep = plane.normal.dot(&self.table.plane.normal).abs() <= SLANT_SIN_MAX;
+        let in_camera = RigidTransform::identity();
+        let mut corners = self.table.corners(&in_camera);
+        is_steep && corners.all(|corner| plane.height_m(&corner) >= -behind_max_m)
     }
 
-    /// `true` when the surface lies in front of a steep plane, and the plane goes on outside of the
-    /// space of objects or spans the surface.
-    fn is_wall(&self, plane: &Plane, pool: &[u32]) -> bool {
+    /// `true` when a plane is steep and behind the surface, and goes on outside of the space of
+    /// objects, is longer than any object, or spans the surface.
+    fn is_wall(&self, plane: &Plane, pool: &[WallSample]) -> bool {
         let along = self.table.plane.normal.cross(&plane.normal);
         let (mut surface, mut seen) = (Interval::EMPTY, Interval::EMPTY);
-        let mut is_in_front = true;
         for corner in self.table.corners(&RigidTransform::identity()) {
-            is_in_front &= plane.height_m(&corner) >= -BEHIND_MAX_M;
             surface.add(along.dot(&corner.coords));
         }
+        let form = AffineForm::from(plane);
         let (mut n, mut n_outside) = (0_usize, 0_usize);
-        for &sample in pool.iter().filter(self.band(plane)) {
+        for one in pool.iter().filter(|one| one.is_on(&form)) {
             n += 1;
-            n_outside += usize::from(self.is_outside(sample as usize));
-            seen.add(along.dot(&self.samples.position(sample as usize).coords));
+            n_outside += usize::from(self.is_outside(one.sample as usize));
+            seen.add(along.dot(&one.point().coords));
         }
         let goes_on = n_outside as f64 >= OUTSIDE_SHARE_MIN * n as f64;
         let spans =
             seen.length() >= SPAN_MIN_M && seen.length() >= SPAN_SHARE_MIN * surface.length();
-        let is_too_long = seen.length() > self.side_max_m;
-        is_in_front && (spans || is_too_long || goes_on && seen.length() >= EXTENT_MIN_M)
+        let is_too_long = seen.length() > self.config.side_max_m;
+        let is_large = spans || is_too_long || goes_on && seen.length() >= EXTENT_MIN_M;
+        is_large && self.is_behind(plane, BEHIND_MAX_M)
     }
 
     /// `true` when a sample is outside of the space of objects, or at the border of the image.
     fn is_outside(&self, sample: usize) -> bool {
-        let [u, v, height_m] = self.coordinates(sample);
+        let [u, v, height_m] = [0, 1, 2].map(|i| self.samples.coordinate(&self.axes[i], sample));
         let (width, height) = (self.samples.width(), self.samples.height());
         let [column, row] = [sample % width, sample / width];
         let is_at_border = column <= 1 || row <= 1 || column + 2 >= width || row + 2 >= height;
-        is_at_border || height_m > self.height_max_m || !self.cells.is_near(u, v)
+        is_at_border || height_m > self.config.height_max_m as f32 || !self.cells.is_near(u, v)
     }
 }
 
