@@ -7,7 +7,7 @@
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::footprint::Footprint;
-use crate::plane_region::{RegionFilter, find_region, region_axes, region_plane};
+use crate::plane_region::{RegionFilter, find_region, region_plane_and_middle};
 use crate::samples::Samples;
 use crate::table::{FLOOR_GAP_M, SurfaceRole, Table, TableChoice, is_same_surface};
 use crate::table_selection::{
@@ -128,8 +128,7 @@ impl LevelSearch<'_> {
         let (samples, region) = (self.samples, &mut buffers.region);
         let found = &buffers.found[index].plane;
         find_region(samples, found, RegionFilter::WideOnly, region);
-        let plane = region_plane(samples, region)?;
-        let middle = region_axes(samples, region)?.centroid;
+        let (plane, middle) = region_plane_and_middle(samples, region)?;
         let gap_m = table.height_m(&middle);
         let length_m = self.length_of_level(&plane, buffers)?;
         let is_level = is_parallel(&plane, table) && gap_m.abs() >= LEVEL_GAP_MIN_M;

@@ -291,8 +291,17 @@ pub(crate) fn region_axes(samples: &Samples, region: &PlaneRegionBuffers) -> Opt
 /// Least-squares plane of the region found last, facing the camera; `None` for a degenerate
 /// region.
 pub(crate) fn region_plane(samples: &Samples, region: &PlaneRegionBuffers) -> Option<Plane> {
-    let plane = least_squares_plane(&region_axes(samples, region)?)?;
-    Some(plane.facing(&Point3::origin()))
+    region_plane_and_middle(samples, region).map(|(plane, _)| plane)
+}
+
+/// [`region_plane`] with the middle of the region.
+pub(crate) fn region_plane_and_middle(
+    samples: &Samples,
+    region: &PlaneRegionBuffers,
+) -> Option<(Plane, Point3<f64>)> {
+    let axes = region_axes(samples, region)?;
+    let plane = least_squares_plane(&axes)?.facing(&Point3::origin());
+    Some((plane, axes.centroid))
 }
 
 /// Convex hull of the region found last, in the frame of the plane.

@@ -5,11 +5,10 @@ use crate::affine_form::AffineForm;
 use crate::level_surfaces::LevelSearch;
 use crate::near_rim::NearRim;
 use crate::occluded_table::{OccludedTableBuffers, stands_on};
-use crate::plane_ransac::{
-    PlaneSearchBuffers, UpCone, hypothesis_draws, largest_plane_in_image, least_squares_plane,
-};
+use crate::plane_ransac::{PlaneSearchBuffers, UpCone, hypothesis_draws, largest_plane_in_image};
 use crate::plane_region::{
-    PlaneRegionBuffers, RegionFilter, find_region, region_axes, region_plane, region_polygon,
+    PlaneRegionBuffers, RegionFilter, find_region, region_plane, region_plane_and_middle,
+    region_polygon,
 };
 use crate::samples::Samples;
 use crate::table::{FLOOR_GAP_M, SurfaceRole, Table, TableChoice, is_same_surface};
@@ -198,9 +197,8 @@ pub(crate) fn find_again(
     if find_region(samples, expected, RegionFilter::WideOnly, region) < n_min {
         return None;
     }
-    let axes = region_axes(samples, region)?;
-    let plane = least_squares_plane(&axes)?.facing(&Point3::origin());
-    is_same_surface(&plane, expected, &axes.centroid).then_some((plane, axes.centroid))
+    let (plane, middle) = region_plane_and_middle(samples, region)?;
+    is_same_surface(&plane, expected, &middle).then_some((plane, middle))
 }
 
 /// Plane search: the largest planes of an image, of which the samples stay assigned. `true`
