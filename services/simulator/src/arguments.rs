@@ -17,7 +17,7 @@ pub(crate) struct SimulatorArguments {
 /// Command-line choice of the scene; it overrides the configuration.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct SceneArguments {
-    /// everyday, isolated, pile, bin, set-table, clutter, or a TOML scene file [default: everyday]
+    /// everyday, isolated, pile, bin, set-table, clutter, shelf, tray, or a TOML scene file [default: everyday]
     #[arg(long, value_name = "SCENE")]
     pub(crate) scene: Option<String>,
 

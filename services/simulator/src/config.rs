@@ -118,7 +118,7 @@ impl Config {
             SceneChoice::Generated(kind) => {
                 let n_objects = self.n_objects.unwrap_or(kind.default_n_objects());
                 // The mounting pose fits the default table; that of a crowd varies.
-                let has_arm = *kind != SceneKind::Clutter;
+                let has_arm = !matches!(kind, SceneKind::Clutter | SceneKind::Shelf);
                 Scene {
                     arm: has_arm.then(ArmMount::default),
                     ..Scene::generate(*kind, n_objects, self.seed(), &mut library)?

@@ -334,7 +334,7 @@ pub(crate) struct LabelArguments {
 )]
 pub(crate) struct RunArguments {
     /// simulation[:SCENE], kinect, fakenect:FOLDER, synthetic[:N], crowd:N, parade:N, a recording FILE.mcap, or a folder of PCD scenes, of
-    /// an RGB-D sequence, or of colour and depth images with intrinsics; SCENE is everyday, isolated, pile, bin, set-table, clutter or a TOML file
+    /// an RGB-D sequence, or of colour and depth images with intrinsics; SCENE is everyday, isolated, pile, bin, set-table, clutter, shelf, tray or a TOML file
     /// [default: simulation]
     #[arg(long, value_name = "SOURCE")]
     source: Option<String>,

@@ -40,7 +40,7 @@ pub enum SimulateVerb {
 pub struct SceneArguments {
     /// Scene file to simulate (TOML)
     pub(crate) file: Option<PathBuf>,
-    /// isolated, pile, bin, set-table or clutter [default: isolated]
+    /// isolated, pile, bin, set-table, clutter, shelf or tray [default: isolated]
     #[arg(long, value_name = "KIND")]
     pub(crate) kind: Option<String>,
     /// Number of objects [default: the usual number of the scene]

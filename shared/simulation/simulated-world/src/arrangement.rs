@@ -1,32 +1,28 @@
 //! Scene generators: random choice of objects and collision-free placement.
 
+mod boards;
 mod clutter;
 mod scene_setting;
 
 use crate::error::Error;
-use crate::furniture::{Bin, TableDimensions};
+use crate::furniture::TableDimensions;
 use crate::model_choice::ModelChoice;
 use crate::object_model::ObjectModel;
 use crate::random_stream::{random_rotation, random_stream};
-use crate::scene::{ObjectPlacement, ObjectPlan};
+use crate::scene::{ObjectPlacement, ObjectPlan, Scene};
 use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion};
 use random::Random;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
+pub(crate) use boards::{Board, boards};
 pub(crate) use clutter::clutter;
 pub(crate) use scene_setting::SceneSetting;
 
-/// Free space around an isolated object, metres; the second value is used when the first leaves
-/// no room. Chosen.
-const GAPS_M: [f64; 2] = [0.06, 0.03];
-/// Distance of an isolated object from the table's edge, metres. Chosen.
-const RIM_M: f64 = 0.05;
-/// Half sides of the part of the table that the default camera sees well, metres.
-const IN_VIEW_HALF_M: [f64; 2] = [0.46, 0.30];
-/// Number of tries of rejection sampling per object. Chosen.
-const N_TRIES: usize = 400;
+/// Free space around an isolated object, metres; the next value is used when the one before
+/// leaves no room. Chosen.
+const GAPS_M: [f64; 4] = [0.06, 0.03, 0.03, 0.03];
 /// Radius of the disc over which the objects of a pile are dropped, metres. Chosen.
 const PILE_REACH_M: f64 = 0.05;
 /// Drop height of the objects of a pile above the table, metres. Chosen.
@@ -74,7 +70,7 @@ fn sample_in_rounds<T: Clone>(items: &[T], n: usize, random: &mut Random) -> Vec
 /// Placement rule for models without a plan of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PlacementRule {
-    /// Upright at random free positions.
+    /// Upright at random free positions, on all boards.
     Apart,
     /// Dropped onto one spot of the table.
     Pile,
@@ -89,13 +85,12 @@ pub(crate) enum PlacementRule {
 pub(crate) fn place(
     rule: PlacementRule,
     models: &[&ObjectModel],
-    table: &TableDimensions,
-    bin: Option<&Bin>,
-    seed: u64,
+    scene: &Scene,
 ) -> Result<Vec<ObjectPlacement>, Error> {
-    let mut random = random_stream(seed, STREAM_PLACEMENT);
+    let mut random = random_stream(scene.seed, STREAM_PLACEMENT);
+    let table = &scene.table;
     match rule {
-        PlacementRule::Apart => isolated(models, table, &mut random),
+        PlacementRule::Apart => isolated(models, &boards(scene), &mut random),
         PlacementRule::Pile => Ok(dropped(
             models.len(),
             table,
@@ -107,7 +102,7 @@ pub(crate) fn place(
             },
         )),
         PlacementRule::Bin => {
-            let inner_size_m = bin.copied().unwrap_or_default().inner_size_m;
+            let inner_size_m = scene.bin.unwrap_or_default().inner_size_m;
             let [x, y, _] = inner_size_m.map(|side| side * 0.25);
             Ok(dropped(models.len(), table, BIN_DROP_M, &mut random, |r| {
                 [r.between(-x, x), r.between(-y, y)]
@@ -134,14 +129,15 @@ fn dropped(
         .collect()
 }
 
+/// Isolated objects on boards.
 fn isolated(
     models: &[&ObjectModel],
-    table: &TableDimensions,
+    boards: &[Board],
     random: &mut Random,
 ) -> Result<Vec<ObjectPlacement>, Error> {
     let mut most = 0;
     for gap_m in GAPS_M {
-        let places = place_apart(models, table, gap_m, random);
+        let places = boards::place_apart(models, boards, gap_m, random);
         if places.len() == models.len() {
             return Ok(places);
         }
@@ -150,57 +146,6 @@ fn isolated(
     Err(Error::NoRoom {
         n_objects: models.len(),
         n_placed: most,
-    })
-}
-
-/// Places as many isolated objects as fit, the largest first; returns placements in the models'
-/// order.
-fn place_apart(
-    models: &[&ObjectModel],
-    table: &TableDimensions,
-    gap_m: f64,
-    random: &mut Random,
-) -> Vec<ObjectPlacement> {
-    let radii: Vec<f64> = models.iter().map(|m| m.footprint_radius_m()).collect();
-    let mut order: Vec<usize> = (0..models.len()).collect();
-    order.sort_by(|&a, &b| radii[b].total_cmp(&radii[a]));
-    let mut taken: Vec<([f64; 2], f64)> = Vec::new();
-    let mut places = vec![None; models.len()];
-    for index in order {
-        let Some(spot) = free_position(&taken, radii[index], table, gap_m, random) else {
-            continue;
-        };
-        taken.push((spot, radii[index]));
-        places[index] = Some(ObjectPlacement::Upright {
-            position_m: spot,
-            yaw_rad: random.between(-PI, PI),
-        });
-    }
-    places.into_iter().flatten().collect()
-}
-
-/// Rejection sampling of a free position for a disc of `radius_m`, at least `gap_m` from the
-/// taken discs and in the part of the table that the camera sees well.
-pub(crate) fn free_position(
-    taken: &[([f64; 2], f64)],
-    radius_m: f64,
-    table: &TableDimensions,
-    gap_m: f64,
-    random: &mut Random,
-) -> Option<[f64; 2]> {
-    let half: [f64; 2] = std::array::from_fn(|axis| {
-        (table.size_m[axis] / 2.0 - RIM_M - radius_m).min(IN_VIEW_HALF_M[axis])
-    });
-    if half.iter().any(|&half| half < 0.0) {
-        return None;
-    }
-    (0..N_TRIES).find_map(|_| {
-        let spot = half.map(|half| random.between(-half, half));
-        let is_free = taken.iter().all(|&(other, other_radius_m)| {
-            let distance_m = (spot[0] - other[0]).hypot(spot[1] - other[1]);
-            distance_m > radius_m + other_radius_m + gap_m
-        });
-        is_free.then_some(spot)
     })
 }
 
@@ -239,6 +184,7 @@ pub(crate) fn set_table(categories: &[&str], n_objects: usize, seed: u64) -> Vec
                 placement: ObjectPlacement::Upright {
                     position_m: spot.map(|v| v + jitter(&mut random)),
                     yaw_rad: yaw_rad + random.between(-0.06, 0.06),
+                    raised_m: 0.0,
                 },
             }
         })

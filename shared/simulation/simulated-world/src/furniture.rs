@@ -1,4 +1,4 @@
-//! Dimensions of the table and the bin.
+//! Dimensions of the table, and of what stands on it: bin, shelf and tray.
 
 use nalgebra::Point3;
 
@@ -74,4 +74,64 @@ impl Default for Bin {
             inner_size_m: [0.42, 0.34, 0.14],
         }
     }
+}
+
+/// Shelf: boards over the table, as large as it, between two sides and a back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shelf {
+    /// Number of boards over the table.
+    pub n_boards: usize,
+    /// Distance from the top of one board to the top of the next, metres.
+    pub spacing_m: f64,
+}
+
+impl Default for Shelf {
+    fn default() -> Self {
+        Self {
+            n_boards: 2,
+            spacing_m: 0.34,
+        }
+    }
+}
+
+impl Shelf {
+    /// Thickness of boards, sides and back, metres.
+    pub const BOARD_M: f64 = 0.018;
+
+    /// Heights of the boards over the table, metres, from the lowest.
+    pub fn board_heights_m(&self) -> impl Iterator<Item = f64> + use<> {
+        let spacing_m = self.spacing_m;
+        (1..=self.n_boards).map(move |board| board as f64 * spacing_m)
+    }
+
+    /// Height of the highest board over the table, metres.
+    pub fn height_m(&self) -> f64 {
+        self.n_boards as f64 * self.spacing_m
+    }
+}
+
+/// Tray with a rim in the middle of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tray {
+    /// Inner sides of the floor along world x and y, metres.
+    pub inner_size_m: [f64; 2],
+    /// Height of the floor over the table, metres.
+    pub floor_m: f64,
+    /// Height of the rim over the floor, metres.
+    pub rim_m: f64,
+}
+
+impl Default for Tray {
+    fn default() -> Self {
+        Self {
+            inner_size_m: [0.46, 0.34],
+            floor_m: 0.012,
+            rim_m: 0.03,
+        }
+    }
+}
+
+impl Tray {
+    /// Width of the rim, metres.
+    pub const RIM_WIDTH_M: f64 = 0.012;
 }

@@ -57,7 +57,7 @@ pub use arm_kinematics::MotionState;
 pub use arm_mount::ArmMount;
 pub use camera_mount::CameraMount;
 pub use error::Error;
-pub use furniture::{Bin, TableDimensions, TableFinish, TablePattern};
+pub use furniture::{Bin, Shelf, TableDimensions, TableFinish, TablePattern, Tray};
 pub use ground_truth::{ARM_ID, ObjectTruth, PERSON_ID, truth_from_json, truth_json};
 pub use lighting::Lighting;
 pub use model_choice::{ModelChoice, ModelSource};

@@ -1,6 +1,6 @@
-//! Room geometry: fixed boxes for table, floor, wall and bin.
+//! Room geometry: fixed boxes for table, floor, wall, bin, shelf and tray.
 
-use crate::furniture::{Bin, TableDimensions, TableFinish};
+use crate::furniture::{Bin, Shelf, TableDimensions, TableFinish, Tray};
 use crate::physics::Physics;
 use crate::scene::Scene;
 use geometry::RigidTransform;
@@ -30,6 +30,8 @@ pub(crate) enum Material {
     Table(TableFinish),
     /// Cardboard of the bin.
     Cardboard,
+    /// Plastic of the tray.
+    Plastic,
 }
 
 /// Axis-aligned box of the room.
@@ -71,6 +73,12 @@ pub(crate) fn room_boxes(scene: &Scene) -> Vec<RoomBox> {
     if let Some(bin) = &scene.bin {
         boxes.extend(bin_walls(bin, scene.table.height_m));
     }
+    if let Some(shelf) = &scene.shelf {
+        boxes.extend(shelf_boards(shelf, &scene.table, scene.table_finish));
+    }
+    if let Some(tray) = &scene.tray {
+        boxes.extend(tray_boxes(tray, scene.table.height_m));
+    }
     boxes
 }
 
@@ -95,21 +103,54 @@ fn table(table: &TableDimensions, finish: TableFinish) -> Vec<RoomBox> {
 }
 
 fn bin_walls(bin: &Bin, table_m: f64) -> [RoomBox; 4] {
-    let [x, y] = [bin.inner_size_m[0] / 2.0, bin.inner_size_m[1] / 2.0];
-    let (w, low, high) = (BIN_WALL_M, table_m, table_m + bin.inner_size_m[2]);
-    let wall = |from: [f64; 2], to: [f64; 2]| {
-        RoomBox::between(
-            [from[0], from[1], low],
-            [to[0], to[1], high],
-            Material::Cardboard,
-        )
-    };
+    let [x, y, z] = bin.inner_size_m;
+    rim([x / 2.0, y / 2.0], BIN_WALL_M, [table_m, table_m + z])
+        .map(|(low, high)| RoomBox::between(low, high, Material::Cardboard))
+}
+
+/// Four walls around a rectangle, given by its half sides; `z_m` are the bottom and the top of
+/// the walls. Returns the two corners of each.
+fn rim([x, y]: [f64; 2], width_m: f64, z_m: [f64; 2]) -> [([f64; 3], [f64; 3]); 4] {
+    let w = width_m;
     [
-        wall([-x - w, -y - w], [-x, y + w]),
-        wall([x, -y - w], [x + w, y + w]),
-        wall([-x, -y - w], [x, -y]),
-        wall([-x, y], [x, y + w]),
+        ([-x - w, -y - w], [-x, y + w]),
+        ([x, -y - w], [x + w, y + w]),
+        ([-x, -y - w], [x, -y]),
+        ([-x, y], [x, y + w]),
     ]
+    .map(|(low, high)| ([low[0], low[1], z_m[0]], [high[0], high[1], z_m[1]]))
+}
+
+/// Boards, sides and back of a shelf. It ends half a board above its highest one.
+fn shelf_boards(shelf: &Shelf, table: &TableDimensions, finish: TableFinish) -> Vec<RoomBox> {
+    let [x, y] = table.size_m.map(|side| side / 2.0);
+    let thick = Shelf::BOARD_M;
+    let top = table.height_m + shelf.height_m() + thick / 2.0;
+    let board = |low, high| RoomBox::between(low, high, Material::Table(finish));
+    let mut boxes = vec![
+        board([-x - thick, -y, 0.0], [-x, y, top]),
+        board([x, -y, 0.0], [x + thick, y, top]),
+        board([-x - thick, y, 0.0], [x + thick, y + thick, top]),
+    ];
+    boxes.extend(shelf.board_heights_m().map(|level| {
+        let z = table.height_m + level;
+        board([-x, -y, z - thick], [x, y, z])
+    }));
+    boxes
+}
+
+/// Floor and rim of a tray.
+fn tray_boxes(tray: &Tray, table_m: f64) -> Vec<RoomBox> {
+    let half = tray.inner_size_m.map(|side| side / 2.0);
+    let floor = table_m + tray.floor_m;
+    let plastic = |(low, high)| RoomBox::between(low, high, Material::Plastic);
+    let mut boxes = vec![plastic((
+        [-half[0], -half[1], table_m],
+        [half[0], half[1], floor],
+    ))];
+    let walls = rim(half, Tray::RIM_WIDTH_M, [table_m, floor + tray.rim_m]);
+    boxes.extend(walls.map(plastic));
+    boxes
 }
 
 /// Adds the room to the physics.

@@ -3,7 +3,7 @@
 use crate::action::PersonPlan;
 use crate::arm_mount::ArmMount;
 use crate::camera_mount::CameraMount;
-use crate::furniture::{Bin, TableDimensions, TableFinish};
+use crate::furniture::{Bin, Shelf, TableDimensions, TableFinish, Tray};
 use crate::lighting::Lighting;
 use crate::model_choice::ModelChoice;
 use geometry::RigidTransform;
@@ -25,6 +25,10 @@ coded_enum::coded_enum! {
         SetTable, "set-table";
         /// Crowded table top: stacks, bridges, filled containers, leaning and overhanging objects.
         Clutter, "clutter";
+        /// Objects upright on the boards of a shelf.
+        Shelf, "shelf";
+        /// Objects upright on a tray and beside it.
+        Tray, "tray";
     }
 }
 
@@ -37,6 +41,8 @@ impl SceneKind {
             Self::Bin => 20,
             Self::SetTable => 14,
             Self::Clutter => 18,
+            Self::Shelf => 10,
+            Self::Tray => 8,
         }
     }
 }
@@ -59,12 +65,14 @@ impl std::str::FromStr for SceneKind {
 /// Initial placement of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ObjectPlacement {
-    /// Object placed upright on the table.
+    /// Object placed upright on the table, on a board of the shelf or on the tray.
     Upright {
         /// Position on the table, world x and y, metres.
         position_m: [f64; 2],
         /// Yaw of the object about the vertical, radians.
         yaw_rad: f64,
+        /// Height over the table of what carries it, metres.
+        raised_m: f64,
     },
     /// Object dropped from the air.
     Dropped {
@@ -102,6 +110,10 @@ pub struct Scene {
     pub lighting: Lighting,
     /// Bin on the table, if any.
     pub bin: Option<Bin>,
+    /// Boards over the table, which is then the lowest board of a shelf, if any.
+    pub shelf: Option<Shelf>,
+    /// Tray on the table, if any.
+    pub tray: Option<Tray>,
     /// Mounting pose of the camera.
     pub camera: CameraMount,
     /// Objects, in the order in which they are put down.
@@ -125,6 +137,8 @@ impl Default for Scene {
             table_finish: TableFinish::default(),
             lighting: Lighting::default(),
             bin: None,
+            shelf: None,
+            tray: None,
             camera: CameraMount::default(),
             objects: Vec::new(),
             arm: None,

@@ -10,7 +10,7 @@ use crate::action::PersonPlan;
 use crate::arm_mount::ArmMount;
 use crate::arrangement::{self, PlacementRule, SceneSetting};
 use crate::error::Error;
-use crate::furniture::Bin;
+use crate::furniture::{Bin, Shelf, Tray};
 use crate::model_choice::{ModelChoice, ModelSource};
 use crate::model_library::{ModelLibrary, category_names};
 use crate::object_model::ObjectModel;
@@ -59,6 +59,8 @@ impl Scene {
             table,
             table_finish: setting.table_finish(),
             bin: (kind == SceneKind::Bin).then(Bin::default),
+            shelf: (kind == SceneKind::Shelf).then(Shelf::default),
+            tray: (kind == SceneKind::Tray).then(Tray::default),
             camera: setting.camera(&table, n_objects),
             ..Self::default()
         };
@@ -161,12 +163,48 @@ fn generated_objects(
             return set_table(n_objects, scene.seed);
         }
         // Models of a folder have no place at a set table.
-        SceneKind::Isolated | SceneKind::SetTable => PlacementRule::Apart,
+        SceneKind::Isolated | SceneKind::SetTable | SceneKind::Shelf | SceneKind::Tray => {
+            PlacementRule::Apart
+        }
         SceneKind::Pile => PlacementRule::Pile,
         SceneKind::Bin => PlacementRule::Bin,
     };
-    let choices = library.choose(n_objects, scene.seed);
+    let choices = match kind {
+        SceneKind::Shelf | SceneKind::Tray => fitting(scene, n_objects, library)?,
+        _ => library.choose(n_objects, scene.seed),
+    };
     placed(scene, rule, choices, library)
+}
+
+/// Chosen models that fit onto a board; onto the tray at least, if there is one.
+fn fitting(
+    scene: &Scene,
+    n_objects: usize,
+    library: &mut ModelLibrary,
+) -> Result<Vec<ModelChoice>, Error> {
+    let boards = arrangement::boards(scene);
+    let boards = &boards[..if scene.tray.is_some() {
+        1
+    } else {
+        boards.len()
+    }];
+    let mut chosen = Vec::with_capacity(n_objects);
+    for choice in library.choose(MAX_OBJECTS, scene.seed) {
+        if chosen.len() == n_objects {
+            break;
+        }
+        let model = library.load(&choice)?;
+        if boards.iter().any(|board| board.fits(&model)) {
+            chosen.push(choice);
+        }
+    }
+    if chosen.len() < n_objects {
+        return Err(Error::NoRoom {
+            n_objects,
+            n_placed: chosen.len(),
+        });
+    }
+    Ok(chosen)
 }
 
 /// Generated objects of a set table.
@@ -191,7 +229,7 @@ fn placed(
     let models = choices.iter().map(|choice| library.load(choice));
     let models: Vec<Arc<ObjectModel>> = models.collect::<Result<_, _>>()?;
     let models: Vec<&ObjectModel> = models.iter().map(|model| &**model).collect();
-    let places = arrangement::place(rule, &models, &scene.table, scene.bin.as_ref(), scene.seed)?;
+    let places = arrangement::place(rule, &models, scene)?;
     let plans = choices.into_iter().zip(places);
     Ok(plans
         .map(|(model, placing)| ObjectPlan {

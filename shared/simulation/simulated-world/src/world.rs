@@ -97,13 +97,14 @@ impl World {
             ObjectPlacement::Upright {
                 position_m,
                 yaw_rad,
+                raised_m,
             } => {
                 let pose = arrangement::upright_pose(
                     &model,
                     &self.scene.table,
                     *position_m,
                     *yaw_rad,
-                    PUT_DOWN_LIFT_M,
+                    raised_m + PUT_DOWN_LIFT_M,
                 );
                 self.add_object(model, &pose);
             }

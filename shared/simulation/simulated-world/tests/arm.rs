@@ -37,6 +37,7 @@ fn upright(category: &str, position_m: [f64; 2], yaw_rad: f64) -> ObjectPlan {
         placement: ObjectPlacement::Upright {
             position_m,
             yaw_rad,
+            raised_m: 0.0,
         },
     }
 }

@@ -110,6 +110,7 @@ fn world_with(path: &Path) -> World {
             placement: ObjectPlacement::Upright {
                 position_m: [0.0, 0.0],
                 yaw_rad: 0.0,
+                raised_m: 0.0,
             },
         }],
         ..Scene::default()

@@ -33,6 +33,7 @@ fn upright(category: &str, position_m: [f64; 2]) -> ObjectPlan {
         placement: ObjectPlacement::Upright {
             position_m,
             yaw_rad: 0.0,
+            raised_m: 0.0,
         },
     }
 }

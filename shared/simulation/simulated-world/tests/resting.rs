@@ -24,6 +24,7 @@ fn world_with(category: &str, instance: u64) -> World {
         placement: ObjectPlacement::Upright {
             position_m: [0.0, 0.0],
             yaw_rad: 0.3,
+            raised_m: 0.0,
         },
     };
     let scene = Scene {

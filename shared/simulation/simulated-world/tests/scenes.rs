@@ -50,6 +50,8 @@ fn generated_scene_has_the_requested_number_of_objects() {
                 let scene = generated(kind, n, seed);
                 assert_eq!(scene.objects.len(), n, "{} {seed}", kind.word());
                 assert_eq!(scene.bin.is_some(), kind == SceneKind::Bin);
+                assert_eq!(scene.shelf.is_some(), kind == SceneKind::Shelf);
+                assert_eq!(scene.tray.is_some(), kind == SceneKind::Tray);
             }
         }
     }

@@ -40,6 +40,7 @@ fn upright(category: &str, position_m: [f64; 2]) -> ObjectPlan {
         placement: ObjectPlacement::Upright {
             position_m,
             yaw_rad: 0.2,
+            raised_m: 0.0,
         },
     }
 }

@@ -98,6 +98,7 @@ impl Turntable {
             placement: ObjectPlacement::Upright {
                 position_m: [0.0, 0.0],
                 yaw_rad: 0.0,
+                raised_m: 0.0,
             },
         };
         let scene = Scene {

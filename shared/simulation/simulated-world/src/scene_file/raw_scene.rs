@@ -7,7 +7,7 @@ use crate::arm_mount::ArmMount;
 use crate::arrangement::SceneSetting;
 use crate::camera_mount::CameraMount;
 use crate::error::Error;
-use crate::furniture::{Bin, TableDimensions};
+use crate::furniture::{Bin, Shelf, TableDimensions, Tray};
 use crate::lighting::Lighting;
 use crate::model_choice::{ModelChoice, ModelSource};
 use crate::model_library::ModelLibrary;
@@ -34,6 +34,8 @@ struct RawScene {
     #[serde(default)]
     table: RawTable,
     bin: Option<RawBin>,
+    shelf: Option<RawShelf>,
+    tray: Option<RawTray>,
     #[serde(default)]
     camera: RawCamera,
     #[serde(default)]
@@ -58,6 +60,21 @@ struct RawTable {
 #[serde(deny_unknown_fields, default)]
 struct RawBin {
     inner_size_m: Option<[f64; 3]>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawShelf {
+    boards: Option<usize>,
+    spacing_m: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RawTray {
+    inner_size_m: Option<[f64; 2]>,
+    floor_m: Option<f64>,
+    rim_m: Option<f64>,
 }
 
 #[derive(Deserialize, Default)]
@@ -101,6 +118,7 @@ struct RawObject {
     #[serde(default)]
     roll_deg: f64,
     drop_from_m: Option<f64>,
+    raised_m: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -182,6 +200,8 @@ pub(super) fn scene(
         table_finish: setting.table_finish(),
         lighting: lighting(raw.lighting.as_deref())?,
         bin: bin(raw.bin.as_ref(), kind)?,
+        shelf: shelf(raw.shelf.as_ref(), kind)?,
+        tray: tray(raw.tray.as_ref(), kind)?,
         camera: camera(&raw.camera, setting.camera(&table, n_objects))?,
         objects: Vec::new(),
         arm: raw.arm.as_ref().map(arm).transpose()?,
@@ -261,6 +281,47 @@ fn bin(raw: Option<&RawBin>, kind: Option<SceneKind>) -> Result<Option<Bin>, Err
     Ok(Some(Bin { inner_size_m: size }))
 }
 
+fn shelf(raw: Option<&RawShelf>, kind: Option<SceneKind>) -> Result<Option<Shelf>, Error> {
+    let default = Shelf::default();
+    let Some(raw) = raw else {
+        return Ok((kind == Some(SceneKind::Shelf)).then_some(default));
+    };
+    let n_boards = raw.boards.unwrap_or(default.n_boards);
+    if !(1..=6).contains(&n_boards) {
+        let rule = format!("it must lie between 1 and 6, not {n_boards}");
+        return Err(wrong("[shelf] boards", rule));
+    }
+    let spacing_m = raw.spacing_m.unwrap_or(default.spacing_m);
+    Ok(Some(Shelf {
+        n_boards,
+        spacing_m: checked("[shelf] spacing_m", spacing_m, 0.1..=1.0)?,
+    }))
+}
+
+fn tray(raw: Option<&RawTray>, kind: Option<SceneKind>) -> Result<Option<Tray>, Error> {
+    let default = Tray::default();
+    let Some(raw) = raw else {
+        return Ok((kind == Some(SceneKind::Tray)).then_some(default));
+    };
+    let [x, y] = raw.inner_size_m.unwrap_or(default.inner_size_m);
+    Ok(Some(Tray {
+        inner_size_m: [
+            checked("[tray] inner_size_m", x, 0.1..=1.5)?,
+            checked("[tray] inner_size_m", y, 0.1..=1.5)?,
+        ],
+        floor_m: checked(
+            "[tray] floor_m",
+            raw.floor_m.unwrap_or(default.floor_m),
+            0.002..=0.2,
+        )?,
+        rim_m: checked(
+            "[tray] rim_m",
+            raw.rim_m.unwrap_or(default.rim_m),
+            0.0..=0.4,
+        )?,
+    }))
+}
+
 fn camera(raw: &RawCamera, default: CameraMount) -> Result<CameraMount, Error> {
     let look_at_m = raw.look_at_m.unwrap_or(default.look_at_m);
     for value in look_at_m {
@@ -333,10 +394,12 @@ fn object(
         angle("pitch_deg", raw.pitch_deg)?,
         angle("roll_deg", raw.roll_deg)?,
     );
+    let raised_m = checked(&place("raised_m"), raw.raised_m.unwrap_or(0.0), 0.0..=2.0)?;
     let placing = match raw.drop_from_m {
         None if pitch == 0.0 && roll == 0.0 => ObjectPlacement::Upright {
             position_m: raw.position_m,
             yaw_rad,
+            raised_m,
         },
         drop_from_m => {
             let drop_m = checked(
@@ -347,7 +410,7 @@ fn object(
             let [x, y] = raw.position_m;
             ObjectPlacement::Dropped {
                 world_from_object: RigidTransform::from_parts(
-                    Translation3::new(x, y, table.height_m + drop_m),
+                    Translation3::new(x, y, table.height_m + raised_m + drop_m),
                     UnitQuaternion::from_euler_angles(roll, pitch, yaw_rad),
                 ),
             }

@@ -70,6 +70,7 @@ impl SceneVariation {
             ObjectPlacement::Upright {
                 position_m: [x, y],
                 yaw_rad,
+                ..
             } => {
                 *x += dx;
                 *y += dy;

@@ -82,6 +82,7 @@ fn look(material: Material) -> ([u8; 3], f32, Texture) {
             },
         ),
         Material::Table(finish) => (finish.color, 0.06, table_texture(finish)),
+        Material::Plastic => ([74, 96, 112], 0.1, Texture::None),
         Material::Cardboard => (
             [176, 140, 98],
             0.0,

@@ -61,7 +61,8 @@ impl World {
             })
             .collect();
         let mut random = random_stream(draw, STREAM_FREE_SPOT);
-        arrangement::free_position(&taken, radius_m, &self.scene.table, GAP_M, &mut random)
+        let table = arrangement::boards(&self.scene).pop()?;
+        table.free_position(&taken, radius_m, GAP_M, &mut random)
     }
 
     /// Random model of an object that could be brought.
