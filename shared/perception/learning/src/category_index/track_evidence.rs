@@ -31,6 +31,10 @@ const N_COMPARED: usize = 8;
 /// six searches a second.
 const SEARCH_PERIOD: u32 = 5;
 
+/// Number of frames for which a side that is none of the lasting ones counts after it was last
+/// seen: half a second. Chosen: detection cuts a crowded object in one way, then in another.
+const N_FRAMES_HELD: u32 = 15;
+
 /// Score of a category below which a side contradicts it.
 const CONTRADICTION_MAX: f32 = 0.1;
 
@@ -56,9 +60,11 @@ pub enum ViewUse {
 pub struct TrackEvidence {
     /// Different sides, oldest first.
     sides: Vec<Arc<Side>>,
-    /// Side in view if it is none of them.
+    /// Another side, in view now or half a second ago.
     current: Option<Arc<Side>>,
     n_frames_since_search: u32,
+    /// Number of frames since the current side was seen.
+    n_frames_unseen: u32,
     n_contradictions: u32,
     answer: Recognition,
     /// Revision of the index and rule that the answer was read with; `None` when the sides have
@@ -86,6 +92,7 @@ impl Default for TrackEvidence {
             sides: Vec::new(),
             current: None,
             n_frames_since_search: 0,
+            n_frames_unseen: 0,
             n_contradictions: 0,
             answer: Recognition::of_nothing(),
             read_with: None,
@@ -271,9 +278,12 @@ impl CategoryIndex {
         track: &mut TrackEvidence,
     ) -> Option<usize> {
         track.n_frames_since_search = track.n_frames_since_search.saturating_add(1);
+        track.n_frames_unseen = track.n_frames_unseen.saturating_add(1);
         let is_shown = |side: &Arc<Side>| self.is_same_side(side, queries);
         if let Some(place) = track.sides.iter().position(is_shown) {
-            if track.current.take().is_some() {
+            let is_outdated =
+                |side: &mut Arc<Side>| side.is_partial || track.n_frames_unseen >= N_FRAMES_HELD;
+            if track.current.take_if(is_outdated).is_some() {
                 track.read_with = None;
             }
             return Some(place);
@@ -285,13 +295,18 @@ impl CategoryIndex {
         let is_partial = view_use == ViewUse::Partial;
         let is_wanted = !is_partial || (has_part && track.sides.is_empty());
         let is_urgent = view_use == ViewUse::KeyView || (has_part && !is_partial);
-        let is_due = track.n_frames_since_search >= SEARCH_PERIOD || is_urgent;
+        let n_frames = track.n_frames_since_search.min(track.n_frames_unseen);
+        let is_due = n_frames >= SEARCH_PERIOD || is_urgent;
+        if is_current {
+            track.n_frames_unseen = 0;
+        }
         if is_first || (!is_current && is_wanted && is_due) {
             track.current = Some(Arc::new(Side {
                 is_partial,
                 ..self.side(queries)
             }));
             track.n_frames_since_search = 0;
+            track.n_frames_unseen = 0;
             track.read_with = None;
         }
         if view_use == ViewUse::KeyView

@@ -203,6 +203,29 @@ fn a_description_that_keeps_changing_is_searched_in_every_fifth_frame() {
     assert!((9..=11).contains(&n_answers), "{n_answers}");
 }
 
+#[test]
+fn side_that_comes_and_goes_counts_until_it_was_not_seen_for_half_a_second() {
+    let (index, mut track) = (index(), TrackEvidence::default());
+    look(&index, &seen(77, 0.02, 0), ViewUse::KeyView, &mut track);
+    let mut n_sides = Vec::new();
+    for frame in 0..60 {
+        let number = if frame % 7 == 5 { 85 } else { 77 };
+        look(
+            &index,
+            &seen(number, 0.02, frame),
+            ViewUse::Whole,
+            &mut track,
+        );
+        n_sides.push(track.n_sides());
+    }
+    assert_eq!((&n_sides[..5], &n_sides[5..]), (&[1; 5][..], &[2; 55][..]));
+    let n_held = (0..60).take_while(|&frame| {
+        look(&index, &seen(77, 0.02, frame), ViewUse::Whole, &mut track);
+        track.n_sides() == 2
+    });
+    assert_eq!(n_held.count(), 9, "five frames had passed already");
+}
+
 /// Step of a random lesson.
 #[derive(Debug, Clone)]
 enum LessonStep {
