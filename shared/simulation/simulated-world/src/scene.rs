@@ -37,12 +37,11 @@ impl SceneKind {
     pub fn default_n_objects(self) -> usize {
         match self {
             Self::Isolated => 6,
-            Self::Pile => 8,
+            Self::Pile | Self::Tray => 8,
             Self::Bin => 20,
             Self::SetTable => 14,
             Self::Clutter => 18,
             Self::Shelf => 10,
-            Self::Tray => 8,
         }
     }
 }
