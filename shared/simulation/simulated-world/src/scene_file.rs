@@ -182,12 +182,11 @@ fn fitting(
     n_objects: usize,
     library: &mut ModelLibrary,
 ) -> Result<Vec<ModelChoice>, Error> {
-    let boards = arrangement::boards(scene);
-    let boards = &boards[..if scene.tray.is_some() {
-        1
-    } else {
-        boards.len()
-    }];
+    let mut boards = arrangement::boards(scene);
+    if scene.tray.is_some() {
+        // The tray comes first.
+        boards.truncate(1);
+    }
     let mut chosen = Vec::with_capacity(n_objects);
     for choice in library.choose(MAX_OBJECTS, scene.seed) {
         if chosen.len() == n_objects {

@@ -47,7 +47,7 @@ const N_CONTRADICTIONS_MAX: u32 = 15;
 pub enum ViewUse {
     /// View of a part of the object, which counts only while there is no other.
     Partial,
-    /// View of the whole object, which counts while it is seen.
+    /// View of the whole object, which counts while it is seen, and for half a second after that.
     Whole,
     /// View of the whole object at rest, which counts from now on.
     KeyView,
