@@ -65,7 +65,7 @@ impl KnownWorld {
         let now_ns = now_ns() as i64;
         let object = |object: &ObjectDocument| live_object(object, &upright, &lessons, now_ns);
         Self {
-            live: certain(&scene).map(object).collect(),
+            live: scene.objects.iter().map(object).collect(),
             viewpoint: viewpoint(&scene, &upright),
             taught_names: categories.into_iter().map(|one| one.category).collect(),
             scene,
@@ -153,12 +153,6 @@ impl KnownWorld {
             },
         }
     }
-}
-
-/// Objects of the scene that are no mere tentative tracks.
-fn certain(scene: &SceneDocument) -> impl Iterator<Item = &ObjectDocument> {
-    let is_certain = |object: &&ObjectDocument| object.state != TrackState::Tentative.word();
-    scene.objects.iter().filter(is_certain)
 }
 
 /// Newest lessons of the working memory.

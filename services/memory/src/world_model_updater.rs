@@ -122,13 +122,9 @@ fn age_ns(scene: &SceneSummary, monotonic_ns: u64) -> u64 {
     monotonic_ns.saturating_sub(scene.stamps.capture_ns)
 }
 
-/// Object of a scene as an observation of the model; `None` for tentative tracks and
-/// invalid numbers. The stamps count from `capture_ns`, which was at `captured_ns`.
+/// Object of a scene as an observation of the model; `None` for invalid numbers. The stamps count from `capture_ns`, which was at `captured_ns`.
 fn sighting(object: &SceneObject, capture_ns: u64, captured_ns: u64) -> Option<Sighting<'_>> {
     let state = TrackState::from_code(object.state)?;
-    if state == TrackState::Tentative {
-        return None;
-    }
     object.pose.checked()?;
     let size_m = object.size_m.map(f64::from);
     if !size_m.iter().all(|side| side.is_finite()) {
@@ -208,14 +204,13 @@ mod tests {
     }
 
     #[test]
-    fn tentative_or_invalid_objects_are_not_observed() {
+    fn invalid_objects_are_not_observed() {
         let seen = |change: &dyn Fn(&mut SceneObject)| {
             let mut object = object();
             change(&mut object);
             sighting(&object, 1_000, 1_000).is_some()
         };
         assert!(seen(&|_| ()));
-        assert!(!seen(&|o| o.state = TrackState::Tentative.code()));
         assert!(!seen(&|o| o.state = 77));
         assert!(!seen(&|o| o.pose.position_m[1] = f64::NAN));
         assert!(!seen(&|o| o.pose.orientation_xyzw = [0.0; 4]));

@@ -16,17 +16,16 @@ use message::{
 use pipeline::{CandidateMeasurement, Sighting, Track};
 use point_cloud::Rgba;
 use std::mem;
-use tracking::{TrackPhase, Visibility};
+use tracking::Visibility;
 
 const _: () = assert!(N_NEAREST == MAX_NEAR_CATEGORIES);
 
 fn state(track: &Track) -> TrackState {
-    match (track.visibility(), track.phase()) {
-        (Visibility::Occluded, _) => TrackState::Occluded,
-        (Visibility::OutOfView, _) => TrackState::OutOfView,
-        (Visibility::Missing, _) => TrackState::Missing,
-        (Visibility::Visible, TrackPhase::Tentative) => TrackState::Tentative,
-        (Visibility::Visible, _) => TrackState::Tracked,
+    match track.visibility() {
+        Visibility::Occluded => TrackState::Occluded,
+        Visibility::OutOfView => TrackState::OutOfView,
+        Visibility::Missing => TrackState::Missing,
+        Visibility::Visible => TrackState::Tracked,
     }
 }
 

@@ -21,7 +21,7 @@ pub enum CategoryAnswer {
 pub struct ObjectDocument {
     /// Track-id of the object.
     pub track_id: u64,
-    /// State of the track: `tentative`, `tracked`, `missing`, `occluded` or `out-of-view`;
+    /// State of the track: `tracked`, `missing`, `occluded` or `out-of-view`;
     /// `stale` while the scene is, because nothing is known about the present then.
     pub state: String,
     /// Age of the scene, as in [`SceneDocument::scene_age_s`](crate::SceneDocument::scene_age_s).

@@ -3,7 +3,7 @@
 coded_enum::coded_enum! {
     /// State of a track, with its code in shared memory and on disk.
     pub enum TrackState: u32 {
-        /// Track not yet confirmed: measured in too few frames.
+        /// Measured in too few frames; of earlier recordings, since such an object is no track yet.
         Tentative, "tentative";
         /// Object measured in this frame.
         Tracked, "tracked";

@@ -61,6 +61,7 @@ mod stored_view;
 mod surface_memory;
 mod table_height;
 mod track;
+mod track_initiation;
 mod track_recovery;
 mod track_table;
 

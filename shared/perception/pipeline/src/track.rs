@@ -2,12 +2,11 @@
 
 use crate::candidate_measurement::CandidateMeasurement;
 use crate::table_height::TableHeight;
+use crate::track_initiation::ProspectiveObject;
 use geometry::OrientedBox;
 use learning::{Recognition, TrackEvidence};
 use nalgebra::{Matrix3, Vector3};
-use tracking::{
-    CoarseAppearance, MotionFilter, OcclusionState, TrackLifecycle, TrackPhase, Visibility,
-};
+use tracking::{CoarseAppearance, MotionFilter, OcclusionState, TrackLifecycle, Visibility};
 
 /// Track of one object: motion, appearance and recognition result.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,9 +45,32 @@ pub struct Track {
 }
 
 impl Track {
-    /// Life-cycle phase of the track.
-    pub fn phase(&self) -> TrackPhase {
-        self.lifecycle.phase()
+    /// Track of an object that has become certain in this frame; `reidentified_as` is the lost
+    /// track that it looks like.
+    pub(crate) fn start(
+        id: u64,
+        object: &ProspectiveObject,
+        reidentified_as: Option<u64>,
+        capture_ns: u64,
+    ) -> Self {
+        Self {
+            id,
+            first_seen_ns: object.first_seen_ns,
+            last_seen_ns: capture_ns,
+            measured: object.measured,
+            n_views: 0,
+            n_key_views: 0,
+            reidentified_as,
+            evidence: TrackEvidence::default(),
+            lifecycle: TrackLifecycle::start(capture_ns),
+            updated_filter: object.updated_filter,
+            filter: object.filter,
+            appearance: object.measured.appearance,
+            last_handled_ns: 0,
+            table: None,
+            n_frames_duplicate: 0,
+            unmatched: None,
+        }
     }
 
     /// Recognition result of all sides that were seen.
@@ -61,9 +83,9 @@ impl Track {
         self.lifecycle.visibility()
     }
 
-    /// True for the track of an object that is certain and was seen in the last frame.
-    pub(crate) fn is_confirmed_and_visible(&self) -> bool {
-        self.phase() == TrackPhase::Confirmed && self.visibility() == Visibility::Visible
+    /// True for the track of an object that was seen in the last frame.
+    pub(crate) fn is_visible(&self) -> bool {
+        self.visibility() == Visibility::Visible
     }
 
     /// Predicted box at the capture stamp of the last frame, world frame.

@@ -3,8 +3,7 @@
 use crate::candidate_measurement::CandidateMeasurement;
 use crate::track::Track;
 use tracking::{
-    AssignmentBuffers, AssociationConfig, DepthView, OcclusionState, TrackPhase, appearance_cost,
-    assign,
+    AssignmentBuffers, AssociationConfig, DepthView, OcclusionState, appearance_cost, assign,
 };
 
 /// Upper limit of the speed of a hand-carried object, metres a second. Chosen.
@@ -64,7 +63,7 @@ pub(crate) struct TrackRecovery {
 }
 
 impl TrackRecovery {
-    /// Assigns unmatched confirmed tracks to unmatched candidates within the search
+    /// Assigns unmatched tracks to unmatched candidates within the search
     /// radius and of similar appearance, at minimum cost: the candidate of each track; none at
     /// all without tracks to recover.
     pub(crate) fn match_candidates(
@@ -102,14 +101,13 @@ impl TrackRecovery {
     }
 }
 
-/// True if the object of an unmatched confirmed track may have gone elsewhere.
+/// True if the object of an unmatched track may have gone elsewhere.
 fn is_recoverable(track: &Track, now_ns: u64) -> bool {
-    let may_have_gone = match track.unmatched {
+    match track.unmatched {
         Some(OcclusionState::Empty) => true,
         Some(OcclusionState::Unknown) => track.was_handled(now_ns, HANDLED_NS),
         _ => false,
-    };
-    may_have_gone && track.phase() == TrackPhase::Confirmed
+    }
 }
 
 /// Cost of a recovered pair: distance relative to the search radius plus appearance

@@ -10,17 +10,18 @@ use crate::shared_shift::{SharedShift, pose_sigma_m};
 use crate::sighting_evidence::sighting_evidence;
 use crate::table_height::{OtherTable, TableHeight};
 use crate::track::{MOVED_AFTER_HANDLED_NS, Track, WHOLE_FRACTION_MIN};
+use crate::track_initiation::{TrackInitiation, may_be_part};
 use crate::track_recovery::{TrackRecovery, occlusion_of_unmatched};
 use crate::{Config, Posterior};
 use constraint::Ternary;
-use detection::{Candidate, Detection, ExpectedTrack, Support, Table};
+use detection::{Candidate, Detection, ExpectedTrack, Table};
 use geometry::OrientedBox;
 use learning::{CategoryIndex, TrackEvidence};
 use nalgebra::Vector3;
 use point_cloud::Point;
 use tracking::{
-    AssociationBuffers, DepthView, MotionFilter, OcclusionState, PredictedTrack, TrackLifecycle,
-    TrackPhase, Visibility, appearance_cost, associate, fraction_inside,
+    AssociationBuffers, DepthView, MotionFilter, OcclusionState, PredictedTrack, Visibility,
+    appearance_cost, associate, fraction_inside,
 };
 
 /// Distance between the spheres around two objects within which a hand that moves one may move
@@ -39,25 +40,6 @@ const GATE_SIGMA_MAX_M: f64 = 0.04;
 /// Volume ratio of measured to predicted box above which a view shows the whole object.
 /// Chosen.
 const WHOLE_VOLUME_RATIO_MIN: f64 = 0.7;
-
-/// Time after hand contact in which no new track starts near the handled object,
-/// nanoseconds. Chosen.
-const HANDLED_NS: u64 = 500_000_000;
-
-/// Margin around a recently handled object in which no new track starts, metres: the
-/// hand may split the object into parts. Chosen.
-const HANDLED_MARGIN_M: f64 = 0.03;
-
-/// Point-count ratio below which a candidate may be a part of a larger one. Chosen.
-const PART_POINTS_RATIO_MAX: f64 = 0.12;
-
-/// Largest horizontal distance of a part's centre from the box of the larger candidate,
-/// metres. Chosen.
-const PART_DISTANCE_MAX_M: f64 = 0.035;
-
-/// Largest Euclidean distance between the mean colours of a part and the larger
-/// candidate, per channel 0 to 255. Chosen.
-const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 
 /// Fraction of a candidate inside a visible track's box, or of that box inside the
 /// candidate, above which they fill the same space.
@@ -88,7 +70,8 @@ pub struct TrackUpdate {
     pub sightings: Vec<Sighting>,
     /// Track-ids of the tracks that ended.
     pub ended_tracks: Vec<u64>,
-    /// Indices of the candidates that neither continued nor started a track, ascending.
+    /// Indices of the candidates that are neither of a track nor of an object that is not yet
+    /// certain, ascending.
     pub rejected_candidates: Vec<usize>,
 }
 
@@ -98,6 +81,7 @@ pub struct TrackTable {
     config: Config,
     tracks: Vec<Track>,
     lost_tracks: LostTrackGallery,
+    initiation: TrackInitiation,
     /// Measurements of the candidates of the frame that no track has yet.
     measured: Vec<Option<CandidateMeasurement>>,
     association: AssociationBuffers,
@@ -115,6 +99,7 @@ impl TrackTable {
             config,
             tracks: Vec::new(),
             lost_tracks: LostTrackGallery::default(),
+            initiation: TrackInitiation::default(),
             measured: Vec::new(),
             association: AssociationBuffers::default(),
             recovery: TrackRecovery::default(),
@@ -146,6 +131,7 @@ impl TrackTable {
     pub fn clear(&mut self, gone: &mut Vec<u64>) {
         gone.extend(self.tracks.drain(..).map(|track| track.id));
         self.lost_tracks.clear();
+        self.initiation.clear();
         self.depth_noise = DepthNoiseEstimate::default();
         self.light = LightEstimate::default();
         self.other_table.clear();
@@ -156,6 +142,8 @@ impl TrackTable {
     /// last measured box as well, since its motion may have stopped.
     pub fn predict(&mut self, frame: &FramePose, expected: &mut Vec<ExpectedTrack>) {
         self.predict_tracks(frame);
+        self.initiation
+            .predict(frame.capture_ns, self.config.motion());
         let camera_from_world = frame.world_from_camera.inverse();
         expected.clear();
         for track in &self.tracks {
@@ -173,6 +161,16 @@ impl TrackTable {
                 });
             }
         }
+        for prospect in self.initiation.prospects() {
+            expected.push(ExpectedTrack {
+                oriented_box: prospect
+                    .filter
+                    .box_in_world()
+                    .transformed(&camera_from_world),
+                n_points: prospect.measured.n_points,
+                colors: Some(prospect.measured.appearance.colors),
+            });
+        }
     }
 
     /// Updates all tracks with a detection: association, recovery, termination of lost tracks
@@ -181,7 +179,7 @@ impl TrackTable {
     /// An existing track accepts its candidate regardless of the constraint rule, for
     /// instance at the table's rim or in the air. In the space of a person or the robot
     /// it accepts only candidates of similar appearance. A new track needs a candidate
-    /// for which the rule is true. Of a frame whose table is another than that of the tracks only
+    /// for which the rule is true, and starts when an existence test has accepted it. Of a frame whose table is another than that of the tracks only
     /// the candidates on theirs count; where theirs is not found, no object is said to be gone. `next_id` supplies ascending
     /// ids, or `None` while there are none; `cloud` is the cloud of the detection.
     pub fn update(
@@ -226,15 +224,16 @@ impl TrackTable {
         self.recover_tracks(frame, update);
         self.mark_missed(frame);
         self.remove_lost_tracks(frame, update);
-        self.start_tracks(detection, frame, &mut next_id, update);
+        self.start_tracks(detection, frame, view.as_ref(), &mut next_id, update);
         self.remember_tables(detection, frame, update);
         let TrackUpdate {
             sightings,
             rejected_candidates,
             ..
         } = update;
-        let is_matched = |i: &usize| sightings.iter().any(|sighting| sighting.candidate == *i);
-        rejected_candidates.extend((0..detection.candidates.len()).filter(|i| !is_matched(i)));
+        let is_matched = |i: usize| sightings.iter().any(|sighting| sighting.candidate == i);
+        let is_of_none = |i: &usize| !is_matched(*i) && !self.initiation.has_candidate(*i);
+        rejected_candidates.extend((0..detection.candidates.len()).filter(is_of_none));
     }
 
     /// Applies an object's posterior to its track. A posterior of an ended track, or one
@@ -300,13 +299,17 @@ impl TrackTable {
         detection.candidates.iter().any(is_handled) || self.tracks.iter().any(was_handled)
     }
 
-    /// True if a surface is the table of a confirmed track, or none of them has one.
+    /// True if a surface is the table of a track, or none of them has one.
     fn is_of_tracks(&self, surface: &TableHeight) -> bool {
-        let mut of_tracks = self.confirmed().filter_map(|track| track.table).peekable();
+        let mut of_tracks = self
+            .tracks
+            .iter()
+            .filter_map(|track| track.table)
+            .peekable();
         of_tracks.peek().is_none() || of_tracks.any(|table| table.is_same(surface))
     }
 
-    /// True if one of the surfaces that carry objects is the table of a confirmed track, or none of
+    /// True if one of the surfaces that carry objects is the table of a track, or none of
     /// them has one.
     fn is_any_of_tracks(&self, detection: &Detection, frame: &FramePose) -> bool {
         let surfaces = detection.surfaces.iter();
@@ -319,16 +322,11 @@ impl TrackTable {
     fn watch_other_table(&mut self, surface: Option<TableHeight>, frame: &FramePose) {
         let Some(surface) = surface else { return };
         let is_in_view = |track: &Track| track.visibility() == Visibility::Missing;
-        if self.is_of_tracks(&surface) || self.confirmed().any(is_in_view) {
+        if self.is_of_tracks(&surface) || self.tracks.iter().any(is_in_view) {
             self.other_table.clear();
         } else {
             self.other_table.found(surface, frame.capture_ns);
         }
-    }
-
-    fn confirmed(&self) -> impl Iterator<Item = &Track> {
-        let tracks = self.tracks.iter();
-        tracks.filter(|track| track.phase() == TrackPhase::Confirmed)
     }
 
     /// Measures the candidates; of a frame of another table only those on a surface of the tracks.
@@ -391,12 +389,10 @@ impl TrackTable {
         })
     }
 
-    /// Confirmed, visible tracks other than one.
+    /// Visible tracks other than one.
     fn visible_others(&self, than: usize) -> impl Iterator<Item = &Track> {
         let others = self.tracks.iter().enumerate();
-        others.filter_map(move |(i, track)| {
-            (i != than && track.is_confirmed_and_visible()).then_some(track)
-        })
+        others.filter_map(move |(i, track)| (i != than && track.is_visible()).then_some(track))
     }
 
     /// True if a candidate is a part of another object than that of a track: it is in the box of
@@ -439,9 +435,8 @@ impl TrackTable {
         update: &mut TrackUpdate,
     ) {
         for is_recent in [true, false] {
-            let is_expected = |track: &Track| {
-                track.unmatched.is_some() && track.is_confirmed_and_visible() == is_recent
-            };
+            let is_expected =
+                |track: &Track| track.unmatched.is_some() && track.is_visible() == is_recent;
             if !self.tracks.iter().any(is_expected) {
                 continue;
             }
@@ -461,7 +456,7 @@ impl TrackTable {
         }
     }
 
-    /// Shift that the confirmed objects seen whole share, metres.
+    /// Shift that the objects seen whole share, metres.
     fn shared_shift_m(&mut self, update: &TrackUpdate) -> Vector3<f64> {
         self.shared_shift.clear();
         for sighting in &update.sightings {
@@ -469,7 +464,7 @@ impl TrackTable {
                 continue;
             };
             let track = &self.tracks[i];
-            if track.phase() == TrackPhase::Confirmed && !sighting.measured.is_truncated {
+            if !sighting.measured.is_truncated {
                 let measured = sighting.measured.measurement.box_in_world().centre();
                 self.shared_shift
                     .add(&(measured - track.box_in_world().centre()));
@@ -477,7 +472,6 @@ impl TrackTable {
         }
         for track in &self.tracks {
             if track.unmatched.is_some()
-                && track.phase() == TrackPhase::Confirmed
                 && let Some(shift_m) = shift_to_alike(track, &self.measured, &self.config)
             {
                 self.shared_shift.add(&shift_m);
@@ -575,7 +569,7 @@ impl TrackTable {
     fn remove_lost_tracks(&mut self, frame: &FramePose, update: &mut TrackUpdate) {
         let lost_tracks = &mut self.lost_tracks;
         self.tracks.retain(|track| {
-            let is_lost = track.phase() == TrackPhase::Lost;
+            let is_lost = track.lifecycle.is_lost();
             if is_lost {
                 update.ended_tracks.push(track.id);
                 lost_tracks.insert(track, frame.capture_ns);
@@ -590,54 +584,40 @@ impl TrackTable {
         sightings.retain(|sighting| !ended_tracks.contains(&sighting.track_id));
     }
 
+    /// Starts a track with each new object that is certain by now.
     fn start_tracks(
         &mut self,
         detection: &Detection,
         frame: &FramePose,
+        view: Option<&DepthView<'_>>,
         next_id: &mut impl FnMut() -> Option<u64>,
         update: &mut TrackUpdate,
     ) {
-        for (candidate, measured) in self.measured.iter_mut().enumerate() {
-            let is_object = detection.candidates[candidate].verdict == Ternary::True;
-            let Some(measured) = measured.take().filter(|_| is_object) else {
-                continue;
+        let candidates = detection.candidates.as_slice();
+        let measured = self.measured.as_mut_slice();
+        let known = (self.tracks.as_slice(), frame, &self.config);
+        self.initiation.follow(measured, frame, view, &self.config);
+        self.initiation
+            .start(measured, &self.config, |i, measured| {
+                candidates[i].verdict == Ternary::True
+                    && !may_be_part(&candidates[i], measured, candidates, known)
+            });
+        self.initiation.take_certain(|object, candidate| {
+            let Some(track_id) = next_id() else {
+                return false;
             };
-            if is_part_of_handled(&self.tracks, &measured, frame)
-                || is_part_of_returning(&self.tracks, &measured, &self.config)
-                || is_inside_visible(&self.tracks, &measured)
-                || is_part_of_larger(&detection.candidates[candidate], &detection.candidates)
-            {
-                continue;
-            }
-            let Some(track_id) = next_id() else { return };
             update.sightings.push(Sighting {
                 track_id,
                 candidate,
-                measured,
+                measured: object.measured,
                 is_new: true,
             });
-            let filter = MotionFilter::start(&measured.measurement, self.config.motion());
-            self.tracks.push(Track {
-                id: track_id,
-                first_seen_ns: frame.capture_ns,
-                last_seen_ns: frame.capture_ns,
-                measured,
-                n_views: 0,
-                evidence: TrackEvidence::default(),
-                n_key_views: 0,
-                reidentified_as: self
-                    .lost_tracks
-                    .reidentify(&measured.appearance, frame.capture_ns),
-                lifecycle: TrackLifecycle::start(frame.capture_ns, measured.evidence),
-                updated_filter: filter,
-                filter,
-                appearance: measured.appearance,
-                last_handled_ns: 0,
-                table: None,
-                n_frames_duplicate: 0,
-                unmatched: None,
-            });
-        }
+            let looks_like = &object.measured.appearance;
+            let lost = self.lost_tracks.reidentify(looks_like, frame.capture_ns);
+            self.tracks
+                .push(Track::start(track_id, object, lost, frame.capture_ns));
+            true
+        });
     }
 }
 
@@ -683,76 +663,6 @@ fn predicted(track: &Track, shift_m: &Vector3<f64>) -> PredictedTrack {
     }
 }
 
-/// True if a candidate may be a part of a recently handled object.
-fn is_part_of_handled(
-    tracks: &[Track],
-    measured: &CandidateMeasurement,
-    frame: &FramePose,
-) -> bool {
-    let centre = measured.measurement.box_in_world().centre();
-    tracks.iter().any(|track| {
-        track.was_handled(frame.capture_ns, HANDLED_NS)
-            && track.box_in_world().contains(&centre, HANDLED_MARGIN_M)
-    })
-}
-
-/// True if a candidate that the image border cuts may be the part in view of a kept track that
-/// is still out of view. More of it decides: a new track would be a second one of the object.
-fn is_part_of_returning(
-    tracks: &[Track],
-    measured: &CandidateMeasurement,
-    config: &Config,
-) -> bool {
-    let (part, centre) = (
-        &measured.appearance,
-        measured.measurement.box_in_world().centre(),
-    );
-    let similarity_min = config.association().color_similarity_min;
-    measured.is_truncated_by_image
-        && tracks.iter().any(|track| {
-            track.phase() == TrackPhase::Confirmed
-                && track.visibility() == Visibility::OutOfView
-                && track.box_in_world().contains(&centre, POSE_ERROR_MAX_M)
-                && track.appearance.colors.similarity(&part.colors) >= similarity_min
-        })
-}
-
-/// True if a candidate fills the same space as an object that was seen in this frame: it is
-/// a fragment of that object, or both are.
-fn is_inside_visible(tracks: &[Track], measured: &CandidateMeasurement) -> bool {
-    let seen = measured.measurement.box_in_world();
-    tracks
-        .iter()
-        .filter(|track| track.is_confirmed_and_visible())
-        .any(|track| {
-            let known = track.box_in_world();
-            fraction_inside(seen, &known) >= SAME_SPACE_FRACTION_MIN
-                || fraction_inside(&known, seen) >= SAME_SPACE_FRACTION_MIN
-        })
-}
-
-/// True if a candidate is probably a detached part of a larger one, such as a mug's
-/// handle without depth at its joint: few points, similar colour, close, and not
-/// supported by the table.
-fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
-    let is_like = |whole: &Candidate| {
-        let pairs = part.mean_rgb.iter().zip(whole.mean_rgb);
-        let squares = pairs.map(|(a, b)| (a - b) * (a - b));
-        squares.sum::<f32>().sqrt() <= PART_COLOR_DISTANCE_MAX
-    };
-    let centre = part.oriented_box.centre();
-    part.support != Some(Support::Table)
-        && candidates.iter().any(|whole| {
-            let place = whole.oriented_box.frame_from_box.inverse() * centre;
-            let half = whole.oriented_box.half_sides_m;
-            part.n_points() as f64 <= PART_POINTS_RATIO_MAX * whole.n_points() as f64
-                && place.x.abs() <= half.x + PART_DISTANCE_MAX_M
-                && place.y.abs() <= half.y + PART_DISTANCE_MAX_M
-                && place.z.abs() <= half.z
-                && is_like(whole)
-        })
-}
-
 /// Continues a track with a candidate.
 fn update_track(
     track: &mut Track,
@@ -761,9 +671,7 @@ fn update_track(
     frame: &FramePose,
     update: &mut TrackUpdate,
 ) {
-    track.lifecycle = track
-        .lifecycle
-        .observed(frame.capture_ns, measured.evidence);
+    track.lifecycle = track.lifecycle.observed(frame.capture_ns);
     track.last_seen_ns = frame.capture_ns;
     track.unmatched = None;
     if measured.measurement.conditions().is_handled() {

@@ -23,7 +23,7 @@ pub struct Snapshot {
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
     /// Plane of the table; `None` without one.
     pub table_in_world: Option<Plane>,
-    /// Tracked objects, by track-id; tentative ones are left out.
+    /// Tracked objects, by track-id.
     pub objects: Vec<SnapshotObject>,
     /// Run of the source that the frame is of.
     pub session: u64,

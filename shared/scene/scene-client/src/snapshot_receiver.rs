@@ -96,7 +96,7 @@ impl SnapshotReceiver {
         };
         let header = scene.header();
         let objects = scene.items().iter().copied();
-        let objects: Vec<SceneObject> = objects.filter(is_confirmed).collect();
+        let objects: Vec<SceneObject> = objects.filter(is_valid).collect();
         release(&mut self.held, header.session, header.sequence);
         let is_known = |track: &u64| objects.iter().any(|object| object.track_id == *track);
         self.newest_clouds.retain(|track, _| is_known(track));
@@ -219,9 +219,8 @@ fn release(held: &mut VecDeque<SharedMessage<CameraCloud>>, session: u64, sequen
     });
 }
 
-/// True for an object that is more than a tentative track and has a place.
-fn is_confirmed(object: &SceneObject) -> bool {
-    let state = TrackState::from_code(object.state);
+/// True for an object with a known state and a place.
+fn is_valid(object: &SceneObject) -> bool {
     let has_place = object.pose.position_m.iter().all(|c| c.is_finite());
-    has_place && state.is_some_and(|state| state != TrackState::Tentative)
+    has_place && TrackState::from_code(object.state).is_some()
 }

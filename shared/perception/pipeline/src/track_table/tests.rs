@@ -1,10 +1,11 @@
 use super::*;
 use constraint::{Constraint, ConstraintSet, Finding, Findings, Reason};
+use detection::Support;
 use geometry::{OrientedBox, PinholeCamera, RigidTransform};
 use nalgebra::{Point3, Vector3};
 use point_cloud::Rgba;
 use sensor_noise::DepthNoise;
-use tracking::{AssociationConfig, MotionConfig};
+use tracking::{AssociationConfig, Measurement, MotionConfig};
 
 mod surfaces;
 
@@ -41,6 +42,7 @@ fn cloud() -> Vec<Point> {
 /// Small candidate that is a part of a larger one.
 fn small_at(x: f64) -> Candidate {
     let mut small = candidate_at(x);
+    small.range = 0..40;
     small.oriented_box.half_sides_m = Vector3::repeat(0.02);
     small
 }
@@ -155,7 +157,11 @@ fn objects_keep_their_ids_and_new_ones_get_the_next() {
         fixture.frame(&[0.0, 0.3]);
     }
     assert_eq!(fixture.ids(), [1, 2]);
-    fixture.frame(&[0.3, 0.6, 0.0]);
+    for n_tracks in [2, 2, 3] {
+        fixture.frame(&[0.3, 0.6, 0.0]);
+        assert_eq!(fixture.ids().len(), n_tracks, "certain in the third frame");
+        assert_eq!(fixture.update.rejected_candidates, [0_usize; 0]);
+    }
     assert_eq!(fixture.ids(), [1, 2, 3]);
     let new = fixture
         .update
@@ -220,15 +226,17 @@ fn a_track_ends_in_free_space_beyond_the_depth_noise() {
 
 #[test]
 fn a_track_is_measured_with_the_depth_noise_of_the_camera() {
-    let mut fixture = TableFixture::new();
     let variances_m2 = [DepthNoise::KINECT_V1, DepthNoise::KINECT_V1.scaled(4.0)].map(|law| {
+        let mut fixture = TableFixture::new();
         let detection = Detection {
             candidates: vec![candidate_at(fixture.n_frames as f64)],
             point_indices: (0..100).collect(),
             depth_noise: law,
             ..Detection::default()
         };
-        fixture.update(&detection, &cloud(), None);
+        for _ in 0..3 {
+            fixture.update(&detection, &cloud(), None);
+        }
         let track = fixture.table.tracks().last().unwrap();
         track.position_covariance_m2()[(2, 2)]
     });
@@ -238,7 +246,7 @@ fn a_track_is_measured_with_the_depth_noise_of_the_camera() {
 #[test]
 fn no_track_starts_without_an_id_and_clearing_ends_all() {
     let mut fixture = TableFixture::new();
-    fixture.frame(&[0.0]);
+    fixture.confirm(&[0.0]);
     let mut gone = Vec::new();
     fixture.table.clear(&mut gone);
     assert_eq!((gone, fixture.ids()), (vec![1], vec![]));
@@ -247,29 +255,40 @@ fn no_track_starts_without_an_id_and_clearing_ends_all() {
         point_indices: (0..200).collect(),
         ..Detection::default()
     };
-    let frame = FramePose {
+    let mut frame = FramePose {
         capture_ns: 1,
         world_from_camera: RigidTransform::identity(),
         up_in_camera: None,
         camera: None,
     };
-    fixture
-        .table
-        .update(&detection, &cloud(), &frame, || None, &mut fixture.update);
-    assert_eq!(
-        (fixture.ids(), &fixture.update.rejected_candidates),
-        (vec![], &vec![0])
-    );
+    let mut ids_after = |next_id: Option<u64>| {
+        frame.capture_ns += FRAME_NS;
+        fixture.table.predict(&frame, &mut Vec::new());
+        fixture.table.update(
+            &detection,
+            &cloud(),
+            &frame,
+            || next_id,
+            &mut fixture.update,
+        );
+        fixture.ids()
+    };
+    for _ in 0..6 {
+        assert_eq!(ids_after(None), [0_u64; 0]);
+    }
+    assert_eq!(ids_after(Some(7)), [7], "the object has waited for an id");
 }
 
 #[test]
 fn only_an_accepted_candidate_starts_a_track() {
     let mut fixture = TableFixture::new();
-    fixture.frame_of(vec![
-        candidate_with_verdict(0.0, Ternary::False),
-        candidate_at(0.3),
-        candidate_with_verdict(0.6, Ternary::Unknown),
-    ]);
+    for _ in 0..3 {
+        fixture.frame_of(vec![
+            candidate_with_verdict(0.0, Ternary::False),
+            candidate_at(0.3),
+            candidate_with_verdict(0.6, Ternary::Unknown),
+        ]);
+    }
     assert_eq!(fixture.ids(), [1]);
     assert_eq!(fixture.update.sightings[0].candidate, 1);
     assert_eq!(fixture.update.rejected_candidates, [0, 2]);
@@ -350,10 +369,26 @@ fn a_hand_that_covers_an_object_does_not_shrink_its_track() {
 #[test]
 fn duplicate_tracks_are_merged() {
     let mut fixture = TableFixture::new();
-    fixture.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
-    fixture.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
+    fixture.frame_of(vec![candidate_at(0.0), small_at(0.3)]);
+    fixture.frame_of(vec![candidate_at(0.0), small_at(0.3)]);
+    fixture.frame_of(vec![candidate_at(0.0), small_at(0.3)]);
     assert_eq!(fixture.ids(), [1, 2]);
-    // In some frames detection sees the whole.
+    // The second track has ended up in the first, which detection sees as a whole.
+    let shape = |track: &Track, x: f64| {
+        let mut moved = track.measured.measurement;
+        moved = Measurement::new(
+            moved.stamp_ns(),
+            OrientedBox {
+                frame_from_box: RigidTransform::translation(x, 0.0, 0.8),
+                ..*moved.box_in_world()
+            },
+            *moved.conditions(),
+        )
+        .unwrap();
+        MotionFilter::start(&moved, &MotionConfig::default())
+    };
+    let inside = shape(&fixture.table.tracks[1], 0.02);
+    fixture.table.tracks[1].updated_filter = inside;
     for _ in 0..3 {
         fixture.frame(&[0.0]);
     }
@@ -363,6 +398,7 @@ fn duplicate_tracks_are_merged() {
 #[test]
 fn a_returning_object_is_reidentified() {
     let mut fixture = TableFixture::new();
+    fixture.confirm(&[0.0]);
     for _ in 0..10 {
         fixture.frame(&[0.0]);
         let posterior = posterior_of(&fixture.table.tracks()[0]);
@@ -372,9 +408,9 @@ fn a_returning_object_is_reidentified() {
         fixture.frame(&[]);
     }
     assert_eq!(fixture.ids(), [0_u64; 0]);
-    fixture.frame(&[0.4]);
+    fixture.confirm(&[0.4]);
     assert_eq!(fixture.table.tracks()[0].reidentified_as, Some(1));
-    fixture.frame(&[0.4, 0.9]);
+    fixture.confirm(&[0.4, 0.9]);
     assert_eq!(
         fixture.table.tracks()[1].reidentified_as,
         None,
@@ -444,7 +480,9 @@ fn no_track_starts_in_the_space_of_a_visible_one() {
         fixture.frame_of(vec![candidate_at(0.0), small_at(0.02)]);
     }
     assert_eq!(fixture.ids(), [1]);
-    fixture.frame_of(vec![candidate_at(0.0), small_at(0.12)]);
+    for _ in 0..3 {
+        fixture.frame_of(vec![candidate_at(0.0), small_at(0.12)]);
+    }
     assert_eq!(fixture.ids(), [1, 2]);
 }
 
@@ -567,7 +605,10 @@ fn an_object_is_expected_where_the_others_have_shifted_to() {
         }
         let large = [0.0, 0.6].map(|x| large_at(x + shift_of_large_m));
         let small = candidate_at(1.2 + shift_of_small_m);
-        fixture.frame_of(large.into_iter().chain([small]).collect());
+        for _ in 0..3 {
+            let shifted = large.iter().cloned().chain([small.clone()]);
+            fixture.frame_of(shifted.collect());
+        }
         fixture.ids()
     };
     assert_eq!(ids_after(0.05, 0.05), [1, 2, 3]);
@@ -601,7 +642,9 @@ fn a_part_at_the_image_border_starts_no_track_where_a_kept_one_is_out_of_view() 
         }
         fixture.world_from_camera = RigidTransform::translation(camera_x, 0.0, 0.0);
         show(&mut fixture, None);
-        show(&mut fixture, Some(part));
+        for _ in 0..3 {
+            show(&mut fixture, Some(part.clone()));
+        }
         fixture.ids().len()
     };
     // The corner of an object that returns 10 cm beside its place, in a camera at 0.6 m.
@@ -651,4 +694,29 @@ fn a_shift_that_all_objects_share_is_noise_of_the_camera_pose() {
     assert!(pose_noise(&[0.02, 0.32, 0.62]) > 0.05);
     assert_eq!(pose_noise(&[0.02, 0.3, 0.6]), 0.0);
     assert_eq!(pose_noise(&[0.002, 0.302, 0.602]), 0.0);
+}
+
+#[test]
+fn object_beside_a_larger_one_is_a_track_after_half_a_second() {
+    let n_frames = |part_x: f64| {
+        let mut fixture = TableFixture::new();
+        (1..60).find(|_| {
+            fixture.frame_of(vec![candidate_at(0.0), small_at(part_x)]);
+            fixture.ids().len() == 2
+        })
+    };
+    assert_eq!(n_frames(0.2), Some(3));
+    assert_eq!(n_frames(0.08), Some(15));
+}
+
+#[test]
+fn cluster_that_comes_and_goes_neither_starts_nor_ends_a_track() {
+    let mut fixture = TableFixture::new();
+    for frame in 0..200 {
+        let is_apart = frame % 3 == 0;
+        let part = is_apart.then(|| small_at(0.08));
+        fixture.frame_of([candidate_at(0.0)].into_iter().chain(part).collect());
+        assert!(fixture.update.ended_tracks.is_empty());
+    }
+    assert_eq!((fixture.ids(), fixture.last_id), (vec![1], 1));
 }

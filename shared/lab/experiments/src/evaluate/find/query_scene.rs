@@ -6,13 +6,11 @@ use crate::evaluate::tracking::tracking_pipeline::TrackingPipeline;
 use evaluation::scene_picture;
 use geometry::PinholeCamera;
 use nalgebra::Vector3;
-use pipeline::Track;
 use point_cloud::{ColorTerm, Point, Rgba};
 use random::Random;
 use referring_expression::{Lesson, QueryWorld, Viewpoint, WorldObject};
 use service::Failure;
 use simulated_world::{ModelChoice, ModelLibrary, ObjectModel, SimulatedKinect, World};
-use tracking::TrackPhase;
 
 /// Number of frames after which the scene is asked about.
 const N_FRAMES: u64 = 12;
@@ -241,8 +239,7 @@ fn clear_term(rgb: [u8; 3]) -> Option<ColorTerm> {
 /// taught its category.
 fn tracks(tracker: &TrackingPipeline, objects: &mut [TrueObject]) -> Vec<WorldObject> {
     let mut tracks = Vec::new();
-    let confirmed = |track: &&Track| track.phase() == TrackPhase::Confirmed;
-    for track in tracker.tracks().iter().filter(confirmed) {
+    for track in tracker.tracks() {
         let body = track.box_in_world();
         let centre = body.frame_from_box.translation.vector;
         let distance = |object: &TrueObject| (object.centre_in_world_m - centre).norm();

@@ -3,7 +3,7 @@
 use evaluation::tracked_frame::TrackState;
 use learning::CategoryIndex;
 use pipeline::{Config, FramePipeline, SequentialFrame, SequentialState, Track, TrackUpdate};
-use tracking::{AssociationConfig, MotionConfig, TrackPhase, Visibility};
+use tracking::{AssociationConfig, MotionConfig, Visibility};
 
 /// Frame pipeline with its sequential executor.
 pub(in super::super) struct TrackingPipeline {
@@ -52,8 +52,7 @@ impl TrackingPipeline {
     pub(super) fn track_states(&self) -> Vec<TrackState> {
         let tracks = self.pipeline.tracks().iter().map(|track| TrackState {
             id: track.id,
-            is_output: track.visibility() == Visibility::Visible
-                && track.phase() == TrackPhase::Confirmed,
+            is_output: track.visibility() == Visibility::Visible,
             box_in_world: track.box_in_world(),
         });
         tracks.collect()
