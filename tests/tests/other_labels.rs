@@ -26,7 +26,7 @@ fn n_sides(daemon: &Daemon<'_>) -> Vec<(Value, Value)> {
 fn after_a_recording(sandbox: &Sandbox) -> Daemon<'_> {
     let folder = test_data::path("kitchen-sequence");
     let source = folder.to_str().unwrap();
-    let daemon = sandbox.start(&["--source", source, "--to", "220", "--lockstep"]);
+    let daemon = sandbox.start(&["--source", source, "--to", "300", "--lockstep"]);
     eventually("the recording ends", || {
         let camera = daemon.health(ProcessKind::CAMERA.word());
         camera.is_some_and(|camera| camera["state"] == "idle")

@@ -32,11 +32,16 @@ fn show(sandbox: &Sandbox, scene: usize) -> Daemon<'_> {
     ])
 }
 
-/// Waits until all tracks are confirmed and have key views.
+/// Views of an object after which all objects of a still scene have a track: one beside a larger
+/// object has to be found for half a second first.
+const N_VIEWS_SETTLED: u64 = 30;
+
+/// Waits until all objects of a still scene are tracked.
 fn settled(daemon: &Daemon<'_>) -> Vec<Value> {
     daemon.wait_for("all objects are tracked", |objects| {
-        let is_settled =
-            |object: &Value| object["state"] == "tracked" && object["n_views"].as_u64() >= Some(10);
+        let is_settled = |object: &Value| {
+            object["state"] == "tracked" && object["n_views"].as_u64() >= Some(N_VIEWS_SETTLED)
+        };
         !objects.is_empty() && objects.iter().all(is_settled)
     })
 }
