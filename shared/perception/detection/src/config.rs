@@ -76,7 +76,7 @@ impl Default for RawConfig {
             table_tilt_max_rad: 12_f64.to_radians(),
             height_min_m: 0.008,
             height_max_m: 0.60,
-            joins_parts: false,
+            joins_parts: true,
             points_min_at_1m: 100.0,
             side_min_m: 0.02,
             side_max_m: 0.80,

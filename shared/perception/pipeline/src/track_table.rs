@@ -139,7 +139,8 @@ impl TrackTable {
 
     /// Predicts all tracks to the frame and writes their expected boxes, camera frame,
     /// as a prior for detection. A track not measured in the last frame contributes its
-    /// last measured box as well, since its motion may have stopped.
+    /// last measured box as well, since its motion may have stopped. Prospective objects
+    /// contribute boxes that may be empty.
     pub fn predict(&mut self, frame: &FramePose, expected: &mut Vec<ExpectedTrack>) {
         self.predict_tracks(frame);
         self.initiation
@@ -167,7 +168,8 @@ impl TrackTable {
                     .filter
                     .box_in_world()
                     .transformed(&camera_from_world),
-                n_points: prospect.measured.n_points,
+                // Parts are not kept apart by what may be no object.
+                n_points: 0,
                 colors: Some(prospect.measured.appearance.colors),
             });
         }
@@ -179,9 +181,10 @@ impl TrackTable {
     /// An existing track accepts its candidate regardless of the constraint rule, for
     /// instance at the table's rim or in the air. In the space of a person or the robot
     /// it accepts only candidates of similar appearance. A new track needs a candidate
-    /// for which the rule is true, and starts when an existence test has accepted it. Of a frame whose table is another than that of the tracks only
-    /// the candidates on theirs count; where theirs is not found, no object is said to be gone. `next_id` supplies ascending
-    /// ids, or `None` while there are none; `cloud` is the cloud of the detection.
+    /// for which the rule is true, and starts when an existence test has accepted it. Of a frame
+    /// whose table is another than that of the tracks only the candidates on theirs count; where
+    /// theirs is not found, no object is said to be gone. `next_id` supplies ascending ids, or
+    /// `None` while there are none; `cloud` is the cloud of the detection.
     pub fn update(
         &mut self,
         detection: &Detection,

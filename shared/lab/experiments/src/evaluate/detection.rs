@@ -99,23 +99,24 @@ fn nothing_scored(arguments: &DetectionArguments, skipped: &[SkippedScene]) -> F
 /// Evaluator of labelled scenes, with buffers reused from scene to scene.
 struct SceneEvaluator<'a> {
     arguments: &'a DetectionArguments,
+    /// Configuration with each part of an object apart.
+    config_of_parts: Config,
+    /// Default configuration, which makes one object of its disjoint parts.
     config: Config,
-    /// Configuration that makes one object of its disjoint parts.
-    config_of_whole_objects: Config,
     workspace: Workspace,
     detection: Detection,
 }
 
 impl<'a> SceneEvaluator<'a> {
     fn new(arguments: &'a DetectionArguments) -> Result<Self, Failure> {
-        let whole_objects = RawConfig {
-            joins_parts: true,
+        let parts = RawConfig {
+            joins_parts: false,
             ..RawConfig::default()
         };
         Ok(Self {
             arguments,
+            config_of_parts: Config::new(parts).map_err(Failure::general)?,
             config: Config::default(),
-            config_of_whole_objects: Config::new(whole_objects).map_err(Failure::general)?,
             workspace: Workspace::default(),
             detection: Detection::default(),
         })
@@ -134,13 +135,9 @@ impl<'a> SceneEvaluator<'a> {
             up_in_camera: scene.up_in_camera,
             priors: ScenePriors::default(),
         };
-        let whole_objects = if scene.has_part_labels {
-            let found = self.find(&frame, true)?;
-            let scores = PsiScores::of(&found, &scene.whole_object_labels());
-            Some(scores.ok_or_else(no_object)?)
-        } else {
-            None
-        };
+        let found = self.find(&frame, true)?;
+        let whole_objects = PsiScores::of(&found, &scene.whole_object_labels());
+        let whole_objects = whole_objects.ok_or_else(no_object)?;
         let draws = self.draw_anew(&scene, frame)?;
         let found = self.find(&frame, false)?;
         let scores = PsiScores::of(&found, &scene.labels).ok_or_else(no_object)?;
@@ -207,9 +204,9 @@ impl<'a> SceneEvaluator<'a> {
         joins_parts: bool,
     ) -> Result<HypothesisImages, SceneError> {
         let config = if joins_parts {
-            &self.config_of_whole_objects
-        } else {
             &self.config
+        } else {
+            &self.config_of_parts
         };
         let (workspace, detection) = (&mut self.workspace, &mut self.detection);
         detect(frame, config, workspace, detection, Execution::default()).map_err(scene_error)?;

@@ -2,7 +2,7 @@
 
 use super::boundary::{BoundaryImage, BoundaryPair, RegionBoundary};
 use super::decision_tree::{FeatureLanes, LANES};
-use super::pair_features::{PairContext, PairFeatures, pair_features};
+use super::pair_features::{LOG_FOOTPRINT_RATIO, PairContext, PairFeatures, pair_features};
 use super::region::{Region, RegionSums, YawAxes};
 use crate::segmentation::{Bends, Cell, CellImage, NO_TRACK};
 use crate::table_reference::TableReference;
@@ -12,6 +12,10 @@ use sensor_noise::DepthNoise;
 
 /// Least log odds at which two regions are merged: even odds.
 const LOG_ODDS_MIN: f32 = 0.0;
+
+/// Greatest footprint of the common box of two regions of two clusters, as a multiple of the
+/// larger region's: of two equal things with a gap between them it is larger. Chosen.
+const FOOTPRINT_RATIO_MAX: f32 = 2.4;
 
 /// Prior log odds that two regions are one object because one track claims both, and that they
 /// are two because two tracks do. Chosen.
@@ -212,7 +216,12 @@ impl RegionAdjacency {
         let (mut rated, mut n) = ([0; LANES], 0);
         for edge in 0..self.edges.len() {
             if is_selected(&self.edges[edge].boundary.regions) {
-                lanes.set(n, &self.features(edge));
+                let features = self.features(edge);
+                if self.are_apart(edge, &features) {
+                    self.edges[edge].log_odds = f32::NEG_INFINITY;
+                    continue;
+                }
+                lanes.set(n, &features);
                 rated[n] = edge;
                 n += 1;
                 if n == LANES {
@@ -231,6 +240,14 @@ impl RegionAdjacency {
         for (&edge, log_odds) in edges.iter().zip(lanes.log_odds()) {
             self.edges[edge].log_odds = log_odds + self.prior_log_odds(edge);
         }
+    }
+
+    /// True if the regions of an edge, which are of two clusters, are apart on the table: equal
+    /// things in rows look like one in all other features.
+    fn are_apart(&self, edge: usize, features: &PairFeatures) -> bool {
+        let [a, b] = self.regions_of(edge).map(|region| region as usize);
+        self.cluster_of[a] != self.cluster_of[b]
+            && features[LOG_FOOTPRINT_RATIO].exp() > FOOTPRINT_RATIO_MAX
     }
 
     /// Prior log odds of an edge by the claims of tracks on its regions.

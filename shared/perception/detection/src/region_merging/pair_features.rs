@@ -49,6 +49,9 @@ pub const FEATURE_NAMES: [&str; N_FEATURES] = [
     "1 for regions of one cluster, 0 for those of two",
 ];
 
+/// Place of the footprint of the common box among the features.
+pub(super) const LOG_FOOTPRINT_RATIO: usize = 22;
+
 /// Greatest deviation from a plane, sigmas.
 const DEVIATION_MAX: f32 = 30.0;
 

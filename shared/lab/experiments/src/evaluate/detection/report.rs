@@ -21,8 +21,7 @@ pub(super) struct DetectionReport<'a> {
     pub(super) n_scenes: usize,
     overall: SegmentationScore,
     after_psi: SegmentationScore,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) whole_objects: Option<PsiScores>,
+    pub(super) whole_objects: PsiScores,
     #[serde(skip)]
     pub(super) all: SceneGroup,
     pub(super) groups: BTreeMap<&'a str, SceneGroup>,
@@ -91,8 +90,7 @@ pub(super) struct SceneGroup {
     pub(super) n_scenes: usize,
     #[serde(flatten)]
     pub(super) scores: PsiScores,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) whole_objects: Option<PsiScores>,
+    pub(super) whole_objects: PsiScores,
     pub(super) detection_ms: Percentiles,
 }
 
@@ -109,14 +107,12 @@ impl SceneGroup {
     /// Group of the scenes that fulfil a predicate; `None` if there are none.
     fn of(results: &[SceneResult], is_wanted: impl Fn(&SceneResult) -> bool) -> Option<Self> {
         let wanted: Vec<&SceneResult> = results.iter().filter(|result| is_wanted(result)).collect();
-        let whole_objects = wanted
-            .iter()
-            .filter_map(|result| result.whole_objects.as_ref());
+        let whole_objects = wanted.iter().map(|result| &result.whole_objects);
         let detection_ms = |result: &SceneResult| result.durations_ms.clone();
         Some(Self {
             n_scenes: wanted.len(),
             scores: PsiScores::mean(wanted.iter().map(|result| &result.scores))?,
-            whole_objects: PsiScores::mean(whole_objects),
+            whole_objects: PsiScores::mean(whole_objects)?,
             detection_ms: percentiles(wanted.iter().copied(), detection_ms)?,
         })
     }

@@ -46,37 +46,30 @@ fn measure_legend() -> String {
     measures.collect::<Vec<_>>().join("; ")
 }
 
-/// Score tables of the hypotheses before and after the object rule ψ: of the parts of objects
-/// where these have labels of their own, then of whole objects.
+/// Score tables of the hypotheses before and after the object rule ψ: of parts apart, then of
+/// whole objects.
 fn score_tables(document: &DetectionReport<'_>) -> Vec<ReportTable> {
-    let own = |group: &SceneGroup| Some(group.scores);
+    let own = |group: &SceneGroup| group.scores;
     let whole = |group: &SceneGroup| group.whole_objects;
-    let table = |title, scores: &dyn Fn(&SceneGroup) -> Option<PsiScores>, is_after| {
-        let rows = groups(document).into_iter().filter_map(|(name, group)| {
-            let scores = scores(group)?;
+    let table = |title, scores: &dyn Fn(&SceneGroup) -> PsiScores, is_after| {
+        let rows = groups(document).into_iter().map(|(name, group)| {
+            let scores = scores(group);
             let score = if is_after {
                 scores.after_psi
             } else {
                 scores.before_psi
             };
             let names = [name.to_owned(), group.n_scenes.to_string()];
-            Some(row(names, &score, group.detection_ms.p50))
+            row(names, &score, group.detection_ms.p50)
         });
         ReportTable::new(title, heads(["%", "scenes"]), rows.collect())
     };
-    if document.whole_objects.is_some() {
-        vec![
-            table("Parts before ψ", &own, false),
-            table("Parts after ψ", &own, true),
-            table("Whole objects before ψ", &whole, false),
-            table("Whole objects after ψ", &whole, true),
-        ]
-    } else {
-        vec![
-            table("Objects before ψ", &own, false),
-            table("Objects after ψ", &own, true),
-        ]
-    }
+    vec![
+        table("Parts before ψ", &own, false),
+        table("Parts after ψ", &own, true),
+        table("Whole objects before ψ", &whole, false),
+        table("Whole objects after ψ", &whole, true),
+    ]
 }
 
 /// All scenes, their groups and their halves, by name.

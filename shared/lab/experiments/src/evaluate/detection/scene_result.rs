@@ -18,12 +18,11 @@ pub(super) struct SceneResult {
     #[serde(skip)]
     pub(super) assumptions: Assumptions,
     pub(super) n_points: usize,
-    /// Scores against the labels as they are: of parts, where these have labels of their own.
+    /// Scores of the parts apart, against the labels as they are.
     #[serde(flatten)]
     pub(super) scores: PsiScores,
-    /// Scores of objects against labels whose parts are joined; `None` without labels of parts.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) whole_objects: Option<PsiScores>,
+    /// Scores of whole objects, against labels whose parts are joined.
+    pub(super) whole_objects: PsiScores,
     /// Scores over draws that must not matter; `None` without draws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) draws: Option<SceneDraws>,

@@ -234,7 +234,7 @@ fn report_lists_groups_halves_and_worst_scenes() {
         assumptions: Assumptions::default(),
         n_points: 1000,
         scores: scores(wov),
-        whole_objects: Some(scores(0.125)),
+        whole_objects: scores(0.125),
         draws: None,
         detection_ms: Percentiles { p50: 2.0, p99: 4.0 },
         durations_ms: vec![2.0, 4.0],
