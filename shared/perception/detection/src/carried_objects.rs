@@ -17,6 +17,7 @@ use crate::table::{BOARD_THICKNESS_MAX_M, SurfaceRole, Table};
 use crate::table_reference::TableReference;
 use crate::table_surface::TableSurface;
 use crate::walls::Walls;
+use geometry::Plane;
 use point_cloud::OrganizedCloud;
 use random::Random;
 
@@ -62,6 +63,8 @@ pub(crate) struct SharedBuffers {
     /// Pixels in the prism, per band of image rows.
     bands: Vec<Vec<u32>>,
     track_claims: TrackClaims,
+    /// Walls of the surfaces so far.
+    walls: Vec<Plane>,
     found_hypotheses: ScratchPool<Vec<ClusterHypothesis>>,
 }
 
@@ -111,7 +114,11 @@ impl CarriedObjects {
         let prism = Prism::over(table, config, &self.holes, &self.cells);
         let (bands, pixels) = (&mut shared.bands, &mut self.over_surface);
         prism.list_pixels(&on.frame.cloud, on.parallelism, bands, pixels);
-        self.walls.find(&shared.samples, table, &self.cells, config);
+        if table.role == SurfaceRole::Table {
+            shared.walls.clear();
+        }
+        let (samples, around) = (&shared.samples, (table, &self.cells));
+        self.walls.find(samples, around, config, &mut shared.walls);
         self.walls
             .remove_from(pixels, &on.frame.cloud, &table.depth_noise);
     }

@@ -66,6 +66,11 @@ impl LevelSearch<'_> {
         };
         let (table, table_length_m) = (table.plane, length_m(table));
         let mut is_table_raised = None;
+        let mut lowest_m = 0.0_f64;
+        let distance_m = |found: &PlaneCandidate| (found.plane.offset_m - table.offset_m).abs();
+        buffers
+            .found
+            .sort_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
         for index in 0..buffers.found.len() {
             if !self.may_be_level(&buffers.found[index], &table) {
                 continue;
@@ -77,15 +82,18 @@ impl LevelSearch<'_> {
             let is_raised = if level.gap_m > 0.0 {
                 self.is_raised(&level.plane, buffers)
             } else {
-                -level.gap_m <= self.config.height_max_m
+                lowest_m - level.gap_m <= self.config.height_max_m
                     && *is_table_raised.get_or_insert_with(|| self.is_raised(&table, buffers))
             };
             let is_found =
                 |found: &Table| is_same_surface(&found.plane, &level.plane, &level.middle);
             if surfaces.len() < N_SURFACES_MAX
                 && !surfaces.iter().any(is_found)
-                && let Some(role) = self.role(&level, is_raised, table_length_m)
+                && let Some(role) = self.role(&level, is_raised, (lowest_m, table_length_m))
             {
+                if role != SurfaceRole::Floor {
+                    lowest_m = lowest_m.min(level.gap_m);
+                }
                 self.append(&level.plane, TableChoice::Level, role, buffers, surfaces);
             }
         }
@@ -163,12 +171,17 @@ impl LevelSearch<'_> {
 
     /// Role of a level; `None` when it may be the top of an object, or the surface under the object
     /// whose top is the table. `is_raised` tells whether free space is seen beneath the upper of
-    /// the two.
-    fn role(&self, level: &Level, is_raised: bool, table_length_m: f64) -> Option<SurfaceRole> {
+    /// the two, `lowest_m` is the height over the table of the lowest level so far.
+    fn role(
+        &self,
+        level: &Level,
+        is_raised: bool,
+        (lowest_m, table_length_m): (f64, f64),
+    ) -> Option<SurfaceRole> {
         let below_m = -level.gap_m;
         let ratio = level.length_m / table_length_m.max(1e-3);
         let is_of_furniture = is_raised
-            && below_m <= self.config.height_max_m
+            && lowest_m - level.gap_m <= self.config.height_max_m
             && (1.0 / LENGTH_RATIO_MAX..=LENGTH_RATIO_MAX).contains(&ratio);
         if !is_of_furniture {
             return (below_m >= FLOOR_GAP_M).then_some(SurfaceRole::Floor);

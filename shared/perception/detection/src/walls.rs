@@ -2,7 +2,7 @@
 //!
 //! A wall, the back of a shelf, the side of a tote or a partition stands at the border of the
 //! surface: no part of the surface is seen behind it, and it goes on where no object of the surface
-//! can be, is longer than any object, or spans the whole surface. What lies in such a plane or
+//! can be, beneath the surface as well, is longer than any object, or spans the whole surface. What lies in such a plane or
 //! behind it is no object.
 
 use crate::RawConfig;
@@ -12,7 +12,7 @@ use crate::samples::Samples;
 use crate::table::Table;
 use crate::table_surface::TableSurface;
 use geometry::{Plane, RigidTransform};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use point_cloud::{Moments, OrganizedCloud};
 use random::Random;
 use sensor_noise::DepthNoise;
@@ -24,6 +24,10 @@ const HEIGHT_MIN_M: f32 = 0.02;
 /// Greatest sine of the angle between a wall and the vertical (25 degrees): the sides of totes
 /// slant. Chosen.
 const SLANT_SIN_MAX: f64 = 0.42;
+
+/// Least depth beneath the surface of a sample of a wall that goes on there, metres: the edge of a
+/// board is thinner. Chosen.
+const BENEATH_MIN_M: f32 = 0.05;
 
 /// Distance from the border within which a point of a wall stands over the surface, metres.
 /// Chosen.
@@ -44,6 +48,16 @@ const HYPOTHESIS_BEHIND_MAX_M: f64 = 0.3;
 /// Least extent along a wall, metres. Chosen.
 const EXTENT_MIN_M: f64 = 0.25;
 
+/// Least extent along a wall that goes on beneath the surface, metres: nothing that stands on the
+/// surface does. Chosen.
+const EXTENT_BENEATH_MIN_M: f64 = 0.12;
+
+/// Number of parts of the extent of a wall, most of which it fills. Chosen.
+const N_PARTS: usize = 16;
+
+/// Least number of parts with samples: two objects in one plane are no wall. Chosen.
+const N_PARTS_FILLED_MIN: usize = 11;
+
 /// Least extent of a wall that spans the surface, share of the extent of the surface. Chosen.
 const SPAN_SHARE_MIN: f64 = 0.8;
 
@@ -57,14 +71,24 @@ const OUTSIDE_SHARE_MIN: f64 = 0.2;
 /// Least share of the samples of an image on a wall. Chosen.
 const SHARE_MIN: f64 = 0.006;
 
-/// Number of hypotheses for a wall. Chosen.
+/// Number of hypotheses for a wall by samples from anywhere, which fit a large one well. Chosen.
 const N_HYPOTHESES: usize = 64;
+
+/// Number of hypotheses by neighbouring samples, which find a small one. Chosen.
+const N_LOCAL_HYPOTHESES: usize = 64;
+
+/// Distance between neighbouring samples of a hypothesis, samples of the image. Chosen: several
+/// centimetres at a metre.
+const NEIGHBOUR_STEP: usize = 6;
+
+/// Greatest difference in depth between neighbouring samples of a hypothesis, metres. Chosen.
+const NEIGHBOUR_DEPTH_MAX_M: f32 = 0.15;
 
 /// Greatest number of samples on which a hypothesis is counted. Chosen.
 const N_COUNTED: usize = 512;
 
 /// Greatest number of walls.
-const N_WALLS_MAX: usize = 4;
+const N_WALLS_MAX: usize = 6;
 
 /// Sample that may show a wall.
 #[derive(Debug, Clone, Copy)]
@@ -104,13 +128,14 @@ struct WallSearch<'a> {
 }
 
 impl Walls {
-    /// Find the walls around a surface.
+    /// Find the walls around a surface, and add them to those of the surfaces before, of which each
+    /// that is behind this one is a wall here, too.
     pub(crate) fn find(
         &mut self,
         samples: &Samples,
-        table: &Table,
-        cells: &TableSurface,
+        (table, cells): (&Table, &TableSurface),
         config: &RawConfig,
+        of_others: &mut Vec<Plane>,
     ) {
         let search = WallSearch {
             samples,
@@ -125,6 +150,13 @@ impl Walls {
         let all = 0..samples.len();
         self.pool
             .extend(all.filter_map(|one| search.wall_sample(one)));
+        for plane in of_others.iter() {
+            if search.is_behind(plane, BEHIND_MAX_M) {
+                self.planes.push(*plane);
+                let plane = AffineForm::from(plane);
+                self.pool.retain(|one| !one.is_on(&plane));
+            }
+        }
         let mut random = hypothesis_draws();
         for _ in 0..N_WALLS_MAX {
             let Some(plane) = search.largest_plane_behind(&self.pool, &mut random) else {
@@ -132,6 +164,7 @@ impl Walls {
             };
             if search.is_wall(&plane, &self.pool) {
                 self.planes.push(plane);
+                of_others.push(plane);
             }
             let plane = AffineForm::from(&plane);
             self.pool.retain(|one| !one.is_on(&plane));
@@ -191,9 +224,13 @@ impl WallSearch<'_> {
         }
         let counted = pool.iter().step_by(pool.len().div_ceil(N_COUNTED));
         let mut best = (0, None);
-        for _ in 0..N_HYPOTHESES {
-            let [a, b, c] = [0; 3].map(|_| pool[random.below(pool.len())].point());
-            let plane = Plane::through_points(&a, &b, &c);
+        for number in 0..N_HYPOTHESES + N_LOCAL_HYPOTHESES {
+            let plane = if number < N_HYPOTHESES {
+                let [a, b, c] = [0; 3].map(|_| pool[random.below(pool.len())].point());
+                Plane::through_points(&a, &b, &c)
+            } else {
+                self.plane_at(pool[random.below(pool.len())].sample as usize)
+            };
             let plane = plane.map(|plane| plane.facing(&Point3::origin()));
             let Some(plane) = plane.filter(|one| self.is_behind(one, HYPOTHESIS_BEHIND_MAX_M))
             else {
@@ -214,6 +251,26 @@ impl WallSearch<'_> {
         let form = AffineForm::from(&plane);
         let n = pool.iter().filter(|one| one.is_on(&form)).count();
         (n >= self.n_min).then_some(plane)
+    }
+
+    /// Plane through a sample and its neighbours in the image, below and to the right; `None` across
+    /// a step in depth.
+    fn plane_at(&self, sample: usize) -> Option<Plane> {
+        let width = self.samples.width();
+        let right = sample + NEIGHBOUR_STEP;
+        let below = sample + NEIGHBOUR_STEP * width;
+        if right / width != sample / width || below >= self.samples.len() {
+            return None;
+        }
+        let depth_m = self.samples.depth(sample);
+        let is_near = |other: usize| {
+            let step_m = self.samples.depth(other) - depth_m;
+            self.samples.depth(other) > 0.0 && step_m.abs() <= NEIGHBOUR_DEPTH_MAX_M
+        };
+        let [a, b, c] = [sample, right, below].map(|one| self.samples.position(one));
+        (is_near(right) && is_near(below))
+            .then(|| Plane::through_points(&a, &b, &c))
+            .flatten()
     }
 
     /// `true` for a steep plane that faces the camera and has all corners of the surface at most a
@@ -240,12 +297,38 @@ impl WallSearch<'_> {
             n_outside += usize::from(self.is_outside(one.sample as usize));
             seen.add(along.dot(&one.point().coords));
         }
-        let goes_on = n_outside as f64 >= OUTSIDE_SHARE_MIN * n as f64;
-        let spans =
-            seen.length() >= SPAN_MIN_M && seen.length() >= SPAN_SHARE_MIN * surface.length();
-        let is_too_long = seen.length() > self.config.side_max_m;
-        let is_large = spans || is_too_long || goes_on && seen.length() >= EXTENT_MIN_M;
-        is_large && self.is_behind(plane, BEHIND_MAX_M)
+        let (n_beneath, n_filled) = self.follow(&form, &along, &seen);
+        let is_share = |part: usize| part as f64 >= OUTSIDE_SHARE_MIN * n as f64;
+        let length_m = seen.length();
+        let spans = length_m >= SPAN_MIN_M && length_m >= SPAN_SHARE_MIN * surface.length();
+        let is_large = spans
+            || length_m > self.config.side_max_m
+            || is_share(n_outside) && length_m >= EXTENT_MIN_M
+            || is_share(n_beneath) && length_m >= EXTENT_BENEATH_MIN_M;
+        is_large && n_filled >= N_PARTS_FILLED_MIN && self.is_behind(plane, BEHIND_MAX_M)
+    }
+
+    /// Follows a plane along an interval: the number of its samples beneath the surface, and that
+    /// of the parts of the interval that it fills over the surface.
+    fn follow(&self, plane: &AffineForm, along: &Vector3<f64>, seen: &Interval) -> (usize, usize) {
+        let (mut n_beneath, mut filled) = (0, [false; N_PARTS]);
+        for sample in 0..self.samples.len() {
+            let depth_m = self.samples.depth(sample);
+            let distance_m = self.samples.coordinate(plane, sample).abs();
+            if depth_m <= 0.0 || distance_m > band_m(depth_m, &self.table.depth_noise) {
+                continue;
+            }
+            let share = seen.share(along.dot(&self.samples.position(sample).coords));
+            let height_m = self.samples.coordinate(&self.axes[2], sample);
+            if !(0.0..=1.0).contains(&share) {
+                continue;
+            }
+            n_beneath += usize::from(height_m < -BENEATH_MIN_M);
+            if height_m >= HEIGHT_MIN_M {
+                filled[((share * N_PARTS as f64) as usize).min(N_PARTS - 1)] = true;
+            }
+        }
+        (n_beneath, filled.into_iter().filter(|&part| part).count())
     }
 
     /// `true` when a sample is outside of the space of objects, or at the border of the image.
@@ -267,6 +350,11 @@ impl Interval {
 
     fn add(&mut self, value: f64) {
         self.0 = [self.0[0].min(value), self.0[1].max(value)];
+    }
+
+    /// Place of a value in the interval: 0 at its start, 1 at its end.
+    fn share(&self, value: f64) -> f64 {
+        (value - self.0[0]) / self.length().max(1e-9)
     }
 
     fn length(&self) -> f64 {

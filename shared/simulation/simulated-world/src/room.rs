@@ -121,11 +121,11 @@ fn rim([x, y]: [f64; 2], width_m: f64, z_m: [f64; 2]) -> [([f64; 3], [f64; 3]); 
     .map(|(low, high)| ([low[0], low[1], z_m[0]], [high[0], high[1], z_m[1]]))
 }
 
-/// Boards, sides and back of a shelf. It ends half a board above its highest one.
+/// Boards, sides and back of a shelf, which end at its highest board.
 fn shelf_boards(shelf: &Shelf, table: &TableDimensions, finish: TableFinish) -> Vec<RoomBox> {
     let [x, y] = table.size_m.map(|side| side / 2.0);
     let thick = Shelf::BOARD_M;
-    let top = table.height_m + shelf.height_m() + thick / 2.0;
+    let top = table.height_m + shelf.height_m();
     let board = |low, high| RoomBox::between(low, high, Material::Table(finish));
     let mut boxes = vec![
         board([-x - thick, -y, 0.0], [-x, y, top]),
