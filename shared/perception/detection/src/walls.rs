@@ -29,6 +29,10 @@ const SLANT_SIN_MAX: f64 = 0.42;
 /// board is thinner. Chosen.
 const BENEATH_MIN_M: f32 = 0.05;
 
+/// Greatest cosine of the angle between the vertical and the normal of the image around a sample of
+/// a wall: the normals of neighbouring samples are noisy. Chosen.
+const FLAT_COS_MAX: f64 = 0.7;
+
 /// Distance from the border within which a point of a wall stands over the surface, metres.
 /// Chosen.
 const BORDER_M: f32 = 0.10;
@@ -76,6 +80,9 @@ const N_HYPOTHESES: usize = 64;
 
 /// Number of hypotheses by neighbouring samples, which find a small one. Chosen.
 const N_LOCAL_HYPOTHESES: usize = 64;
+
+/// Number of fits of a hypothesis to its samples, which each finds more of a wall. Chosen.
+const N_FITS: usize = 3;
 
 /// Distance between neighbouring samples of a hypothesis, samples of the image. Chosen: several
 /// centimetres at a metre.
@@ -194,7 +201,8 @@ fn band_m(depth_m: f32, noise: &DepthNoise) -> f32 {
 }
 
 impl WallSearch<'_> {
-    /// Sample over the height of the surface that is not well inside its border.
+    /// Sample over the height of the surface that is not well inside its border, nor on something
+    /// level.
     fn wall_sample(&self, sample: usize) -> Option<WallSample> {
         let depth_m = self.samples.depth(sample);
         let [u, v, height] = &self.axes;
@@ -209,7 +217,13 @@ impl WallSearch<'_> {
             [0.0, BORDER_M],
         ];
         let is_inside = |[du, dv]: [f32; 2]| self.cells.is_table(u + du, v + dv);
-        (!around.into_iter().all(is_inside)).then(|| WallSample {
+        let up = &self.table.plane.normal;
+        let is_level = || {
+            let around = self.plane_at(sample);
+            around.is_some_and(|plane| plane.normal.dot(up).abs() > FLAT_COS_MAX)
+        };
+        let may_be_wall = !around.into_iter().all(is_inside) && !is_level();
+        may_be_wall.then(|| WallSample {
             sample: sample as u32,
             position: self.samples.position(sample).cast().into(),
             band_m: band_m(depth_m, &self.table.depth_noise),
@@ -223,7 +237,7 @@ impl WallSearch<'_> {
             return None;
         }
         let counted = pool.iter().step_by(pool.len().div_ceil(N_COUNTED));
-        let mut best = (0, None);
+        let mut best: (usize, Option<Plane>) = (0, None);
         for number in 0..N_HYPOTHESES + N_LOCAL_HYPOTHESES {
             let plane = if number < N_HYPOTHESES {
                 let [a, b, c] = [0; 3].map(|_| pool[random.below(pool.len())].point());
@@ -239,15 +253,18 @@ impl WallSearch<'_> {
             let form = AffineForm::from(&plane);
             let n = counted.clone().filter(|one| one.is_on(&form)).count();
             if n > best.0 {
-                best = (n, Some(form));
+                best = (n, Some(plane));
             }
         }
-        let form = best.1?;
-        let mut moments = Moments::default();
-        for one in pool.iter().filter(|one| one.is_on(&form)) {
-            moments.add(&one.point());
+        let mut plane = best.1?;
+        for _ in 0..N_FITS {
+            let form = AffineForm::from(&plane);
+            let mut moments = Moments::default();
+            for one in pool.iter().filter(|one| one.is_on(&form)) {
+                moments.add(&one.point());
+            }
+            plane = least_squares_plane(&moments.principal_axes()?)?.facing(&Point3::origin());
         }
-        let plane = least_squares_plane(&moments.principal_axes()?)?.facing(&Point3::origin());
         let form = AffineForm::from(&plane);
         let n = pool.iter().filter(|one| one.is_on(&form)).count();
         (n >= self.n_min).then_some(plane)

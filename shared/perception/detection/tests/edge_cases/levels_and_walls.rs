@@ -60,6 +60,52 @@ fn objects_on_both_boards_of_a_shelf_are_found_and_nothing_else() {
     }
 }
 
+/// Shelf with three boards, two sides and a back, with an object on each board; seen at an angle
+/// over the horizon and from the left or the right.
+fn shelf_with_sides(elevation_deg: f64, eye_x: f64) -> SyntheticScene {
+    let (sin, cos) = elevation_deg.to_radians().sin_cos();
+    let (y, gap, middle) = (0.3, 0.34, HIGH - 0.34);
+    let eye = [eye_x, y - 1.5 * cos, middle + 1.5 * sin];
+    let boards = [0.0, 1.0, 2.0].map(|n| board(0.42, y, HIGH - n * gap));
+    let (low, tall) = (middle - gap - 0.02, 2.0 * gap + 0.02);
+    let side = |x: f64| PlacedShape::cuboid([0.02, 0.42, tall], [x, y, low], TABLE);
+    let back = PlacedShape::cuboid([0.84, 0.02, tall], [0.0, y + 0.22, low], TABLE);
+    let objects = [-0.15, 0.1, 0.0].into_iter().zip(OBJECT..);
+    let objects = objects.map(|(x, label)| {
+        let z = HIGH - f64::from(label - OBJECT) * gap;
+        PlacedShape::cuboid([0.08, 0.08, 0.12], [x, y - 0.1, z], label)
+    });
+    SyntheticScene::seen_from(eye, [0.0, y, middle])
+        .with(boards)
+        .with([side(-0.41), side(0.41), back])
+        .with(objects)
+}
+
+#[test]
+fn lowest_board_and_sides_of_a_shelf_are_furniture() {
+    for (elevation_deg, eye_x) in [(25.0, 0.0), (30.0, 0.3), (45.0, 0.0)] {
+        let outcome = DetectionOutcome::of(&shelf_with_sides(elevation_deg, eye_x));
+        let carriers = roles(&outcome);
+        let carriers = carriers.into_iter().filter(|role| role.carries_objects());
+        assert_eq!(carriers.count(), 3, "{elevation_deg} {eye_x}");
+        let found = (OBJECT..OBJECT + 3).map(|object| outcome.best(object).1);
+        assert!(found.into_iter().all(|overlap| overlap >= 0.9));
+        // A sliver of a side may be left.
+        let candidates = outcome.detection.candidates.iter();
+        let n_large = candidates.filter(|one| one.n_points() > 300).count();
+        assert_eq!(n_large, 3, "{elevation_deg} {eye_x}");
+    }
+}
+
+#[test]
+fn two_objects_in_one_plane_are_no_wall() {
+    // Their far faces are in the plane of the far rim of the table.
+    let at_rim = [-0.4, 0.4].map(|x| on_table([0.16, 0.1, 0.2], [x, 0.32], u16::from(x > 0.0)));
+    for outcome in DetectionOutcome::both(&room().with(at_rim)) {
+        outcome.assert_objects(&[OBJECT, OBJECT + 1], 0.8);
+    }
+}
+
 #[test]
 fn top_of_a_large_box_is_no_level() {
     let large = on_table([0.55, 0.3, 0.2], [0.0, 0.1], 0);
