@@ -93,10 +93,7 @@ fn labels_of_real_objects_are_recognised_after_a_restart() {
         "{n_objects} objects of {} scenes were known again",
         SCENES.len()
     );
-    assert!(
-        n_objects >= N_OBJECTS,
-        "only {n_objects} objects were seen"
-    );
+    assert!(n_objects >= N_OBJECTS, "only {n_objects} objects were seen");
 }
 
 #[test]
