@@ -122,7 +122,8 @@ fn age_ns(scene: &SceneSummary, monotonic_ns: u64) -> u64 {
     monotonic_ns.saturating_sub(scene.stamps.capture_ns)
 }
 
-/// Object of a scene as an observation of the model; `None` for invalid numbers. The stamps count from `capture_ns`, which was at `captured_ns`.
+/// Object of a scene as an observation of the model; `None` for invalid numbers. The stamps count
+/// from `capture_ns`, which was at `captured_ns`.
 fn sighting(object: &SceneObject, capture_ns: u64, captured_ns: u64) -> Option<Sighting<'_>> {
     let state = TrackState::from_code(object.state)?;
     object.pose.checked()?;

@@ -63,8 +63,8 @@ pub(crate) struct SharedBuffers {
     /// Pixels in the prism, per band of image rows.
     bands: Vec<Vec<u32>>,
     track_claims: TrackClaims,
-    /// Walls of the surfaces so far.
-    walls: Vec<Plane>,
+    /// Walls of the surfaces of the frame so far.
+    pub(crate) walls: Vec<Plane>,
     found_hypotheses: ScratchPool<Vec<ClusterHypothesis>>,
 }
 
@@ -114,9 +114,6 @@ impl CarriedObjects {
         let prism = Prism::over(table, config, &self.holes, &self.cells);
         let (bands, pixels) = (&mut shared.bands, &mut self.over_surface);
         prism.list_pixels(&on.frame.cloud, on.parallelism, bands, pixels);
-        if table.role == SurfaceRole::Table {
-            shared.walls.clear();
-        }
         let (samples, around) = (&shared.samples, (table, &self.cells));
         self.walls.find(samples, around, config, &mut shared.walls);
         self.walls

@@ -66,6 +66,7 @@ impl LevelSearch<'_> {
         };
         let (table, table_length_m) = (table.plane, length_m(table));
         let mut is_table_raised = None;
+        // Height over the table of the lowest level so far.
         let mut lowest_m = 0.0_f64;
         let distance_m = |found: &PlaneCandidate| (found.plane.offset_m - table.offset_m).abs();
         buffers
@@ -89,7 +90,7 @@ impl LevelSearch<'_> {
                 |found: &Table| is_same_surface(&found.plane, &level.plane, &level.middle);
             if surfaces.len() < N_SURFACES_MAX
                 && !surfaces.iter().any(is_found)
-                && let Some(role) = self.role(&level, is_raised, (lowest_m, table_length_m))
+                && let Some(role) = self.role(&level, is_raised, table_length_m)
             {
                 if role != SurfaceRole::Floor {
                     lowest_m = lowest_m.min(level.gap_m);
@@ -170,19 +171,13 @@ impl LevelSearch<'_> {
     }
 
     /// Role of a level; `None` when it may be the top of an object, or the surface under the object
-    /// whose top is the table. `is_raised` tells whether free space is seen beneath the upper of
-    /// the two, `lowest_m` is the height over the table of the lowest level so far.
-    fn role(
-        &self,
-        level: &Level,
-        is_raised: bool,
-        (lowest_m, table_length_m): (f64, f64),
-    ) -> Option<SurfaceRole> {
+    /// whose top is the table. `is_raised` tells whether the level is within reach of the lowest
+    /// one so far, with free space seen beneath the upper of the two.
+    fn role(&self, level: &Level, is_raised: bool, table_length_m: f64) -> Option<SurfaceRole> {
         let below_m = -level.gap_m;
         let ratio = level.length_m / table_length_m.max(1e-3);
-        let is_of_furniture = is_raised
-            && lowest_m - level.gap_m <= self.config.height_max_m
-            && (1.0 / LENGTH_RATIO_MAX..=LENGTH_RATIO_MAX).contains(&ratio);
+        let is_of_furniture =
+            is_raised && (1.0 / LENGTH_RATIO_MAX..=LENGTH_RATIO_MAX).contains(&ratio);
         if !is_of_furniture {
             return (below_m >= FLOOR_GAP_M).then_some(SurfaceRole::Floor);
         }

@@ -125,6 +125,7 @@ fn carriers(surfaces: &[Table]) -> impl Iterator<Item = &Table> {
 
 /// List the pixels over each surface; those on and over a level belong to it alone.
 fn list_pixels(input: StageInput<'_>, surfaces: &[Table], buffers: &mut OrganizedBuffers) {
+    buffers.shared.walls.clear();
     for_each_surface(input, surfaces, buffers, CarriedObjects::list_pixels);
     let carried = &mut buffers.carried;
     let n_carriers = carriers(surfaces).count();

@@ -2,8 +2,8 @@
 //!
 //! A wall, the back of a shelf, the side of a tote or a partition stands at the border of the
 //! surface: no part of the surface is seen behind it, and it goes on where no object of the surface
-//! can be, beneath the surface as well, is longer than any object, or spans the whole surface. What lies in such a plane or
-//! behind it is no object.
+//! can be, beneath the surface as well, is longer than any object, or spans the whole surface.
+//! What lies in such a plane or behind it is no object.
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
@@ -270,8 +270,8 @@ impl WallSearch<'_> {
         (n >= self.n_min).then_some(plane)
     }
 
-    /// Plane through a sample and its neighbours in the image, below and to the right; `None` across
-    /// a step in depth.
+    /// Plane through a sample and its neighbours in the image, below and to the right; `None`
+    /// across a step in depth.
     fn plane_at(&self, sample: usize) -> Option<Plane> {
         let width = self.samples.width();
         let right = sample + NEIGHBOUR_STEP;

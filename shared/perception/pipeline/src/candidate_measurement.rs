@@ -105,7 +105,7 @@ impl CandidateMeasurement {
         self.measurement.conditions().depth_noise
     }
 
-    pub(crate) fn observed_candidate(&self, config: &Config) -> ObservedCandidate {
+    fn observed_candidate(&self, config: &Config) -> ObservedCandidate {
         ObservedCandidate {
             box_in_world: *self.measurement.box_in_world(),
             position_variance_m2: self.measurement.position_variance_m2(config.motion()),
@@ -113,6 +113,15 @@ impl CandidateMeasurement {
             overlaps_body: self.overlaps_body,
         }
     }
+}
+
+/// Candidates for data association: `None` for each that is taken.
+pub(crate) fn observed_candidates<'a>(
+    measured: &'a [Option<CandidateMeasurement>],
+    config: &'a Config,
+) -> impl Iterator<Item = Option<ObservedCandidate>> + 'a {
+    let observed = |measured: &CandidateMeasurement| measured.observed_candidate(config);
+    measured.iter().map(move |one| one.as_ref().map(observed))
 }
 
 /// Box around the visible points of a candidate, without its inferred foot. The foot is

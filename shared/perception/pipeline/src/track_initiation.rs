@@ -2,7 +2,7 @@
 //! without an actor, until an existence test accepts or rejects their objects.
 
 use crate::Config;
-use crate::candidate_measurement::CandidateMeasurement;
+use crate::candidate_measurement::{CandidateMeasurement, observed_candidates};
 use crate::frame_pose::FramePose;
 use crate::track::Track;
 use detection::{Candidate, Support};
@@ -39,7 +39,7 @@ const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 
 /// Fraction of a candidate inside a visible track's box, or of that box inside the
 /// candidate, above which they fill the same space.
-const SAME_SPACE_FRACTION_MIN: f64 = 0.5;
+pub(crate) const SAME_SPACE_FRACTION_MIN: f64 = 0.5;
 
 /// Prospective object: found in some frames, and not yet certain.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,12 +148,9 @@ impl TrackInitiation {
             .prospects
             .iter()
             .map(|prospect| Some(prospect.predicted()));
-        let observed = |measured: &Option<CandidateMeasurement>| {
-            Some(measured.as_ref()?.observed_candidate(config))
-        };
         let matched = associate(
             expected,
-            measured.iter().map(observed),
+            observed_candidates(measured, config),
             config.association(),
             &mut self.association,
         );
@@ -202,8 +199,8 @@ impl TrackInitiation {
 
     /// True if a candidate of the last frame belongs to a prospective object.
     pub(crate) fn has_candidate(&self, candidate: usize) -> bool {
-        let candidates = self.prospects.iter().map(|prospect| prospect.candidate);
-        candidates.into_iter().any(|of| of == Some(candidate))
+        let mut prospects = self.prospects.iter();
+        prospects.any(|prospect| prospect.candidate == Some(candidate))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Track table: data association and track management, once per frame.
 
-use crate::candidate_measurement::CandidateMeasurement;
+use crate::candidate_measurement::{CandidateMeasurement, observed_candidates};
 use crate::depth_noise_estimate::DepthNoiseEstimate;
 use crate::duplicate_tracks::end_duplicates;
 use crate::frame_pose::FramePose;
@@ -10,7 +10,7 @@ use crate::shared_shift::{SharedShift, pose_sigma_m};
 use crate::sighting_evidence::sighting_evidence;
 use crate::table_height::{OtherTable, TableHeight};
 use crate::track::{MOVED_AFTER_HANDLED_NS, Track, WHOLE_FRACTION_MIN};
-use crate::track_initiation::{TrackInitiation, may_be_part};
+use crate::track_initiation::{SAME_SPACE_FRACTION_MIN, TrackInitiation, may_be_part};
 use crate::track_recovery::{TrackRecovery, occlusion_of_unmatched};
 use crate::{Config, Posterior};
 use constraint::Ternary;
@@ -40,10 +40,6 @@ const GATE_SIGMA_MAX_M: f64 = 0.04;
 /// Volume ratio of measured to predicted box above which a view shows the whole object.
 /// Chosen.
 const WHOLE_VOLUME_RATIO_MIN: f64 = 0.7;
-
-/// Fraction of a candidate inside a visible track's box, or of that box inside the
-/// candidate, above which they fill the same space.
-const SAME_SPACE_FRACTION_MIN: f64 = 0.5;
 
 /// Fraction of an unseen track's predicted box inside the box of a visible one above which its
 /// object would be inside the other: the tolerance of the boxes alone gives up to 0.15. Chosen.
@@ -444,13 +440,10 @@ impl TrackTable {
                 continue;
             }
             let expected = |track| is_expected(track).then(|| predicted(track, shift_m));
-            let observed = |measured: &Option<CandidateMeasurement>| {
-                Some(measured.as_ref()?.observed_candidate(&self.config))
-            };
             let mut buffers = std::mem::take(&mut self.association);
             let candidates = associate(
                 self.tracks.iter().map(expected),
-                self.measured.iter().map(observed),
+                observed_candidates(&self.measured, &self.config),
                 self.config.association(),
                 &mut buffers,
             );

@@ -1,7 +1,7 @@
 //! Tables and pictures of the detection evaluation.
 
 use super::report::{DetectionReport, Halves, SceneGroup};
-use super::scene_result::{PsiScores, SceneResult, SkippedScene};
+use super::scene_result::{SceneResult, SkippedScene};
 use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number, percent};
 use evaluation::segmentation_score::{MEASURE_MEANINGS, MEASURE_NAMES, SegmentationScore};
 use plot::figure_page::PageFigure;
@@ -49,26 +49,22 @@ fn measure_legend() -> String {
 /// Score tables of the hypotheses before and after the object rule ψ: of parts apart, then of
 /// whole objects.
 fn score_tables(document: &DetectionReport<'_>) -> Vec<ReportTable> {
-    let own = |group: &SceneGroup| group.scores;
-    let whole = |group: &SceneGroup| group.whole_objects;
-    let table = |title, scores: &dyn Fn(&SceneGroup) -> PsiScores, is_after| {
+    let table = |title, score: fn(&SceneGroup) -> &SegmentationScore| {
         let rows = groups(document).into_iter().map(|(name, group)| {
-            let scores = scores(group);
-            let score = if is_after {
-                scores.after_psi
-            } else {
-                scores.before_psi
-            };
             let names = [name.to_owned(), group.n_scenes.to_string()];
-            row(names, &score, group.detection_ms.p50)
+            row(names, score(group), group.detection_ms.p50)
         });
         ReportTable::new(title, heads(["%", "scenes"]), rows.collect())
     };
     vec![
-        table("Parts before ψ", &own, false),
-        table("Parts after ψ", &own, true),
-        table("Whole objects before ψ", &whole, false),
-        table("Whole objects after ψ", &whole, true),
+        table("Parts before ψ", |group| &group.scores.before_psi),
+        table("Parts after ψ", |group| &group.scores.after_psi),
+        table("Whole objects before ψ", |group| {
+            &group.whole_objects.before_psi
+        }),
+        table("Whole objects after ψ", |group| {
+            &group.whole_objects.after_psi
+        }),
     ]
 }
 
