@@ -98,13 +98,15 @@ pub struct ViewsArguments {
     pub(crate) out: PathBuf,
 }
 
-/// Trained model of the segmentation.
+/// Trained model of perception.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum TrainedModel {
     /// Network that rates the edges between neighbouring cells as boundaries of objects
     EdgeNetwork,
     /// Trees that decide whether adjacent regions are one object
     RegionMerging,
+    /// Metric in which descriptors are compared
+    LearnedMetric,
 }
 
 /// Arguments of `examples`.
@@ -112,7 +114,7 @@ pub enum TrainedModel {
 pub struct ExamplesArguments {
     /// Model that learns from the examples
     pub(crate) model: TrainedModel,
-    /// Folders of labelled scenes, as for `evaluate detection`
+    /// Folders of labelled scenes, as for `evaluate detection`; of views for the learned metric
     #[arg(required = true, value_name = "DATASET")]
     pub(crate) datasets: Vec<PathBuf>,
     /// NPY file for the examples: a row of features, and the class, for each

@@ -6,6 +6,7 @@ mod detection;
 mod find;
 mod isolated_scene;
 mod lighting;
+mod metric_examples;
 mod next_best_view;
 mod object_model;
 mod open_ended;
@@ -20,6 +21,8 @@ mod tabular_report;
 mod tracking;
 mod view_selection;
 mod view_table;
+
+pub(crate) use metric_examples::MetricExamples;
 
 use crate::arguments::EvaluateVerb;
 use command_line::Output;

@@ -1,8 +1,10 @@
-//! `tabula-lab examples`: training examples of the segmentation, from labelled scenes.
+//! `tabula-lab examples`: training examples of the segmentation, from labelled scenes, and of the
+//! learned metric, from views.
 
 mod color_augmentation;
 
 use crate::arguments::{ExamplesArguments, TrainedModel};
+use crate::evaluate::MetricExamples;
 use crate::output_files::write;
 use crate::parallel;
 use color_augmentation::augment;
@@ -29,6 +31,13 @@ struct ExamplesReport {
     file: String,
 }
 
+/// Report on the examples of the learned metric.
+#[derive(Debug, Serialize)]
+struct MetricExamplesReport {
+    n_examples: usize,
+    file: String,
+}
+
 /// Writes the examples of all organised scenes of some data sets.
 ///
 /// # Errors
@@ -37,6 +46,7 @@ pub fn run(arguments: &ExamplesArguments, output: &Output) -> Result<ExitCode, F
     let names = match arguments.model {
         TrainedModel::EdgeNetwork => EDGE_FEATURE_NAMES.as_slice(),
         TrainedModel::RegionMerging => FEATURE_NAMES.as_slice(),
+        TrainedModel::LearnedMetric => return write_metric_examples(arguments, output),
     };
     let mut report = ExamplesReport {
         file: arguments.out.display().to_string(),
@@ -68,6 +78,31 @@ pub fn run(arguments: &ExamplesArguments, output: &Output) -> Result<ExitCode, F
             "{} examples, {} of them positive, of {} scenes: {}",
             report.n_examples, report.n_positive, report.n_scenes, report.file
         )
+    });
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the descriptors of all views of some data sets.
+fn write_metric_examples(
+    arguments: &ExamplesArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let mut examples = MetricExamples::default();
+    for folder in &arguments.datasets {
+        examples.add(folder, output)?;
+    }
+    let report = MetricExamplesReport {
+        n_examples: examples.n_rows,
+        file: arguments.out.display().to_string(),
+    };
+    let names = MetricExamples::names();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let rows = examples.values.iter();
+    let rows: Vec<u8> = rows.flat_map(|value| value.to_le_bytes()).collect();
+    let header = npy_header(&names, examples.n_rows);
+    write(&arguments.out, &[header, rows].concat())?;
+    output.answer(&report, || {
+        format!("{} examples: {}", report.n_examples, report.file)
     });
     Ok(ExitCode::SUCCESS)
 }
@@ -129,7 +164,9 @@ fn labelled_features(
 ) -> impl Iterator<Item = (&[f32], bool)> {
     let (edges, pairs) = match model {
         TrainedModel::EdgeNetwork => (examples.edges.as_slice(), [].as_slice()),
-        TrainedModel::RegionMerging => ([].as_slice(), examples.pairs.as_slice()),
+        TrainedModel::RegionMerging | TrainedModel::LearnedMetric => {
+            ([].as_slice(), examples.pairs.as_slice())
+        }
     };
     let edges = edges.iter();
     let edges = edges.map(|edge| (edge.features.as_slice(), edge.is_boundary));

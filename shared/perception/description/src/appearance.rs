@@ -16,8 +16,10 @@ mod axis_hypotheses;
 mod box_profile;
 mod color_histograms;
 mod cosine_transform;
+mod learned_metric;
 mod local_surface;
 mod soft_bins;
+mod trained_metric;
 mod value_order;
 mod warp;
 mod warped_good;
@@ -31,6 +33,7 @@ use nalgebra::UnitVector3;
 use std::sync::LazyLock;
 
 pub use axis_hypotheses::N_AXIS_HYPOTHESES;
+pub use learned_metric::LearnedMetric;
 pub use warped_good::WarpedGood;
 
 /// Offset of the size values in the computed order, behind the shape values. Stored
@@ -172,6 +175,17 @@ impl AppearanceDescriptor {
                 .apply(axes.kind, hypothesis, computed, described);
         }
         Ok(&self.described)
+    }
+
+    /// Parts of a stored descriptor, by value: `shape`, `size`, `color` or `profile`.
+    pub fn value_parts() -> Vec<&'static str> {
+        let part = |place: usize| match place {
+            0..SIZE_OFFSET => "shape",
+            SIZE_OFFSET..COLOR_OFFSET => "size",
+            COLOR_OFFSET..PROFILE_OFFSET => "color",
+            _ => "profile",
+        };
+        value_order::storage_order().into_iter().map(part).collect()
     }
 
     /// Values of a stored descriptor that change their sign when the object is mirrored: the

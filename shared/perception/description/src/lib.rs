@@ -47,7 +47,9 @@ mod symmetric_eigen;
 mod appearance;
 mod good;
 
-pub use appearance::{AppearanceDescriptor, AppearanceWeights, N_AXIS_HYPOTHESES, WarpedGood};
+pub use appearance::{
+    AppearanceDescriptor, AppearanceWeights, LearnedMetric, N_AXIS_HYPOTHESES, WarpedGood,
+};
 pub use descriptor::Descriptor;
 pub use descriptor_frame::DescriptorFrame;
 pub use error::Error;
