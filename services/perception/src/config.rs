@@ -155,7 +155,7 @@ fn detection(raw: &RawConfig) -> Result<detection::Config, WrongKey> {
 mod tests {
     use super::*;
     use channel::topic::{CameraCloud, Topic};
-    use learning::UnknownRule;
+    use learning::{NoveltyPrior, UnknownRule};
 
     #[cfg(not(feature = "fault-injection"))]
     #[test]
@@ -195,8 +195,10 @@ mod tests {
             detection::Config::new(built_in)
         );
         assert_eq!(config.detection.rule(), detection::Config::default().rule());
-        let probability = pipeline::Config::KNOWN_PROBABILITY_MIN;
-        let unknown_rule = UnknownRule::LessProbableThan(probability);
+        let unknown_rule = UnknownRule::LessProbableThan {
+            probability: pipeline::Config::KNOWN_PROBABILITY_MIN,
+            novelty_prior: NoveltyPrior::default().probability(),
+        };
         assert_eq!(config.pipeline.unknown_rule(), unknown_rule);
     }
 

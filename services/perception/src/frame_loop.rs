@@ -12,7 +12,7 @@ use crate::frame_trace::FrameTrace;
 use crate::latest_scene::LatestScene;
 use crate::live_executor::{FrameError, LiveExecutor, LiveState};
 use crate::liveness_probe::{LivenessProbe, PROBE_PERIOD};
-use crate::memory_replica::{CategorySnapshot, HistoryPosition, SharedCategories, SyncBarrier};
+use crate::memory_replica::{CategorySnapshot, SharedCategories, SyncBarrier};
 use crate::newest_view::NewestViews;
 use crate::noise_log::NoiseLog;
 use crate::object_actors::ObjectActors;
@@ -25,11 +25,11 @@ use actor::{Progress, WorkerPool};
 use channel::{Domain, Error};
 use constraint::Assumptions;
 use detection::Table;
-use learning::{TrackEvidence, UnknownRule};
+use learning::{NoveltyPrior, TrackEvidence, UnknownRule};
 use message::{
     Duty, FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
-use pipeline::FramePipeline;
+use pipeline::{FramePipeline, LessonFeedback};
 use service::{HealthCounters, LiveConfig, Stopwatch, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -52,8 +52,10 @@ pub(crate) struct FrameLoop {
     sync_barrier: SyncBarrier,
     categories: SharedCategories,
     category_changes: watch::Receiver<Arc<CategorySnapshot>>,
-    /// Position in the memory's history that the labels of all tracks include.
-    labelled_at: HistoryPosition,
+    /// Taught views that the labels of all tracks were read against.
+    labelled_by: Arc<CategorySnapshot>,
+    lesson_feedback: LessonFeedback,
+    novelty_prior: NoveltyPrior,
     config: pipeline::Config,
     latest_scene: Arc<LatestScene>,
     health: Arc<HealthCounters>,
@@ -126,7 +128,9 @@ impl FrameLoop {
             sync_barrier: parts.sync_barrier,
             category_changes: parts.categories.changes(),
             categories: parts.categories,
-            labelled_at: HistoryPosition::default(),
+            labelled_by: Arc::default(),
+            lesson_feedback: LessonFeedback::default(),
+            novelty_prior: NoveltyPrior::default(),
             config: config.pipeline,
             latest_scene: parts.latest_scene,
             health: parts.health,
@@ -254,7 +258,7 @@ impl FrameLoop {
     async fn relabel_scene(&mut self) {
         let newest = self.categories.get();
         self.reread_labels(newest).await;
-        let (tracks, at) = (self.pipeline.tracks(), self.labelled_at);
+        let (tracks, at) = (self.pipeline.tracks(), self.labelled_by.position);
         self.latest_scene.update(at, |object| {
             let track = tracks.iter().find(|track| track.id == object.track_id);
             if let Some(track) = track {
@@ -266,11 +270,15 @@ impl FrameLoop {
     /// Reads the evidence of each track anew whose label is of other taught views or of another
     /// rule.
     async fn reread_labels(&mut self, taught: Arc<CategorySnapshot>) {
-        let position = taught.position;
+        self.learn_novelty_prior(&taught);
         let outdated = self.pipeline.outdated_evidence(&taught.index);
         if !outdated.is_empty() {
             let rule = self.config.unknown_rule();
-            match self.pool.run(rereading(outdated, taught, rule)).await {
+            match self
+                .pool
+                .run(rereading(outdated, taught.clone(), rule))
+                .await
+            {
                 Ok(reread) => self.pipeline.set_evidence(reread),
                 Err(lost) => {
                     self.health.restarts.fetch_add(1, Ordering::Relaxed);
@@ -279,7 +287,36 @@ impl FrameLoop {
                 }
             }
         }
-        self.labelled_at = position;
+        self.labelled_by = taught;
+    }
+
+    /// Learns the prior of novelty from the lessons since the labels were read last.
+    fn learn_novelty_prior(&mut self, taught: &CategorySnapshot) {
+        let tracks = self.pipeline.tracks().iter();
+        let labels = tracks.map(|track| (track.id, track.recognition().label.as_ref()));
+        let before = &self.labelled_by.index;
+        let feedback = self
+            .lesson_feedback
+            .read(&labels.collect(), before, &taught.index);
+        if feedback.is_empty() {
+            return;
+        }
+        for feedback in feedback {
+            self.novelty_prior.learn(feedback);
+        }
+        let prior = self.novelty_prior.probability();
+        tracing::info!(
+            "after these lessons one object in {:.0} is taken to be new",
+            prior.recip()
+        );
+        self.set_pipeline_config(self.config);
+    }
+
+    /// Sets the configuration of tracking and recognition, with the learned prior of novelty.
+    fn set_pipeline_config(&mut self, config: pipeline::Config) {
+        self.config = config.with_novelty_prior(self.novelty_prior);
+        self.pipeline.set_config(self.config);
+        self.live.actors.set_pipeline_config(self.config);
     }
 
     fn send_key_views(&mut self, received: &ReceivedFrame) -> Vec<StoreReceipt> {
@@ -309,7 +346,7 @@ impl FrameLoop {
         detected: &DetectedFrame,
     ) -> Result<(), Error> {
         let tracks = self.pipeline.tracks();
-        let (views, at) = (&self.live.newest_views, self.labelled_at);
+        let (views, at) = (&self.live.newest_views, self.labelled_by.position);
         scene_report::objects(tracks, views, at.sequence, &mut self.objects);
         summary.n_objects_total = tracks.len() as u32;
         summary.rule = self.rule;

@@ -66,9 +66,13 @@ impl ObjectActors {
         }
     }
 
-    /// Replaces the settings of observations and the restart policy, between two frames.
-    pub(crate) fn set_config(&mut self, config: Config, policy: RestartPolicy) {
+    /// Replaces the settings of observations, between two frames.
+    pub(crate) fn set_pipeline_config(&mut self, config: Config) {
         self.config = config;
+    }
+
+    /// Replaces the restart policy.
+    pub(crate) fn set_restart_policy(&mut self, policy: RestartPolicy) {
         self.supervisor.set_policy(policy);
     }
 

@@ -23,11 +23,10 @@ impl FrameLoop {
             }
         };
         self.live.detector.set_config(config.detection.clone());
-        self.live.actors.set_config(config.pipeline, policy);
+        self.live.actors.set_restart_policy(policy);
         self.live.actor_deadline = config.actor_deadline;
-        self.pipeline.set_config(config.pipeline);
         self.pool.set_stall_after(config.worker_stall);
-        self.config = config.pipeline;
+        self.set_pipeline_config(config.pipeline);
         self.rule = Text::truncated(&config.detection.rule().to_string());
         self.relabel_scene().await;
     }

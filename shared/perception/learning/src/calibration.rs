@@ -11,8 +11,10 @@
 /// towards a prior.
 #[derive(Debug, Clone, Copy)]
 pub struct Calibration {
-    /// Symmetries over which views are compared.
+    /// Symmetries over which views are compared, in the space of the learned metric.
     pub symmetries: DescriptorSymmetries,
+    /// Map into the space of the learned metric; `None` to compare descriptors as they are.
+    pub learned_metric: Option<DescriptorMap>,
     /// Distance at which the kernel of the local ridge regression falls to 1/e.
     pub kernel_width: f32,
     /// Ridge of the local ridge regression.
@@ -23,11 +25,49 @@ pub struct Calibration {
     /// Prior of the spread of a category.
     pub spread_prior: f32,
     /// Logit of a category for a score of one.
-    pub score_weight: f32,
-    /// Logit of "unknown" at a distance of one spread.
-    pub unknown_bias: f32,
+    pub score_weight: ViewTerm,
+    /// Logit of "unknown" at a distance of one spread, with the initial prior of novelty.
+    pub unknown_bias: ViewTerm,
     /// Growth of that logit with the logarithm of the distance.
     pub unknown_slope: f32,
+}
+
+/// Parameter that depends on the number of views of the best category: a small score means more in
+/// a memory with few views.
+#[derive(Debug, Clone, Copy)]
+pub struct ViewTerm {
+    /// Value for a category with one view.
+    pub of_one_view: f32,
+    /// Growth with the logarithm of the number of views.
+    pub per_log_view: f32,
+}
+
+/// Number of views above which parameters stay as they are. Chosen: the largest categories of the
+/// fit.
+const N_VIEWS_MAX: usize = 256;
+
+impl ViewTerm {
+    /// Parameter that does not depend on the number of views.
+    pub const fn constant(value: f32) -> Self {
+        Self {
+            of_one_view: value,
+            per_log_view: 0.0,
+        }
+    }
+
+    fn at(self, n_views: usize) -> f32 {
+        let n_views = n_views.clamp(1, N_VIEWS_MAX) as f32;
+        self.of_one_view + self.per_log_view * n_views.ln()
+    }
+}
+
+/// Map of descriptors into the space in which their distances are taken.
+#[derive(Debug, Clone, Copy)]
+pub struct DescriptorMap {
+    /// Number of mapped values.
+    pub dimension: usize,
+    /// Mapped values of a descriptor, as many as that.
+    pub map: fn(&[f32]) -> Vec<f32>,
 }
 
 /// Symmetries of a descriptor: turns of an object that its description may have to be compared
@@ -110,15 +150,19 @@ impl Calibration {
     }
 
     /// Probabilities of categories with `scores`, and of "unknown" given the distance to
-    /// the best of them in spreads. They sum to one.
+    /// the best of them in spreads and its number of views, with the initial prior of novelty. They
+    /// sum to one.
     pub(crate) fn probabilities<const N: usize>(
         &self,
         scores: [f32; N],
         distance_in_spreads: f32,
+        n_views: usize,
     ) -> ([f32; N], f32) {
         let relative = distance_in_spreads.max(LEAST_RELATIVE_DISTANCE);
-        let unknown = self.unknown_bias + self.unknown_slope * relative.ln();
-        let logits = scores.map(|score| self.score_weight * score);
+        let bias = self.unknown_bias.at(n_views);
+        let unknown = bias + self.unknown_slope * relative.ln();
+        let score_weight = self.score_weight.at(n_views);
+        let logits = scores.map(|score| score_weight * score);
         let largest = logits.into_iter().fold(unknown, f32::max);
         let odds = logits.map(|logit| (logit - largest).exp());
         let unknown = (unknown - largest).exp();
@@ -133,12 +177,13 @@ mod tests {
 
     const CALIBRATION: Calibration = Calibration {
         symmetries: DescriptorSymmetries::NONE,
+        learned_metric: None,
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,
         spread_prior: 0.6,
-        score_weight: 8.0,
-        unknown_bias: 4.0,
+        score_weight: ViewTerm::constant(8.0),
+        unknown_bias: ViewTerm::constant(4.0),
         unknown_slope: 2.5,
     };
 
@@ -159,7 +204,7 @@ mod tests {
     #[test]
     fn probabilities_sum_to_one_and_follow_the_scores() {
         let ([first, second, none], unknown) =
-            CALIBRATION.probabilities([0.8, 0.3, f32::NEG_INFINITY], 1.0);
+            CALIBRATION.probabilities([0.8, 0.3, f32::NEG_INFINITY], 1.0, 1);
         assert!((first + second + unknown - 1.0).abs() < 1e-6);
         assert!(
             first > 0.8 && second < 0.1 && none == 0.0,
@@ -169,9 +214,20 @@ mod tests {
 
     #[test]
     fn a_far_object_is_unknown_and_a_taught_view_is_known() {
-        let unknown = |score, distance| CALIBRATION.probabilities([score], distance).1;
+        let unknown = |score, distance| CALIBRATION.probabilities([score], distance, 1).1;
         assert!(unknown(0.2, 5.0) > 0.99);
         assert!(unknown(1.0, 0.0) < 1e-6);
         assert!(unknown(0.6, 1.0) < unknown(0.6, 1.5));
+    }
+
+    #[test]
+    fn parameters_grow_with_the_logarithm_of_the_views() {
+        let term = ViewTerm {
+            of_one_view: 2.0,
+            per_log_view: -0.5,
+        };
+        assert_eq!((term.at(0), term.at(1)), (2.0, 2.0));
+        assert!((term.at(10) - (2.0 - 0.5 * 10.0_f32.ln())).abs() < 1e-6);
+        assert_eq!(term.at(256), term.at(100_000));
     }
 }

@@ -12,12 +12,12 @@ mod track_evidence;
 mod view_rows;
 mod view_table;
 
-use crate::calibration::{Calibration, DistanceSum};
+use crate::calibration::{Calibration, DescriptorMap, DistanceSum};
 use crate::nearest_categories::{CategoryMinima, NearestCategories, NearestList, ScoredView};
 use crate::nearest_neighbours::NearestNeighbours;
 use crate::{CategoryName, Error, Metric, Neighbour, Recognition, UnknownRule, ViewId};
 use change_log::ChangeLog;
-use evidence::N_NEIGHBOURS;
+use evidence::{Evidence, N_NEIGHBOURS};
 use intra_category_distances::IntraCategoryDistances;
 use sketch::{BLOCK_LEN, N_QUERIES_MAX};
 use std::collections::BTreeMap;
@@ -96,6 +96,10 @@ impl CategoryIndex {
     pub fn with_calibration(mut self, calibration: Calibration) -> Self {
         self.clear();
         self.calibration = Some(calibration);
+        let dimension = self
+            .learned_metric()
+            .map_or(self.dimension, |one| one.dimension);
+        self.views = ViewTable::new(dimension, self.metric == Metric::Euclidean);
         self
     }
 
@@ -154,6 +158,22 @@ impl CategoryIndex {
             .map(|(name, category)| (name, category.n_views))
     }
 
+    /// True if a category has a view.
+    pub fn contains(&self, category: &CategoryName) -> bool {
+        self.categories.contains_key(category)
+    }
+
+    /// Categories of the tracks whose views were stored or relabelled since an earlier state of this
+    /// index, by track-id. None when the change log does not reach back.
+    pub fn taught_since(&self, earlier: &Self) -> BTreeMap<u64, CategoryName> {
+        let changes = self.changes.since(earlier.revision).into_iter().flatten();
+        let taught = changes.filter_map(|view| {
+            let row = self.rows.get(view)?;
+            Some((view.track_id, self.views.view(row).name.clone()))
+        });
+        taught.collect()
+    }
+
     /// Recognition of a descriptor. With a calibration the category of the greatest score
     /// wins in a local ridge regression over the nearest views, else that of the nearest
     /// view, unless `rule` rejects it as unknown. Ties are broken by the smaller view id,
@@ -193,14 +213,11 @@ impl CategoryIndex {
     ) -> Result<Recognition, Error> {
         let rule = rule.into();
         if self.is_regression() {
-            let mut found = NearestNeighbours::new(N_NEIGHBOURS);
-            self.search_all(descriptors, &mut found)?;
-            let description = descriptors.first().map(AsRef::as_ref);
-            let evidence = self.evidence(description, found.views());
+            let evidence = self.evidence_of(descriptors)?;
             return Ok(self.decide(std::iter::once(&evidence), rule));
         }
         let mut found = NearestCategories::default();
-        self.search_all(descriptors, &mut found)?;
+        self.search_all(&self.compared(descriptors)?, &mut found);
         Ok(self.nearest_view_answer(found, rule))
     }
 
@@ -218,19 +235,28 @@ impl CategoryIndex {
         if !self.is_regression() {
             return self.least_sum_of_distances(sides, rule.into());
         }
-        let mut evidence = Vec::with_capacity(sides.len());
-        for side in sides {
-            let mut found = NearestNeighbours::new(N_NEIGHBOURS);
-            self.search_all(side.as_ref(), &mut found)?;
-            let description = side.as_ref().first().map(AsRef::as_ref);
-            evidence.push(self.evidence(description, found.views()));
-        }
+        let evidence = sides.iter().map(|side| self.evidence_of(side.as_ref()));
+        let evidence = evidence.collect::<Result<Vec<_>, Error>>()?;
         Ok(self.decide(evidence.iter(), rule.into()))
+    }
+
+    /// Evidence of a description in all axis hypotheses: an exhaustive search.
+    fn evidence_of(&self, descriptors: &[impl AsRef<[f32]>]) -> Result<Evidence, Error> {
+        let queries = self.compared(descriptors)?;
+        let mut found = NearestNeighbours::new(N_NEIGHBOURS);
+        self.search_all(&queries, &mut found);
+        let description = queries.first().map(Vec::as_slice);
+        Ok(self.evidence(description, found.views()))
     }
 
     /// True if recognition is by local ridge regression, else by the nearest view.
     fn is_regression(&self) -> bool {
         self.calibration.is_some() && self.metric == Metric::Euclidean
+    }
+
+    fn learned_metric(&self) -> Option<DescriptorMap> {
+        let calibration = self.calibration.filter(|_| self.is_regression());
+        calibration.and_then(|calibration| calibration.learned_metric)
     }
 
     fn least_sum_of_distances<D: AsRef<[f32]>>(
@@ -241,7 +267,7 @@ impl CategoryIndex {
         let mut sums: BTreeMap<u64, (f32, ScoredView)> = BTreeMap::new();
         for side in sides {
             let mut found = CategoryMinima::default();
-            self.search_all(side.as_ref(), &mut found)?;
+            self.search_all(&self.compared(side.as_ref())?, &mut found);
             for (category, nearest) in found.views {
                 let distance = self
                     .metric
@@ -275,14 +301,9 @@ impl CategoryIndex {
         Ok(Self::judged(answer, sides.len(), rule))
     }
 
-    fn search_all(
-        &self,
-        descriptors: &[impl AsRef<[f32]>],
-        found: &mut impl NearestList,
-    ) -> Result<(), Error> {
-        for descriptors in descriptors.chunks(N_QUERIES_MAX) {
-            let queries = self.checked(descriptors)?;
-            let queries = &queries[..descriptors.len()];
+    fn search_all(&self, queries: &[Vec<f32>], found: &mut impl NearestList) {
+        let queries: Vec<&[f32]> = queries.iter().map(Vec::as_slice).collect();
+        for queries in queries.chunks(N_QUERIES_MAX) {
             match self.metric {
                 Metric::Euclidean => {
                     let all = 0..self.views.blocks().len();
@@ -291,7 +312,6 @@ impl CategoryIndex {
                 _ => self.compare_all(queries, found),
             }
         }
-        Ok(())
     }
 
     fn compare_all(&self, queries: &[&[f32]], found: &mut impl NearestList) {
@@ -337,7 +357,7 @@ impl CategoryIndex {
         answer.distance = first.map_or(f32::INFINITY, |first| first.distance);
         let is_known = match rule {
             UnknownRule::FartherThan(threshold) => answer.distance <= threshold,
-            UnknownRule::LessProbableThan(_) => true,
+            UnknownRule::LessProbableThan { .. } => true,
         };
         let winner = first.filter(|_| is_known);
         answer.label = winner.map(|first| first.category.clone());
@@ -345,17 +365,17 @@ impl CategoryIndex {
         answer
     }
 
-    /// Checked queries, up to four; the remaining entries are empty.
-    fn checked<'a>(
-        &self,
-        descriptors: &'a [impl AsRef<[f32]>],
-    ) -> Result<[&'a [f32]; N_QUERIES_MAX], Error> {
-        let mut queries: [&[f32]; N_QUERIES_MAX] = [&[]; N_QUERIES_MAX];
-        for (query, descriptor) in queries.iter_mut().zip(descriptors) {
-            *query = descriptor.as_ref();
-            self.check(query)?;
-        }
-        Ok(queries)
+    /// Checked descriptors in the space in which they are compared.
+    fn compared(&self, descriptors: &[impl AsRef<[f32]>]) -> Result<Vec<Vec<f32>>, Error> {
+        let compared = |descriptor: &[f32]| {
+            self.check(descriptor)?;
+            let learned = self.learned_metric();
+            Ok(learned.map_or_else(|| descriptor.to_vec(), |one| (one.map)(descriptor)))
+        };
+        descriptors
+            .iter()
+            .map(|descriptor| compared(descriptor.as_ref()))
+            .collect()
     }
 
     fn check(&self, descriptor: &[f32]) -> Result<(), Error> {

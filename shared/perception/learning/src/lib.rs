@@ -36,6 +36,7 @@ mod calibration;
 mod category_index;
 mod nearest_categories;
 mod nearest_neighbours;
+mod novelty_prior;
 mod recognition;
 
 mod instance_pruning;
@@ -44,7 +45,7 @@ mod labelling;
 #[cfg(test)]
 mod test_noise;
 
-pub use calibration::{Calibration, DescriptorSymmetries};
+pub use calibration::{Calibration, DescriptorMap, DescriptorSymmetries, ViewTerm};
 pub use category_index::{CategoryIndex, IndexBatch, TrackEvidence, ViewUse};
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use descriptor_kind::DESCRIPTOR_KIND;
@@ -52,5 +53,6 @@ pub use error::Error;
 pub use instance_pruning::redundant_views;
 pub use labelling::{LabelChange, TeachingError, ViewLabel, correct, forget, teach};
 pub use metric::{Metric, UnknownMetric};
+pub use novelty_prior::{Feedback, NoveltyPrior, under_prior};
 pub use recognition::{N_NEAREST, Neighbour, Recognition, UnknownRule};
 pub use view_id::ViewId;

@@ -1,6 +1,6 @@
 //! Recognition result and the rule for unknown objects.
 
-use crate::{CategoryName, ViewId};
+use crate::{CategoryName, NoveltyPrior, ViewId};
 
 /// Number of nearest categories in a result.
 pub const N_NEAREST: usize = 4;
@@ -11,9 +11,24 @@ pub enum UnknownRule {
     /// Unknown if the nearest view is farther than this distance, as in the paper of
     /// GOOD.
     FartherThan(f32),
-    /// Unknown if the probability that the object belongs to any taught category is below
-    /// this value, 0 to 1. Without a calibration every object is known.
-    LessProbableThan(f32),
+    /// Unknown if the best category is less probable than this. Without a calibration every object
+    /// is known.
+    LessProbableThan {
+        /// Least probability of the best category, 0 to 1.
+        probability: f32,
+        /// Prior probability that an object is of no taught category, 0 to 1.
+        novelty_prior: f32,
+    },
+}
+
+impl UnknownRule {
+    /// Prior of novelty that the probabilities reckon with.
+    pub(crate) fn novelty_prior(self) -> f32 {
+        match self {
+            Self::FartherThan(_) => NoveltyPrior::default().probability(),
+            Self::LessProbableThan { novelty_prior, .. } => novelty_prior,
+        }
+    }
 }
 
 impl From<f32> for UnknownRule {

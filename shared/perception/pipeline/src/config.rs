@@ -1,8 +1,10 @@
 //! Configuration of tracking and recognition.
 
 use crate::Error;
-use description::{AppearanceDescriptor, AxesKind};
-use learning::{Calibration, CategoryIndex, DescriptorSymmetries, Metric, UnknownRule};
+use description::{AppearanceDescriptor, AxesKind, LearnedMetric};
+use learning::{
+    Calibration, CategoryIndex, DescriptorSymmetries, Metric, NoveltyPrior, UnknownRule, ViewTerm,
+};
 use tracking::{AssociationConfig, MotionConfig};
 
 /// Validated settings of tracking and recognition.
@@ -11,15 +13,15 @@ pub struct Config {
     motion: MotionConfig,
     association: AssociationConfig,
     known_probability_min: f32,
+    novelty_prior: NoveltyPrior,
 }
 
 impl Config {
-    /// Default of `known_probability_min`. With the probabilities of [`calibration`] it rejects
-    /// about nine in ten unknown objects, and one in fifty that were taught from several sides.
-    pub const KNOWN_PROBABILITY_MIN: f32 = 0.75;
+    /// Default of `known_probability_min`. Chosen with the risk-coverage curve of mesh categories.
+    pub const KNOWN_PROBABILITY_MIN: f32 = 0.6;
 
-    /// Validates the settings against their ranges. An object whose probability of belonging to the
-    /// nearest category is below `known_probability_min`, 0 to 1, is unknown.
+    /// Validates the settings against their ranges. An object whose best category is less probable
+    /// than `known_probability_min`, 0 to 1, is unknown.
     ///
     /// # Errors
     /// Names the first setting out of its range.
@@ -35,7 +37,17 @@ impl Config {
             motion: motion.validated().map_err(Error::Tracking)?,
             association: association.validated().map_err(Error::Tracking)?,
             known_probability_min,
+            novelty_prior: NoveltyPrior::default(),
         })
+    }
+
+    /// The same settings with another prior of novelty.
+    #[must_use]
+    pub fn with_novelty_prior(self, novelty_prior: NoveltyPrior) -> Self {
+        Self {
+            novelty_prior,
+            ..self
+        }
     }
 
     pub(crate) fn motion(&self) -> &MotionConfig {
@@ -48,7 +60,10 @@ impl Config {
 
     /// Rejection rule of recognition.
     pub fn unknown_rule(&self) -> UnknownRule {
-        UnknownRule::LessProbableThan(self.known_probability_min)
+        UnknownRule::LessProbableThan {
+            probability: self.known_probability_min,
+            novelty_prior: self.novelty_prior.probability(),
+        }
     }
 }
 
@@ -68,43 +83,54 @@ pub fn category_index() -> CategoryIndex {
 /// Calibration of recognition for descriptors with axes of this kind; the live system uses
 /// upright axes.
 ///
-/// The parameters are fitted by maximum likelihood to views of simulated, of mesh and of
-/// scanned objects (upright) and to the Restaurant data set (principal), with 1 to 100
-/// taught views per object and one to six sides of a question, where none, 30 % or half of the
-/// categories are untaught. Probabilities are thus those of a table on which one object in four
-/// is unknown.
+/// The parameters are fitted by maximum likelihood: upright to views of generated objects and of 13
+/// mesh categories, with new objects of taught categories as well as one or three lessons of each
+/// object, one or three sides of a question, and none or half of the categories untaught; principal
+/// to the Restaurant data set.
 pub fn calibration(kind: AxesKind) -> Calibration {
     let upright = Calibration {
         symmetries: DescriptorSymmetries {
-            turns_of: |stored| turns_of(stored, AxesKind::Upright),
-            half_turn_odd_values: AppearanceDescriptor::half_turn_odd_values,
-            mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
+            turns_of: |mapped| vec![mapped.to_vec(), LearnedMetric::quarter_turn(mapped)],
+            half_turn_odd_values: LearnedMetric::half_turn_odd_values,
+            mirror_odd_values: LearnedMetric::mirror_odd_values,
         },
+        learned_metric: Some(learning::DescriptorMap {
+            dimension: LearnedMetric::DIMENSION,
+            map: LearnedMetric::mapped,
+        }),
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,
         spread_prior: 0.75,
-        score_weight: 7.7,
-        unknown_bias: 2.1,
-        unknown_slope: 3.1,
+        score_weight: ViewTerm {
+            of_one_view: 11.9,
+            per_log_view: -1.16,
+        },
+        unknown_bias: ViewTerm {
+            of_one_view: 3.16,
+            per_log_view: -0.41,
+        },
+        unknown_slope: 2.35,
     };
     match kind {
         AxesKind::Upright => upright,
         AxesKind::Principal => Calibration {
             symmetries: DescriptorSymmetries {
-                turns_of: |stored| turns_of(stored, AxesKind::Principal),
-                ..upright.symmetries
+                turns_of: principal_turns_of,
+                half_turn_odd_values: AppearanceDescriptor::half_turn_odd_values,
+                mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
             },
-            score_weight: 6.3,
-            unknown_bias: 2.2,
+            learned_metric: None,
+            score_weight: ViewTerm::constant(6.3),
+            unknown_bias: ViewTerm::constant(2.2),
             unknown_slope: 3.9,
             ..upright
         },
     }
 }
 
-/// Axis hypotheses of a stored descriptor without their half turns.
-fn turns_of(stored: &[f32], kind: AxesKind) -> Vec<Vec<f32>> {
-    let turned = AppearanceDescriptor::axis_hypothesis_of(stored, kind, 1);
+/// Axis hypotheses of a stored descriptor with principal axes, without their half turns.
+fn principal_turns_of(stored: &[f32]) -> Vec<Vec<f32>> {
+    let turned = AppearanceDescriptor::axis_hypothesis_of(stored, AxesKind::Principal, 1);
     vec![stored.to_vec(), turned]
 }

@@ -51,6 +51,7 @@ mod error;
 mod frame_pipeline;
 mod frame_pose;
 mod key_view_selector;
+mod lesson_feedback;
 mod light_estimate;
 mod lost_track_gallery;
 mod object_state;
@@ -70,6 +71,7 @@ pub use config::{Config, calibration, category_index};
 pub use error::Error;
 pub use frame_pipeline::{FrameExecutor, FramePipeline, FrameStage, ObservedTracks};
 pub use frame_pose::FramePose;
+pub use lesson_feedback::LessonFeedback;
 pub use object_state::{
     ObjectState, ObjectWorkspace, Observation, ObservationOutput, ObservationStage, Posterior,
 };

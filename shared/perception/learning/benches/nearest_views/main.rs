@@ -8,11 +8,11 @@
 
 mod views;
 
-use description::{AppearanceDescriptor, AxesKind};
+use description::LearnedMetric;
 use divan::{Bencher, black_box};
 use learning::{
-    Calibration, CategoryIndex, CategoryName, DescriptorSymmetries, Metric, TrackEvidence, ViewId,
-    ViewUse,
+    Calibration, CategoryIndex, CategoryName, DescriptorMap, DescriptorSymmetries, Metric,
+    TrackEvidence, ViewId, ViewTerm, ViewUse,
 };
 use std::sync::OnceLock;
 use views::{N_AXIS_HYPOTHESES, View, views};
@@ -39,19 +39,20 @@ fn all() -> &'static [View] {
 fn calibration() -> Calibration {
     Calibration {
         symmetries: DescriptorSymmetries {
-            turns_of: |stored| {
-                let turned = AppearanceDescriptor::axis_hypothesis_of(stored, AxesKind::Upright, 1);
-                vec![stored.to_vec(), turned]
-            },
-            half_turn_odd_values: AppearanceDescriptor::half_turn_odd_values,
-            mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
+            turns_of: |mapped| vec![mapped.to_vec(), LearnedMetric::quarter_turn(mapped)],
+            half_turn_odd_values: LearnedMetric::half_turn_odd_values,
+            mirror_odd_values: LearnedMetric::mirror_odd_values,
         },
+        learned_metric: Some(DescriptorMap {
+            dimension: LearnedMetric::DIMENSION,
+            map: LearnedMetric::mapped,
+        }),
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,
         spread_prior: 0.75,
-        score_weight: 8.0,
-        unknown_bias: 4.0,
+        score_weight: ViewTerm::constant(8.0),
+        unknown_bias: ViewTerm::constant(4.0),
         unknown_slope: 2.5,
     }
 }

@@ -35,7 +35,8 @@ impl<'a> IndexBatch<'a> {
         category: &CategoryName,
         descriptor: &[f32],
     ) -> Result<(), Error> {
-        self.index.check(descriptor)?;
+        let compared = self.index.compared(&[descriptor])?;
+        let descriptor = &compared[0];
         self.log_change(id);
         if let Some(row) = self.index.rows.get(id) {
             self.index.views.describe(row, descriptor);

@@ -4,13 +4,14 @@ use super::CategoryIndex;
 use super::local_ridge::local_regression;
 use crate::calibration::DistanceSum;
 use crate::nearest_categories::ScoredView;
+use crate::novelty_prior::under_prior;
 use crate::recognition::N_NEAREST;
 use crate::{CategoryName, Neighbour, Recognition, UnknownRule, ViewId};
 use std::collections::BTreeMap;
 
 /// Number of nearest views that the regression uses. On mesh categories 64 views are as
 /// good as 128.
-pub(super) const N_NEIGHBOURS: usize = 64;
+pub(super) const N_NEIGHBOURS: usize = 128;
 
 /// Evidence of one description for the categories of its nearest views.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -114,17 +115,21 @@ impl CategoryIndex {
         let relative = best[0].as_ref().map_or(f32::INFINITY, |(name, sum)| {
             mean_distance(sum) / calibration.spread(self.own_distances(name), self.distances)
         });
+        let n_views = self.categories.get(*first).map_or(0, |one| one.n_views);
         let scores = best.each_ref().map(|entry| match entry {
             Some((_, sum)) => sum.score * per_side,
             None => f32::NEG_INFINITY,
         });
-        let (probabilities, unknown) = calibration.probabilities(scores, relative);
+        let (probabilities, unknown) = calibration.probabilities(scores, relative, n_views);
+        let known = under_prior(1.0 - unknown, 1.0 - unknown, rule.novelty_prior());
+        let probabilities =
+            probabilities.map(|one| under_prior(one, 1.0 - unknown, rule.novelty_prior()));
         let distance = best[0]
             .as_ref()
             .map_or(f32::INFINITY, |(_, sum)| mean_distance(sum));
         let is_known = match rule {
             UnknownRule::FartherThan(threshold) => distance <= threshold,
-            UnknownRule::LessProbableThan(least) => 1.0 - unknown >= least,
+            UnknownRule::LessProbableThan { probability, .. } => probabilities[0] >= probability,
         };
         let mut probabilities = probabilities.into_iter();
         Recognition {
@@ -132,7 +137,7 @@ impl CategoryIndex {
             distance,
             novelty: Some(-probabilities.as_slice()[0].ln()),
             probability: Some(probabilities.as_slice()[0]),
-            known_probability: Some(1.0 - unknown),
+            known_probability: Some(known),
             n_sides,
             nearest: best.map(|entry| {
                 let probability = probabilities.next();

@@ -163,7 +163,7 @@ fn squared_length(values: &[f32]) -> f32 {
 mod tests {
     use super::super::view_table::IndexedView;
     use super::*;
-    use crate::{CategoryName, Metric, ViewId};
+    use crate::{CategoryName, Metric, ViewId, ViewTerm};
 
     const CALIBRATION: Calibration = Calibration {
         symmetries: DescriptorSymmetries {
@@ -171,13 +171,14 @@ mod tests {
             mirror_odd_values: || &[false, true],
             ..DescriptorSymmetries::NONE
         },
+        learned_metric: None,
         kernel_width: 1.5,
         ridge: 0.1,
         // Without a background.
         background_distance: f32::INFINITY,
         spread_prior: 1.0,
-        score_weight: 8.0,
-        unknown_bias: 4.0,
+        score_weight: ViewTerm::constant(8.0),
+        unknown_bias: ViewTerm::constant(4.0),
         unknown_slope: 2.5,
     };
 

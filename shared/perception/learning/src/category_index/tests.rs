@@ -1,6 +1,6 @@
 use super::*;
-use crate::DescriptorSymmetries;
 use crate::recognition::N_NEAREST;
+use crate::{DescriptorSymmetries, ViewTerm};
 use proptest::prelude::*;
 
 const DIMENSION: usize = 150;
@@ -106,12 +106,13 @@ const CALIBRATION: Calibration = Calibration {
         turns_of: |stored| vec![stored.to_vec(), stored.iter().rev().copied().collect()],
         ..DescriptorSymmetries::NONE
     },
+    learned_metric: None,
     kernel_width: 1.0,
     ridge: 0.03,
     background_distance: 2.0,
     spread_prior: 0.5,
-    score_weight: 8.0,
-    unknown_bias: 4.0,
+    score_weight: ViewTerm::constant(8.0),
+    unknown_bias: ViewTerm::constant(4.0),
     unknown_slope: 2.5,
 };
 
@@ -137,7 +138,10 @@ proptest! {
         for (id, (name, descriptor)) in &model {
             fresh.insert(*id, name, descriptor).unwrap();
         }
-        let rule = UnknownRule::LessProbableThan(0.5);
+        let rule = UnknownRule::LessProbableThan {
+    probability: 0.5,
+    novelty_prior: 0.25,
+};
         let found = index.recognise(&descriptor(asked), rule).unwrap();
         let expected = fresh.recognise(&descriptor(asked), rule).unwrap();
         prop_assert_eq!(&found.label, &expected.label);
@@ -335,7 +339,10 @@ fn a_cleared_index_is_empty() {
 #[test]
 fn a_novel_object_is_improbable_and_unknown() {
     let mut index = calibrated();
-    let rule = UnknownRule::LessProbableThan(0.5);
+    let rule = UnknownRule::LessProbableThan {
+        probability: 0.5,
+        novelty_prior: 0.25,
+    };
     let at = |place: usize, value: f32| {
         let mut values = vec![0.0; DIMENSION];
         values[place] = value;

@@ -75,6 +75,7 @@ pub struct TrackEvidence {
 /// Description of one side with its nearest stored views.
 #[derive(Debug, Clone, PartialEq)]
 struct Side {
+    /// Description in all axis hypotheses, in the space in which it is compared.
     queries: Vec<Vec<f32>>,
     /// Revision of the index that the nearest views are those of.
     revision: u64,
@@ -111,7 +112,8 @@ impl TrackEvidence {
         &self.answer
     }
 
-    /// Descriptions of the sides that count, each in all axis hypotheses, oldest side first.
+    /// Descriptions of the sides that count, in the space in which they are compared, each in all
+    /// axis hypotheses, oldest side first.
     pub fn descriptions(&self) -> impl Iterator<Item = &[Vec<f32>]> {
         self.all().map(|side| side.queries.as_slice())
     }
@@ -147,10 +149,9 @@ impl CategoryIndex {
             track.answer = self.recognise_any(queries, rule)?;
             return Ok(&track.answer);
         }
-        let n_queries = queries.len();
-        let queries = &self.checked(queries)?[..n_queries];
+        let queries = self.compared(queries)?;
         self.follow_changes(track);
-        let seen = self.look(queries, view_use, track);
+        let seen = self.look(&queries, view_use, track);
         if self.is_current(track, rule) && track.n_contradictions == 0 {
             return Ok(&track.answer);
         }
@@ -250,11 +251,7 @@ impl CategoryIndex {
     }
 
     /// Side of a description: an exhaustive search.
-    fn side(&self, queries: &[impl AsRef<[f32]>]) -> Side {
-        let queries: Vec<Vec<f32>> = queries
-            .iter()
-            .map(|query| query.as_ref().to_vec())
-            .collect();
+    fn side(&self, queries: &[Vec<f32>]) -> Side {
         let borrowed: Vec<&[f32]> = queries.iter().map(Vec::as_slice).collect();
         let mut found = NearestNeighbours::new(N_KEPT);
         let all = 0..self.views.blocks().len();
@@ -265,7 +262,7 @@ impl CategoryIndex {
             nearest: found.views().to_vec(),
             evidence: self.evidence(borrowed.first().copied(), found.views()),
             is_partial: false,
-            queries,
+            queries: queries.to_vec(),
         }
     }
 
@@ -273,7 +270,7 @@ impl CategoryIndex {
     /// of the side among the sides of the track.
     fn look(
         &self,
-        queries: &[&[f32]],
+        queries: &[Vec<f32>],
         view_use: ViewUse,
         track: &mut TrackEvidence,
     ) -> Option<usize> {
@@ -320,7 +317,7 @@ impl CategoryIndex {
         track.n_sides().checked_sub(1)
     }
 
-    fn is_same_side(&self, side: &Side, queries: &[&[f32]]) -> bool {
+    fn is_same_side(&self, side: &Side, queries: &[Vec<f32>]) -> bool {
         let Some(described) = side.queries.first() else {
             return false;
         };
@@ -395,7 +392,7 @@ impl Side {
 }
 
 /// Least squared distance of several queries to one descriptor.
-fn least_score(queries: &[&[f32]], described: &[f32]) -> f32 {
+fn least_score(queries: &[Vec<f32>], described: &[f32]) -> f32 {
     queries.iter().fold(f32::INFINITY, |least, query| {
         let score = Metric::Euclidean.bounded_score(query, described, least);
         score.unwrap_or(least)

@@ -4,7 +4,7 @@ use super::bin_scene::BinScene;
 use super::captured_view::{CapturedView, capture_all};
 use super::simulated_bin::{SimulatedBin, ViewLattice};
 use description::{AppearanceDescriptor, AppearanceWeights, ObjectPoints};
-use learning::{CategoryIndex, CategoryName, Neighbour, UnknownRule, ViewId};
+use learning::{CategoryIndex, CategoryName, Neighbour, NoveltyPrior, UnknownRule, ViewId};
 use nalgebra::UnitVector3;
 use point_cloud::Point;
 use random::mix64;
@@ -102,7 +102,10 @@ impl ObjectRecogniser {
         &self,
         descriptors: Option<&ViewDescriptors>,
     ) -> (Option<String>, Vec<(String, f64)>) {
-        let rule = UnknownRule::LessProbableThan(pipeline::Config::KNOWN_PROBABILITY_MIN);
+        let rule = UnknownRule::LessProbableThan {
+            probability: pipeline::Config::KNOWN_PROBABILITY_MIN,
+            novelty_prior: NoveltyPrior::default().probability(),
+        };
         let found = descriptors.map(|known| self.index.recognise_any(known, rule));
         let Some(Ok(found)) = found else {
             return (None, Vec::new());

@@ -3,7 +3,7 @@
 use super::*;
 use crate::category_index::test_views::{clustered, id, name};
 use crate::test_noise::noise;
-use crate::{Calibration, CategoryName, DescriptorSymmetries};
+use crate::{Calibration, CategoryName, DescriptorSymmetries, ViewTerm};
 use proptest::prelude::*;
 
 const DIMENSION: usize = 90;
@@ -11,12 +11,13 @@ const N_VIEWS: usize = 600;
 
 const CALIBRATION: Calibration = Calibration {
     symmetries: DescriptorSymmetries::NONE,
+    learned_metric: None,
     kernel_width: 2.0,
     ridge: 0.03,
     background_distance: 2.0,
     spread_prior: 2.0,
-    score_weight: 8.0,
-    unknown_bias: 4.0,
+    score_weight: ViewTerm::constant(8.0),
+    unknown_bias: ViewTerm::constant(4.0),
     unknown_slope: 2.5,
 };
 
@@ -247,7 +248,10 @@ enum LessonStep {
     Clear,
 }
 
-const RULE: UnknownRule = UnknownRule::LessProbableThan(0.75);
+const RULE: UnknownRule = UnknownRule::LessProbableThan {
+    probability: 0.75,
+    novelty_prior: 0.25,
+};
 const N_TRACKS: usize = 4;
 
 fn step() -> impl Strategy<Value = LessonStep> {
