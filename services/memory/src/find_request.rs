@@ -12,7 +12,7 @@ use parking_lot::Mutex;
 use referring_expression::{
     Answer, ColorTerm, Lesson, Lexicon, Match, QueryWorld, Viewpoint, WordNet, WorldObject, find,
 };
-use scene_document::{CategoryDocument, ObjectDocument, SceneDocument};
+use scene_document::{CategoryAnswer, CategoryDocument, ObjectDocument, SceneDocument};
 use std::path::Path;
 use std::sync::Arc;
 use working_memory::{EventKind, LessonKind, ObjectRecord, WorldModel};
@@ -145,6 +145,10 @@ impl KnownWorld {
             track_id,
             score: found.score,
             doubts: found.doubts,
+            answer: live.map_or_else(
+                || CategoryAnswer::of(gone_label.is_some(), None),
+                |object| object.answer,
+            ),
             label: live.map_or(gone_label, |object| object.label.clone()),
             state: live.map_or(GONE, |object| &object.state).to_owned(),
             position_m: match (live, gone) {

@@ -44,7 +44,7 @@ fn text(report: &FindReport) -> String {
 }
 
 fn match_line(found: &FoundObjectReport) -> String {
-    let label = found.label.as_deref().unwrap_or("unknown");
+    let label = found.answer.shown(found.label.as_deref());
     let place = found.position_m.map_or_else(String::new, |position_m| {
         format!(" at ({})", metres(position_m))
     });

@@ -5,7 +5,7 @@ use control_client::{TrackReference, TrackScope, ask as ask_daemon, connect};
 use control_protocol::{QuestionsReport, request};
 use daemon_client::DaemonClient;
 use message::TrackState;
-use scene_document::{ObjectDocument, RejectedDocument, SceneDocument};
+use scene_document::{CategoryAnswer, ObjectDocument, RejectedDocument, SceneDocument};
 use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -147,7 +147,7 @@ fn speed_m_s(object: &ObjectDocument) -> Option<f64> {
 fn row(object: &ObjectDocument) -> Vec<String> {
     vec![
         object.track_id.to_string(),
-        object.label.clone().unwrap_or_else(|| "unknown".into()),
+        object.answer.shown(object.label.as_deref()),
         object
             .probability
             .map_or_else(|| "-".into(), |p| format!("{:.0}", 100.0 * p)),
@@ -238,7 +238,11 @@ fn label_text(object: &ObjectDocument) -> String {
                 Some(others @ [_, ..]) => format!("; then {}", others.join(", ")),
                 _ => String::new(),
             };
-            format!("track {track_id} is {label} ({sure}{sides}distance {distance:.3}{others})")
+            let is = match object.answer {
+                CategoryAnswer::Probably => "is probably",
+                CategoryAnswer::Is | CategoryAnswer::Unknown => "is",
+            };
+            format!("track {track_id} {is} {label} ({sure}{sides}distance {distance:.3}{others})")
         }
         None => format!(
             "track {track_id} is unknown ({sides}perhaps {})",

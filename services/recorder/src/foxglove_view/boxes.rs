@@ -61,7 +61,7 @@ fn entity(object: &SceneObject, timestamp: Timestamp) -> Option<SceneEntity> {
             text: format!(
                 "{} {}",
                 object.track_id,
-                object.label().unwrap_or("unknown")
+                object.answer().shown(object.label())
             ),
         }],
         ..SceneEntity::default()

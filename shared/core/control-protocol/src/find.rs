@@ -1,5 +1,6 @@
 //! Queries in words, and their answers.
 
+use scene_document::CategoryAnswer;
 use serde::{Deserialize, Serialize};
 
 /// Query in words for objects.
@@ -47,8 +48,11 @@ pub struct FoundObjectReport {
     pub score: f64,
     /// Reasons why it may be the wrong object, one sentence each.
     pub doubts: Vec<String>,
-    /// Category name of the object; null when unknown.
+    /// Category name of the object, certain or probable; null when unknown.
     pub label: Option<String>,
+    /// Answer about the category: `is`, `probably` or `unknown`.
+    #[serde(default)]
+    pub answer: CategoryAnswer,
     /// State of its track, as in [`ObjectDocument::state`](scene_document::ObjectDocument::state), or `gone`.
     pub state: String,
     /// Centre of its box in the world, metres; the last known one of an object that is gone.

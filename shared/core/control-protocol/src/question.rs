@@ -1,15 +1,12 @@
 //! Questions to a person about an object, by which a lesson would help most.
 
-use scene_document::{NearCategoryDocument, ObjectDocument, TrackState};
+use scene_document::{CategoryAnswer, NearCategoryDocument, ObjectDocument, TrackState};
 use serde::{Deserialize, Serialize};
 
 /// Probability of the best category below which an unknown object is taken for a new one, and not
 /// for a new side of a known one. `evaluate cross-validation --protocol other-side` separates the
 /// two best between 0.2 and 0.3.
 const NEW_OBJECT_MAX: f64 = 0.25;
-
-/// Probability of a label from which on a lesson would teach little. Chosen.
-const SURE_MIN: f64 = 0.8;
 
 /// Least number of described views of an object that is asked about: it has come to rest. Chosen.
 const N_VIEWS_MIN: u32 = 5;
@@ -26,7 +23,7 @@ pub enum QuestionKind {
     /// It is unknown, and has some likeness with a taught category: a new side of it, or another
     /// object.
     NewSide,
-    /// It has a label that is not sure.
+    /// It is probably of the category that is its label.
     UnsureLabel,
 }
 
@@ -92,7 +89,7 @@ impl QuestionReport {
         let best = object.categories.first();
         let probability = best.map_or(0.0, |near| near.probability);
         let kind = match &object.label {
-            Some(_) if probability >= SURE_MIN => return None,
+            Some(_) if probability >= CategoryAnswer::IS_PROBABILITY_MIN => return None,
             Some(_) => QuestionKind::UnsureLabel,
             None => QuestionKind::of_unknown(probability),
         };

@@ -7,6 +7,7 @@ use crate::surface::{MAX_SURFACES, WireSurface};
 use crate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, SCHEMA_VERSION, Text, frame_flag};
 use bytemuck::{AnyBitPattern, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
+use scene_document::CategoryAnswer;
 
 /// Maximum number of objects in one scene summary.
 pub const MAX_SCENE_OBJECTS: usize = 256;
@@ -232,6 +233,13 @@ impl SceneObject {
         } else {
             None
         }
+    }
+
+    /// Answer about the category: certain, probable or unknown.
+    pub fn answer(&self) -> CategoryAnswer {
+        let probability = f64::from(self.probability);
+        let is_told = probability.is_finite();
+        CategoryAnswer::of(self.label().is_some(), is_told.then_some(probability))
     }
 
     /// Number of the newest view; `None` before the first view.

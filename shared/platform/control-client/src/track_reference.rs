@@ -187,7 +187,8 @@ fn described<'a>(
 /// Object that may be meant.
 struct NamedTrack<'a> {
     track_id: u64,
-    label: Option<&'a str>,
+    /// Label as it is shown.
+    label: String,
     state: &'a str,
 }
 
@@ -195,7 +196,7 @@ impl<'a> NamedTrack<'a> {
     fn of_live(object: &'a ObjectDocument) -> Self {
         Self {
             track_id: object.track_id,
-            label: object.label.as_deref(),
+            label: object.answer.shown(object.label.as_deref()),
             state: &object.state,
         }
     }
@@ -203,13 +204,13 @@ impl<'a> NamedTrack<'a> {
     fn of_found(object: &'a FoundObjectReport) -> Self {
         Self {
             track_id: object.track_id,
-            label: object.label.as_deref(),
+            label: object.answer.shown(object.label.as_deref()),
             state: &object.state,
         }
     }
 
     fn in_words(&self) -> String {
-        let label = self.label.unwrap_or("unknown");
+        let label = &self.label;
         let state = match self.state {
             "tracked" => String::new(),
             state => format!(", {state}"),

@@ -5,8 +5,8 @@ use crate::pose::is_covariance;
 use crate::{ActorStamps, SceneObject, SceneTime, TrackState};
 use point_cloud::ColorTerm;
 use scene_document::{
-    ActorStampsDocument, CategoryAnswer, ColorShareDocument, CovarianceDocument,
-    NearCategoryDocument, ObjectDocument,
+    ActorStampsDocument, ColorShareDocument, CovarianceDocument, NearCategoryDocument,
+    ObjectDocument,
 };
 
 /// Document of an object in a scene at a time of the monotonic clock, nanoseconds.
@@ -26,11 +26,7 @@ pub fn object(object: &SceneObject, scene: SceneTime, now_ns: u64) -> ObjectDocu
         .into(),
         scene_age_s: Some(scene.age_s(now_ns)),
         capture_stamp_ns: Some(scene.capture_ns),
-        answer: if label.is_some() {
-            CategoryAnswer::Is
-        } else {
-            CategoryAnswer::Unknown
-        },
+        answer: object.answer(),
         label,
         distance: number(object.distance),
         probability: number(object.probability),
