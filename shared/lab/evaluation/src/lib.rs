@@ -9,7 +9,8 @@
 //!   [`track_drift`] measures jitter, [`true_shape`] gives ground-truth boxes, and
 //!   [`track_figure`] and [`box_picture`] show tracks.
 //! - Recognition: [`open_ended`] runs the simulated teacher and [`cross_validation`] k-fold
-//!   cross-validation over a [`recogniser`]; [`novelty_score`] measures open-set rejection.
+//!   cross-validation over a [`recogniser`];
+//!   [`novelty_score`] measures open-set rejection, [`answer_score`] what is said of it.
 //! - Sensor: [`sensor_error`] compares the simulated Kinect's depth noise with the published
 //!   model, and [`memory_floor`] gives the cost of reading a cloud once.
 //!
@@ -29,6 +30,7 @@
 //! Invariants: this crate starts no process, reads no clock, writes no file and knows no
 //! channels. Durations are measured by the caller and passed as numbers.
 
+pub mod answer_score;
 pub mod box_picture;
 pub mod calibration_score;
 pub mod clear_mot;

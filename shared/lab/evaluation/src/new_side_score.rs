@@ -28,9 +28,9 @@ pub type NamedAnswer = (Answer, bool);
 
 impl NewSideScore {
     /// Score of the answers to questions about new objects and about new sides. Unknown is what is
-    /// less probably of any taught category than `known_probability_min`; `is_new_object` is the
-    /// rule under test, given the probability of the best category. `None` without unknown
-    /// questions of both kinds.
+    /// less probably of its best category than `known_probability_min`; `is_new_object` is the
+    /// rule under test, given the probability of that category. `None` without unknown questions of
+    /// both kinds.
     pub fn of(
         objects: &[Answer],
         sides: &[NamedAnswer],

@@ -25,8 +25,8 @@ pub struct NoveltyScore {
 
 impl NoveltyScore {
     /// Metrics of the answers to open-set and to known questions; `None` if either is empty.
-    /// "Unknown" is an answer without a category, or one that is less probably of any taught
-    /// category than `known_probability_min`.
+    /// "Unknown" is an answer without a category, or one whose best category is less probable than
+    /// `known_probability_min`.
     pub fn of(open: &[Answer], known: &[Answer], known_probability_min: f32) -> Option<Self> {
         if open.is_empty() || known.is_empty() {
             return None;

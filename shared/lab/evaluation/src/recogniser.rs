@@ -42,12 +42,10 @@ pub struct Answer {
 }
 
 impl Answer {
-    /// True if there is no category, or the object is less probably of any taught category than
+    /// True if there is no category, or the best one is less probable than
     /// `known_probability_min`.
     pub fn is_unknown(&self, known_probability_min: f32) -> bool {
-        let is_improbable = self
-            .known_probability
-            .is_some_and(|p| p < known_probability_min);
+        let is_improbable = self.probability.is_some_and(|p| p < known_probability_min);
         self.category.is_none() || is_improbable
     }
 

@@ -12,6 +12,7 @@ use crate::arguments::CrossValidationArguments;
 use crate::output_files::{create_folder, write, write_figure};
 use crate::parallel;
 use command_line::Output;
+use evaluation::answer_score::risk_coverage_svg;
 use evaluation::cross_validation::{ConfusionMatrix, confusion_matrix_svg};
 use fold_data::FoldData;
 use fold_result::{FoldResult, run_fold};
@@ -53,6 +54,13 @@ fn write_all(
     }
     let document = CrossValidationReport::of(arguments, data, results, &confusion)
         .ok_or_else(|| Failure::general("no view of a taught category was asked"))?;
+    if let Some(answers) = &document.answers {
+        write_figure(
+            out,
+            report_page::RISK_COVERAGE_FILE,
+            risk_coverage_svg(answers),
+        )?;
+    }
     report_page::page(&document, data).publish(out, "cross-validation.json", &document, output)
 }
 

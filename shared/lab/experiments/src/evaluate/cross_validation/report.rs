@@ -8,6 +8,7 @@ use crate::evaluate::recognition::DescriptionSettings;
 use crate::evaluate::report_parts::{OmissionSummary, ReportFiles, ReportHeader};
 use crate::evaluate::view_table::ViewTable;
 use control_protocol::QuestionKind;
+use evaluation::answer_score::{AnswerScore, Question};
 use evaluation::calibration_score::expected_calibration_error;
 use evaluation::cross_validation::ConfusionMatrix;
 use evaluation::new_side_score::{NamedAnswer, NewSideScore};
@@ -30,6 +31,9 @@ pub(super) struct CrossValidationReport {
     /// Expected calibration error of the probabilities, over all questions; null if the
     /// recogniser tells none.
     pub(super) calibration_error: Option<f64>,
+    /// The three answers, with the prior of novelty learned from corrections; null if the
+    /// recogniser tells no probabilities.
+    pub(super) answers: Option<AnswerScore>,
     pub(super) folds: Vec<FoldFigures>,
     /// Accuracy of each category, by name.
     pub(super) categories: BTreeMap<String, CategoryFigures>,
@@ -119,6 +123,7 @@ impl CrossValidationReport {
             f1_macro: scores.f1_macro,
             top3: top3(results, views),
             calibration_error: calibration_error(results, views),
+            answers: answers(results, views, arguments.seed),
             folds: results
                 .iter()
                 .map(|result| FoldFigures::of(result, views))
@@ -160,6 +165,23 @@ fn calibration_error(results: &[FoldResult], views: &ViewTable) -> Option<f64> {
     let open = results.iter().flat_map(|fold| &fold.open);
     let open = open.filter_map(|(_, answer)| Some((answer.probability?, false)));
     expected_calibration_error(known.chain(open))
+}
+
+/// Score of the three answers; each fold is a run.
+fn answers(results: &[FoldResult], views: &ViewTable, seed: u64) -> Option<AnswerScore> {
+    let run = |fold: &FoldResult| {
+        let known = fold.answers.iter().map(|(view, answer)| Question {
+            answer: *answer,
+            truth: Some(views.labels[*view].category),
+        });
+        let open = fold.open.iter().map(|(_, answer)| Question {
+            answer: *answer,
+            truth: None,
+        });
+        known.chain(open).collect()
+    };
+    let runs: Vec<Vec<Question>> = results.iter().map(run).collect();
+    AnswerScore::of(&runs, pipeline::Config::KNOWN_PROBABILITY_MIN, seed)
 }
 
 /// Open-set metrics of the answers of all folds.

@@ -5,7 +5,11 @@ use super::fold_data::FoldData;
 use super::report::{CategoryFigures, CrossValidationReport};
 use crate::evaluate::open_set;
 use crate::evaluate::tabular_report::{Column, ReportTable, TabularReport, figure, percent};
+use evaluation::answer_score::AnswerScore;
 use evaluation::new_side_score::NewSideScore;
+
+/// Name of the picture of the risk-coverage curve.
+pub(super) const RISK_COVERAGE_FILE: &str = "risk-coverage.svg";
 
 /// Table, notes, confusion matrix and drawn scenes of the report.
 pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> TabularReport<'static> {
@@ -18,11 +22,19 @@ pub(super) fn page(document: &CrossValidationReport, data: &FoldData) -> Tabular
         let seen = "colour, ground truth and detection; striped regions are rejected";
         figure(picture, format!("{name}: {seen}"))
     });
+    let curve = document.answers.is_some().then(|| {
+        let meaning = "Risk-coverage curve: wrong names among those that are said, as less probable \
+                       ones are said; the dots are where probably and is begin";
+        figure(RISK_COVERAGE_FILE, meaning)
+    });
     TabularReport {
         title: "Cross-validation",
         tables: vec![categories(document)],
         notes: notes(document),
-        figures: std::iter::once(confusion).chain(scenes).collect(),
+        figures: std::iter::once(confusion)
+            .chain(curve)
+            .chain(scenes)
+            .collect(),
         files: document.files.paths(),
         ..TabularReport::default()
     }
@@ -81,6 +93,7 @@ fn notes(document: &CrossValidationReport) -> Vec<String> {
         ),
     ];
     notes.push(best_and_calibration(document));
+    notes.extend(document.answers.as_ref().map(AnswerScore::sentence));
     notes.extend(document.open_set.as_ref().map(open_set::sentence));
     notes.extend(document.new_sides.as_ref().map(new_sides));
     notes.extend(document.scenes.iter().flat_map(EndToEndScore::sentences));
