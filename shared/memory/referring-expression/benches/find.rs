@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use divan::Bencher;
-use referring_expression::{Lexicon, QueryWorld, Viewpoint, WordNet, WorldObject, find};
+use referring_expression::{Lexicon, Presence, QueryWorld, Viewpoint, WordNet, WorldObject, find};
 
 const NAMES: [&str; 10] = [
     "mug",
@@ -50,7 +50,7 @@ fn objects() -> Vec<WorldObject> {
                 ],
                 orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
                 size_m: [0.05 + f64::from(number) * 0.002, 0.08, 0.1],
-                is_in_view: true,
+                presence: Presence::InView,
                 first_seen_ns: i64::from(number),
                 last_seen_ns: 0,
             }

@@ -78,7 +78,11 @@ fn nothing_sentence(selection: &Selection, general_doubts: &[String]) -> String 
     let closest = closest.map_or(String::new(), |closest| format!("; {closest}"));
     let nothing = format!("Nothing here fits `{}`{closest}", selection.text);
     let parts = std::iter::once(nothing.as_str()).chain(general_doubts.iter().map(String::as_str));
-    format!("{}.", parts.collect::<Vec<_>>().join("; "))
+    let sentence = format!("{}.", parts.collect::<Vec<_>>().join("; "));
+    match &selection.advice {
+        Some(advice) => format!("{sentence} {advice}"),
+        None => sentence,
+    }
 }
 
 /// Doubts of all matches, each once.

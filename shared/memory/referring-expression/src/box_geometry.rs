@@ -128,6 +128,7 @@ fn finite(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::world::Presence;
 
     fn cube(x_m: f64, edge_m: f64, yaw_rad: f64) -> BoxGeometry {
         BoxGeometry::new(&WorldObject {
@@ -138,7 +139,7 @@ mod tests {
             centre_in_world_m: [x_m, 0.0, 0.0],
             orientation_xyzw: [0.0, 0.0, (0.5 * yaw_rad).sin(), (0.5 * yaw_rad).cos()],
             size_m: [edge_m; 3],
-            is_in_view: true,
+            presence: Presence::InView,
             first_seen_ns: 0,
             last_seen_ns: 0,
         })
@@ -170,7 +171,7 @@ mod tests {
             centre_in_world_m: [f64::NAN, f64::INFINITY, 0.0],
             orientation_xyzw: [f64::NAN; 4],
             size_m: [f64::NAN; 3],
-            is_in_view: true,
+            presence: Presence::InView,
             first_seen_ns: 0,
             last_seen_ns: 0,
         };

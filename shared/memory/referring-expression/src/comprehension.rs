@@ -1,16 +1,19 @@
 //! Referring expression comprehension: from a query to an answer.
 
+use std::collections::BTreeSet;
+
 use crate::answer::{Answer, Match, WordUse};
 use crate::answer_text;
 use crate::error::Error;
-use crate::expression::{NounPhrase, Quantity};
-use crate::grounding::{COMPETING_SHARE, Grounder, MATCH_MIN, Notes, Rating};
+use crate::expression::{Noun, NounPhrase, Quantity};
+use crate::grounding::{COMPETING_SHARE, Grounder, MATCH_MIN, Notes, Rating, Scope};
 use crate::lexicon::Lexicon;
 use crate::names::NameIndex;
 use crate::parser::{Parse, parse};
+use crate::spelling::{Spelling, corrected};
 use crate::time_phrase::duration_text;
-use crate::tokens::{SpokenWord, tokenize};
-use crate::world::{QueryWorld, WorldObject};
+use crate::tokens::{SpokenWord, WordSpan, tokenize};
+use crate::world::{Presence, QueryWorld, WorldObject};
 
 /// Most characters of a query.
 pub const QUERY_CHARACTERS_MAX: usize = 400;
@@ -32,6 +35,38 @@ pub(crate) struct Selection {
     pub(crate) n_fitting: usize,
     /// Sentence about the closest object if none fits.
     pub(crate) closest: Option<String>,
+    /// Sentence about what may be said instead of words that were not understood.
+    pub(crate) advice: Option<String>,
+}
+
+/// Most names of objects that an advice gives as examples.
+const EXAMPLES_MAX: usize = 3;
+
+impl Selection {
+    /// No objects, for a phrase of which too little was understood.
+    fn not_understood(phrase: &NounPhrase, world: &QueryWorld<'_>, text: String) -> Self {
+        let present = world.objects.iter().filter(|object| !object.is_gone());
+        let names: BTreeSet<&str> = present.filter_map(WorldObject::best_name).collect();
+        let examples: Vec<&str> = names.into_iter().take(EXAMPLES_MAX).collect();
+        let name = match examples.as_slice() {
+            [] => "a name that was taught".to_owned(),
+            [one] => format!("a name that was taught, such as `{one}`"),
+            [first @ .., last] => {
+                let first = first.join("`, `");
+                format!("a name that was taught, such as `{first}` or `{last}`")
+            }
+        };
+        Self {
+            text,
+            matches: Vec::new(),
+            wants_one: phrase.wants_one(),
+            n_fitting: 0,
+            closest: None,
+            advice: Some(format!(
+                "Say {name}, or a colour, a size or a place of the object."
+            )),
+        }
+    }
 }
 
 /// Finds the objects to which an English expression refers.
@@ -47,6 +82,60 @@ pub fn find(
     world: &QueryWorld<'_>,
     lexicon: Option<&dyn Lexicon>,
 ) -> Result<Answer, Error> {
+    let written = words_of(query)?;
+    let names = name_index(world);
+    let spelling = corrected(&written, &names, &people(world), lexicon);
+    let words = spelling.words.as_slice();
+    let mut parse = parse(words, &names);
+    parse.remarks.extend(spelling.remarks.iter().cloned());
+    let mut grounder = Grounder::new(words, world, lexicon);
+    let rated: Vec<(&NounPhrase, Scope, Vec<Rating>)> = parse
+        .expression
+        .phrases
+        .iter()
+        .map(|phrase| {
+            let (scope, ratings) = grounder.rate_outermost(phrase);
+            (phrase, scope, ratings)
+        })
+        .collect();
+    let notes = grounder.into_notes();
+    let use_of_words = account(&spelling, &parse, &notes);
+    let general = general_doubts(&parse, &notes, &use_of_words.not_understood);
+    let selections: Vec<Selection> = rated
+        .into_iter()
+        .map(|(phrase, scope, ratings)| {
+            let text = phrase.span.text(words);
+            if is_understood(phrase, &notes, &use_of_words) {
+                select(phrase, (scope, ratings), world, text)
+            } else {
+                Selection::not_understood(phrase, world, text)
+            }
+        })
+        .map(|selection| with_doubts(selection, &general))
+        .collect();
+    let is_alternative = parse.expression.is_alternative;
+    let sentence = answer_text::sentence(&selections, &general, is_alternative);
+    let sentence = if lexicon.is_none() && notes.wants_synonyms {
+        format!("{sentence} Note: {SYNONYMS_OFF}.")
+    } else {
+        sentence
+    };
+    let wants_one = match selections.as_slice() {
+        [one] => one.wants_one,
+        _ => is_alternative,
+    };
+    Ok(Answer {
+        matches: merged(selections),
+        wants_one,
+        understood: use_of_words.understood,
+        not_understood: use_of_words.not_understood,
+        remarks: remarks(&parse, lexicon.is_none()),
+        sentence,
+    })
+}
+
+/// Words of a query of a usable length.
+fn words_of(query: &str) -> Result<Vec<SpokenWord>, Error> {
     let n_characters = query.chars().count();
     if n_characters > QUERY_CHARACTERS_MAX {
         return Err(Error::LongQuery {
@@ -58,48 +147,36 @@ pub fn find(
     if words.is_empty() {
         return Err(Error::EmptyQuery);
     }
-    let parse = parse(&words, &name_index(world));
-    let mut grounder = Grounder::new(&words, world, lexicon);
-    let phrases = &parse.expression.phrases;
-    let rated: Vec<(&NounPhrase, Vec<Rating>, bool)> = phrases
-        .iter()
-        .map(|phrase| {
-            let ratings = grounder.rate_outermost(phrase);
-            (phrase, ratings, grounder.is_noun_ignored(phrase))
-        })
-        .collect();
-    let notes = grounder.into_notes();
-    let (understood, not_understood) = account(&words, &parse, &notes);
-    let general = general_doubts(&parse, &notes, &not_understood);
-    let selections: Vec<Selection> = rated
-        .into_iter()
-        .map(|(phrase, ratings, is_noun_ignored)| {
-            let has_content = !phrase.restrictions.is_empty() || !phrase.rankings.is_empty();
-            let is_empty = is_noun_ignored && !has_content || understood.is_empty();
-            let ratings = if is_empty { Vec::new() } else { ratings };
-            select(phrase, ratings, world, phrase.span.text(&words))
-        })
-        .map(|selection| with_doubts(selection, &general))
-        .collect();
-    let remarks = remarks(&parse, lexicon.is_none());
-    let sentence = answer_text::sentence(&selections, &general, parse.expression.is_alternative);
-    let sentence = if lexicon.is_none() && notes.wants_synonyms {
-        format!("{sentence} Note: {SYNONYMS_OFF}.")
-    } else {
-        sentence
-    };
-    let wants_one = match selections.as_slice() {
-        [one] => one.wants_one,
-        _ => parse.expression.is_alternative,
-    };
-    Ok(Answer {
-        matches: merged(selections),
-        wants_one,
-        understood,
-        not_understood,
-        remarks,
-        sentence,
-    })
+    Ok(words)
+}
+
+/// People who taught, or who ask.
+fn people<'a>(world: &QueryWorld<'a>) -> Vec<&'a str> {
+    let authors = world.lessons.iter().map(|lesson| lesson.author.as_str());
+    let distinct: BTreeSet<&str> = authors.chain(world.speaker).collect();
+    distinct.into_iter().collect()
+}
+
+/// True if enough of a phrase was understood to choose objects by it: its noun, or a restriction
+/// where "thing" or no noun stands. A phrase of which every word was understood is enough, too.
+fn is_understood(phrase: &NounPhrase, notes: &Notes, use_of_words: &UseOfWords) -> bool {
+    let is_used = |span: WordSpan| !notes.ignored.contains(&span);
+    let is_whole = phrase
+        .span
+        .positions()
+        .all(|position| !use_of_words.positions_not_understood.contains(&position));
+    match phrase.noun {
+        Noun::Category(span) => is_used(span),
+        Noun::Anything => {
+            let mut restrictions = phrase.restrictions.iter();
+            let mut rankings = phrase.rankings.iter();
+            let has_words = !use_of_words.understood.is_empty();
+            has_words
+                && (is_whole
+                    || restrictions.any(|one| is_used(one.span) && one.kind.excludes_objects())
+                    || rankings.any(|ranking| is_used(ranking.span)))
+        }
+    }
 }
 
 fn name_index(world: &QueryWorld<'_>) -> NameIndex {
@@ -108,8 +185,16 @@ fn name_index(world: &QueryWorld<'_>) -> NameIndex {
     NameIndex::new(names.map(String::as_str))
 }
 
-/// Uses of all words, and the words without one. Each word is in exactly one of the two.
-fn account(words: &[SpokenWord], parse: &Parse, notes: &Notes) -> (Vec<WordUse>, Vec<String>) {
+/// Uses of all words. Each word is either understood or not.
+#[derive(Debug, Default)]
+struct UseOfWords {
+    understood: Vec<WordUse>,
+    not_understood: Vec<String>,
+    positions_not_understood: Vec<usize>,
+}
+
+fn account(spelling: &Spelling, parse: &Parse, notes: &Notes) -> UseOfWords {
+    let words = &spelling.words;
     let is_ignored = |position| notes.ignored.iter().any(|span| span.contains(position));
     let mut meanings: Vec<Option<(usize, &str)>> = vec![None; words.len()];
     for (number, (span, meaning)) in parse.uses.iter().chain(&notes.nouns).enumerate() {
@@ -118,25 +203,34 @@ fn account(words: &[SpokenWord], parse: &Parse, notes: &Notes) -> (Vec<WordUse>,
             word.get_or_insert((number, meaning));
         }
     }
-    let mut uses: Vec<WordUse> = Vec::new();
-    let mut not_understood = Vec::new();
+    let mut account = UseOfWords::default();
     let mut previous = None;
     for (position, word) in words.iter().enumerate() {
         let meaning = meanings[position].filter(|_| !is_ignored(position));
-        match (meaning, uses.last_mut()) {
-            (None, _) => not_understood.push(word.text.clone()),
+        match (meaning, account.understood.last_mut()) {
+            (None, _) => {
+                account.not_understood.push(word.text.clone());
+                account.positions_not_understood.push(position);
+            }
             (Some((number, _)), Some(last)) if previous == Some(number) => {
                 last.words.push(' ');
                 last.words.push_str(&word.text);
             }
-            (Some((_, meaning)), _) => uses.push(WordUse {
+            (Some((_, meaning)), _) => account.understood.push(WordUse {
                 words: word.text.clone(),
                 meaning: meaning.to_owned(),
             }),
         }
+        if meaning.is_some()
+            && spelling.corrected.contains(&position)
+            && let Some(used) = account.understood.last_mut()
+        {
+            let reading = format!("; `{}` read as `{}`", word.text, word.word);
+            used.meaning.push_str(&reading);
+        }
         previous = meaning.map(|(number, _)| number);
     }
-    (uses, not_understood)
+    account
 }
 
 /// Doubts that concern every match.
@@ -165,11 +259,11 @@ fn remarks(parse: &Parse, is_without_lexicon: bool) -> Vec<String> {
 /// Chooses the objects of a phrase by its number.
 fn select(
     phrase: &NounPhrase,
-    ratings: Vec<Rating>,
+    (scope, ratings): (Scope, Vec<Rating>),
     world: &QueryWorld<'_>,
     text: String,
 ) -> Selection {
-    let closest = closest(&ratings, world);
+    let closest = closest(&ratings, scope, world);
     let mut fitting: Vec<(usize, Rating)> = ratings.into_iter().enumerate().collect();
     fitting.retain(|(_, rating)| rating.score >= MATCH_MIN);
     fitting.sort_by(|a, b| {
@@ -208,6 +302,7 @@ fn select(
         wants_one,
         n_fitting,
         closest,
+        advice: None,
     }
 }
 
@@ -245,11 +340,15 @@ fn to_match(object: &WorldObject, rating: Rating, doubt: Option<&str>, now_ns: i
     let mut doubts = rating.doubts;
     doubts.extend(doubt.map(str::to_owned));
     let track_id = object.track_id;
-    if !object.is_in_view {
-        let age = duration_text(now_ns.saturating_sub(object.last_seen_ns));
-        doubts.push(format!(
+    let age = duration_text(now_ns.saturating_sub(object.last_seen_ns));
+    match object.presence {
+        Presence::InView => {}
+        Presence::OutOfView => doubts.push(format!(
             "track {track_id} is not in view; it was last seen {age} ago"
-        ));
+        )),
+        Presence::Gone => doubts.push(format!(
+            "track {track_id} is gone; its place is as last seen, {age} ago"
+        )),
     }
     if doubts.is_empty() && rating.score < CLEAR_SCORE {
         doubts.push(format!(
@@ -274,8 +373,9 @@ fn with_doubts(mut selection: Selection, general: &[String]) -> Selection {
 }
 
 /// Sentence about the object that lacks least.
-fn closest(ratings: &[Rating], world: &QueryWorld<'_>) -> Option<String> {
-    let candidates = ratings.iter().zip(world.objects);
+fn closest(ratings: &[Rating], scope: Scope, world: &QueryWorld<'_>) -> Option<String> {
+    let all = ratings.iter().zip(world.objects);
+    let candidates = all.filter(|(_, object)| scope.contains(object));
     let with_fit =
         candidates.filter(|(rating, _)| !rating.fits.is_empty() && !rating.lacks.is_empty());
     let (rating, object) = with_fit.max_by_key(|(rating, _)| {

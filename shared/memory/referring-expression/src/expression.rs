@@ -83,6 +83,8 @@ pub(crate) enum RestrictionKind {
     Labelled,
     /// "in view".
     InView,
+    /// "missing".
+    Gone,
     /// "that Anna taught you yesterday".
     Taught(LessonAuthor, Option<TimePhrase>),
     /// "that you saw yesterday".
@@ -154,6 +156,12 @@ impl NounPhrase {
         }
     }
 
+    /// True if the phrase asks for objects that are gone.
+    pub(crate) fn wants_gone(&self) -> bool {
+        let mut restrictions = self.restrictions.iter();
+        restrictions.any(|one| one.kind == RestrictionKind::Gone && !one.is_negated)
+    }
+
     /// Other attachment of the last landmark's own restrictions: to this phrase.
     ///
     /// "The mug left of (the box behind the bottle)" becomes "the mug left of the box, behind the
@@ -180,6 +188,11 @@ impl NounPhrase {
 }
 
 impl RestrictionKind {
+    /// False for a restriction that nearly all objects of a table fulfil.
+    pub(crate) fn excludes_objects(&self) -> bool {
+        !matches!(self, Self::Place(TablePlace::Anywhere) | Self::InView)
+    }
+
     fn last_landmark(&mut self) -> Option<&mut NounPhrase> {
         match self {
             Self::SizeThan(_, _, landmark) | Self::Relation(_, landmark) => Some(landmark),

@@ -14,11 +14,11 @@ mod sizes;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::box_geometry::BoxGeometry;
-use crate::expression::{NounPhrase, Restriction, RestrictionKind};
+use crate::expression::{Noun, NounPhrase, Restriction, RestrictionKind};
 use crate::lexicon::Lexicon;
 use crate::relation::ViewFrame;
 use crate::tokens::{SpokenWord, WordSpan, tokenize};
-use crate::world::QueryWorld;
+use crate::world::{Presence, QueryWorld, WorldObject};
 pub(crate) use judgement::{Judgement, Rating};
 
 /// Least score of an object that fits. Chosen.
@@ -37,9 +37,26 @@ pub(crate) struct Grounder<'a> {
     lexicon: Option<&'a dyn Lexicon>,
     view: Option<ViewFrame>,
     geometries: Vec<BoxGeometry>,
+    /// Objects that the outermost phrase is about.
+    scope: Scope,
     /// Names of all categories with their words.
     known_names: BTreeMap<&'a str, Vec<SpokenWord>>,
     notes: Notes,
+}
+
+/// Objects that a phrase may refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// Objects that are there.
+    Present,
+    /// Objects that are gone.
+    Gone,
+}
+
+impl Scope {
+    pub(crate) fn contains(self, object: &WorldObject) -> bool {
+        object.is_gone() == (self == Self::Gone)
+    }
 }
 
 /// Notes about the words of a query.
@@ -76,6 +93,7 @@ impl<'a> Grounder<'a> {
             lexicon,
             view: world.viewpoint.as_ref().and_then(ViewFrame::new),
             geometries: world.objects.iter().map(BoxGeometry::new).collect(),
+            scope: Scope::Present,
             known_names: known_names(world),
             notes: Notes::default(),
         }
@@ -85,10 +103,38 @@ impl<'a> Grounder<'a> {
         self.notes
     }
 
+    /// Ratings of the objects of an outermost phrase: those that are there, and if none of them
+    /// fits, those that are gone.
+    pub(crate) fn rate_outermost(&mut self, phrase: &NounPhrase) -> (Scope, Vec<Rating>) {
+        let wants_gone = phrase.wants_gone();
+        if !wants_gone {
+            let n_doubts = self.notes.doubts.len();
+            let ratings = self.rate_attached(phrase);
+            let has_gone = self.world.objects.iter().any(WorldObject::is_gone);
+            let is_vague = phrase.noun == Noun::Anything && phrase.restrictions.is_empty();
+            if has_match(&ratings) || !has_gone || is_vague {
+                return (Scope::Present, ratings);
+            }
+            let doubts = self.notes.doubts.split_off(n_doubts);
+            self.scope = Scope::Gone;
+            let of_gone = self.rate_attached(phrase);
+            self.scope = Scope::Present;
+            if !has_match(&of_gone) {
+                self.notes.doubts.truncate(n_doubts);
+                self.notes.doubts.extend(doubts);
+                return (Scope::Present, ratings);
+            }
+            return (Scope::Gone, of_gone);
+        }
+        self.scope = Scope::Gone;
+        let ratings = self.rate_attached(phrase);
+        self.scope = Scope::Present;
+        (Scope::Gone, ratings)
+    }
+
     /// Ratings of all objects, with the other attachment of a landmark if the nearest finds none.
-    pub(crate) fn rate_outermost(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
+    fn rate_attached(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
         let ratings = self.rate(phrase);
-        let has_match = |ratings: &[Rating]| ratings.iter().any(|r| r.score >= MATCH_MIN);
         if has_match(&ratings) {
             return ratings;
         }
@@ -127,8 +173,12 @@ impl<'a> Grounder<'a> {
         let Some(judgements) = self.judge(restriction, ratings) else {
             return;
         };
-        for (rating, judgement) in ratings.iter_mut().zip(judgements) {
-            rating.apply(if restriction.is_negated {
+        for ((rating, judgement), object) in
+            ratings.iter_mut().zip(judgements).zip(self.world.objects)
+        {
+            rating.apply(if is_unknown(object, &restriction.kind) {
+                Judgement::new(0.0, "", "is gone, and that is not known of it")
+            } else if restriction.is_negated {
                 judgement.negated()
             } else {
                 judgement
@@ -161,7 +211,11 @@ impl<'a> Grounder<'a> {
                 .map(|o| Judgement::of_fact(o.is_labelled, "is labelled", "is not labelled"))
                 .collect(),
             RestrictionKind::InView => objects
-                .map(|o| Judgement::of_fact(o.is_in_view, "is in view", "is not in view"))
+                .map(|o| o.presence == Presence::InView)
+                .map(|is_in_view| Judgement::of_fact(is_in_view, "is in view", "is not in view"))
+                .collect(),
+            RestrictionKind::Gone => objects
+                .map(|o| Judgement::of_fact(o.is_gone(), "is gone", "is not gone"))
                 .collect(),
             RestrictionKind::Taught(author, time) => self.judge_taught(*author, *time, span),
             RestrictionKind::Seen(time) => self.judge_seen(*time, span),
@@ -170,9 +224,23 @@ impl<'a> Grounder<'a> {
         })
     }
 
-    /// Landmarks of a phrase, best first. None if its words are not understood.
+    /// Landmarks of a phrase, best first: objects that are there, and if none of them fits, objects
+    /// that are gone. None if its words are not understood.
     fn landmarks(&mut self, phrase: &NounPhrase) -> Option<Vec<Landmark>> {
-        let ratings = self.rate(phrase);
+        let outer = self.scope;
+        self.scope = Scope::Present;
+        let mut ratings = self.rate(phrase);
+        if !has_match(&ratings) && self.world.objects.iter().any(WorldObject::is_gone) {
+            self.scope = Scope::Gone;
+            ratings = self.rate(phrase);
+            for (rating, object) in ratings.iter_mut().zip(self.world.objects) {
+                let track = object.track_id;
+                rating
+                    .doubts
+                    .push(format!("track {track} is gone; its place is as last seen"));
+            }
+        }
+        self.scope = outer;
         if self.is_noun_ignored(phrase) && phrase.restrictions.is_empty() {
             return None;
         }
@@ -214,6 +282,20 @@ impl<'a> Grounder<'a> {
     fn text(&self, span: WordSpan) -> String {
         span.text(self.words)
     }
+}
+
+fn has_match(ratings: &[Rating]) -> bool {
+    ratings.iter().any(|rating| rating.score >= MATCH_MIN)
+}
+
+/// True if a restriction asks for what is not known of an object that is gone.
+fn is_unknown(object: &WorldObject, kind: &RestrictionKind) -> bool {
+    object.is_gone()
+        && match kind {
+            RestrictionKind::Color(_) => !colors::has_known_color(object),
+            RestrictionKind::Is(_) => object.names.is_empty(),
+            _ => false,
+        }
 }
 
 fn known_names<'a>(world: &QueryWorld<'a>) -> BTreeMap<&'a str, Vec<SpokenWord>> {

@@ -44,6 +44,14 @@ const EVERYDAY_SYNONYMS: [&[&str]; 12] = [
     &["bowl", "dish"],
 ];
 
+/// True if a word in the singular belongs to an everyday synonym.
+pub(crate) fn is_everyday_word(word: &str) -> bool {
+    let phrases = EVERYDAY_SYNONYMS.iter().flat_map(|group| group.iter());
+    phrases
+        .flat_map(|phrase| phrase.split(' '))
+        .any(|part| part == word)
+}
+
 /// True if two phrases in the singular are everyday synonyms.
 pub(crate) fn are_everyday_synonyms(one: &str, other: &str) -> bool {
     let holds_both = |group: &&&[&str]| group.contains(&one) && group.contains(&other);

@@ -7,7 +7,7 @@
 //! understood.
 //!
 //! ```
-//! use referring_expression::{QueryWorld, Viewpoint, WorldObject, find};
+//! use referring_expression::{Presence, QueryWorld, Viewpoint, WorldObject, find};
 //!
 //! let object = |track_id, name: &str, x_m| WorldObject {
 //!     track_id,
@@ -17,7 +17,7 @@
 //!     centre_in_world_m: [x_m, 0.0, 0.75],
 //!     orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
 //!     size_m: [0.1; 3],
-//!     is_in_view: true,
+//!     presence: Presence::InView,
 //!     first_seen_ns: 0,
 //!     last_seen_ns: 0,
 //! };
@@ -43,6 +43,7 @@
 mod answer;
 mod answer_text;
 mod box_geometry;
+mod compound;
 mod comprehension;
 mod error;
 mod expression;
@@ -53,6 +54,7 @@ mod parser;
 mod relation;
 mod shade;
 mod size;
+mod spelling;
 mod time_phrase;
 mod tokens;
 mod vocabulary;
@@ -68,4 +70,4 @@ pub use error::Error;
 pub use lexicon::{Kinship, Lexicon};
 pub use point_cloud::ColorTerm;
 pub use wordnet::WordNet;
-pub use world::{Lesson, QueryWorld, Viewpoint, WorldObject};
+pub use world::{Lesson, Presence, QueryWorld, Viewpoint, WorldObject};

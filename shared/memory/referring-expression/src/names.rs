@@ -1,7 +1,8 @@
-//! Names of categories: plural and singular, hyphens, and the head noun of a compound.
+//! Names of categories: plural and singular, hyphens, and the index of known names.
 
 use std::collections::HashMap;
 
+use crate::compound::{NameAgreement, agreement, canonical_words, head_word};
 use crate::tokens::{SpokenWord, tokenize};
 
 /// Plurals that no rule of spelling gives, with their singular.
@@ -49,7 +50,7 @@ const PLURAL_FORM_OF_ONE: [&str; 14] = [
 ];
 
 /// Most words of a name that is looked up.
-const NAME_WORDS_MAX: usize = 4;
+const NAME_WORDS_MAX: usize = 5;
 
 /// Singular of a noun in lower case, by the rules of spelling.
 pub(crate) fn singular(word: &str) -> String {
@@ -71,19 +72,22 @@ pub(crate) fn singular(word: &str) -> String {
     word[..word.len() - n_dropped].to_owned()
 }
 
+/// Regular plural of a noun in the singular.
+pub(crate) fn plural(word: &str) -> String {
+    let takes_es = ["x", "ch", "sh", "s", "z"]
+        .iter()
+        .any(|end| word.ends_with(end));
+    format!("{word}{}", if takes_es { "es" } else { "s" })
+}
+
 /// True if a word is the plural of another.
 pub(crate) fn is_plural(word: &str) -> bool {
     singular(word) != word && !PLURAL_FORM_OF_ONE.contains(&word)
 }
 
-/// Key by which two spellings of a name are equal: without separators, the last word singular.
+/// Key by which two spellings of a name are equal: without separators, the head singular.
 pub(crate) fn name_key(words: &[SpokenWord]) -> String {
-    let Some((last, first)) = words.split_last() else {
-        return String::new();
-    };
-    let mut key: String = first.iter().map(|token| token.word.as_str()).collect();
-    key.push_str(&singular(&last.word));
-    key
+    canonical_words(words).concat()
 }
 
 /// Index of the names that are known, by key.
@@ -91,56 +95,66 @@ pub(crate) fn name_key(words: &[SpokenWord]) -> String {
 pub(crate) struct NameIndex {
     /// Names by key, with true if the name is a plural as it was taught.
     names: HashMap<String, bool>,
+    /// Names with their words, in any order.
+    words: Vec<Vec<SpokenWord>>,
 }
 
 impl NameIndex {
     pub(crate) fn new<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
-        let entry = |name| {
-            let words = tokenize(name);
-            let is_plural = words.last().is_some_and(|last| is_plural(&last.word));
-            (name_key(&words), is_plural)
+        let distinct: std::collections::BTreeSet<&str> = names.into_iter().collect();
+        let tokens = distinct.into_iter().map(tokenize);
+        let words: Vec<Vec<SpokenWord>> = tokens.filter(|words| !words.is_empty()).collect();
+        let entry = |words: &Vec<SpokenWord>| {
+            let is_plural = head_word(words).is_some_and(|head| is_plural(&head.word));
+            (name_key(words), is_plural)
         };
-        let names = names.into_iter().map(entry);
         Self {
-            names: names.filter(|(key, _)| !key.is_empty()).collect(),
+            names: words.iter().map(entry).collect(),
+            words,
         }
     }
 
+    /// Words of all names.
+    pub(crate) fn words(&self) -> impl Iterator<Item = &[SpokenWord]> {
+        self.words.iter().map(Vec::as_slice)
+    }
+
     /// Number of words of the longest known name at the start of the words.
+    ///
+    /// A name does not end inside of a group that hyphens join and that begins within the name:
+    /// "green tea-box" does not begin with the name "green tea".
     pub(crate) fn longest_at_start(&self, words: &[SpokenWord]) -> Option<usize> {
         let most = words.len().min(NAME_WORDS_MAX);
-        (1..=most).rev().find(|n| self.has(&words[..*n]))
+        let ends_in_group = |n: usize| {
+            let is_joined = |position: usize| words.get(position).is_some_and(|w| w.is_joined);
+            is_joined(n) && (1..n).any(|start| !is_joined(start) && (start + 1..=n).all(is_joined))
+        };
+        (1..=most)
+            .rev()
+            .find(|n| self.has(&words[..*n]) && !ends_in_group(*n))
     }
 
     pub(crate) fn has(&self, words: &[SpokenWord]) -> bool {
         self.names.contains_key(&name_key(words))
     }
 
+    /// True if the words are the last ones of a known compound.
+    pub(crate) fn has_head(&self, words: &[SpokenWord]) -> bool {
+        let mut names = self.words();
+        names.any(|name| agreement(words, name) == Some(NameAgreement::Head))
+    }
+
+    /// True if the words are a part of a known compound.
+    pub(crate) fn has_part(&self, words: &[SpokenWord]) -> bool {
+        self.words().any(|name| agreement(words, name).is_some())
+    }
+
     /// True if the words mean several objects: a plural that is not itself the name.
     pub(crate) fn is_plural(&self, words: &[SpokenWord]) -> bool {
         let is_name_plural = self.names.get(&name_key(words)).copied();
-        let last = words.last();
-        last.is_some_and(|last| is_plural(&last.word)) && is_name_plural != Some(true)
+        let head = head_word(words);
+        head.is_some_and(|head| is_plural(&head.word)) && is_name_plural != Some(true)
     }
-}
-
-/// Agreement of spoken words with the name of a category.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum NameAgreement {
-    /// The same name, number and hyphens aside.
-    Same,
-    /// The last word of a compound: "box" for "cereal-box".
-    Head,
-}
-
-/// Agreement of spoken words with the words of a category's name.
-pub(crate) fn agreement(spoken: &[SpokenWord], name: &[SpokenWord]) -> Option<NameAgreement> {
-    let key = name_key(spoken);
-    if key == name_key(name) {
-        return Some(NameAgreement::Same);
-    }
-    let is_head = (1..name.len()).any(|first| name_key(&name[first..]) == key);
-    is_head.then_some(NameAgreement::Head)
 }
 
 #[cfg(test)]
@@ -163,19 +177,6 @@ mod tests {
             assert_eq!(singular(plural), one);
         }
         assert!(is_plural("mugs") && !is_plural("mug") && !is_plural("scissors"));
-    }
-
-    #[test]
-    fn names_agree_without_hyphens_and_number() {
-        let agree = |spoken, name| agreement(&tokenize(spoken), &tokenize(name));
-        assert_eq!(
-            agree("cereal boxes", "cereal-box"),
-            Some(NameAgreement::Same)
-        );
-        assert_eq!(agree("tea pot", "teapot"), Some(NameAgreement::Same));
-        assert_eq!(agree("box", "cereal-box"), Some(NameAgreement::Head));
-        assert_eq!(agree("pop tart", "pop-tarts"), Some(NameAgreement::Same));
-        assert_eq!(agree("cereal", "cereal-box"), None);
     }
 
     #[test]

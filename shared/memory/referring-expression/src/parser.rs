@@ -3,6 +3,7 @@
 //! It never fails: words that fit nowhere are left over, and the rest is used. Restrictions attach
 //! to the nearest noun.
 
+mod between;
 mod clauses;
 mod modifiers;
 mod nouns;
@@ -217,7 +218,7 @@ impl<'a> Parser<'a> {
 
     /// Reads one part of the outermost phrase.
     fn part(&mut self, draft: &mut Draft) -> bool {
-        self.modifier(draft)
+        self.name_or_modifier(draft)
             || self.known_noun(draft)
             || self.take(&ACKNOWLEDGEMENTS, "politeness").is_some()
             || self.take(&JOINTS, "a joint").is_some()
@@ -227,7 +228,7 @@ impl<'a> Parser<'a> {
 
     /// Reads one part of a landmark: joints only before a modifier, so that "and" stays outside.
     fn landmark_part(&mut self, draft: &mut Draft) -> bool {
-        if self.modifier(draft) || self.known_noun(draft) {
+        if self.name_or_modifier(draft) || self.known_noun(draft) {
             return true;
         }
         let checkpoint = self.checkpoint();
@@ -235,6 +236,14 @@ impl<'a> Parser<'a> {
             return self.modifier(draft) || self.restore(&checkpoint);
         }
         self.open_noun(draft)
+    }
+
+    /// Reads a name that has words of the vocabulary in it, the container of a name, or a modifier.
+    fn name_or_modifier(&mut self, draft: &mut Draft) -> bool {
+        self.contained_name(draft)
+            || self.container_after_name(draft)
+            || self.name_before_meanings(draft)
+            || self.modifier(draft)
     }
 
     /// Reads "and left of the box" after another modifier.

@@ -173,7 +173,8 @@ fn containment_score(object: &BoxGeometry, container: &BoxGeometry) -> f64 {
     footprint * is_over_bottom * is_sunk * is_smaller
 }
 
-/// Score of an object between two landmarks.
+/// Score of an object between two landmarks, 0 to 1, from no viewpoint: its centre lies beyond the
+/// inner faces of both, and near the segment between their centres.
 pub(crate) fn between_score(object: &BoxGeometry, ends: [&BoxGeometry; 2]) -> f64 {
     let flat = |vector: Vector3<f64>| Vector3::new(vector.x, vector.y, 0.0);
     let line = flat(ends[1].centre - ends[0].centre);
@@ -185,8 +186,14 @@ pub(crate) fn between_score(object: &BoxGeometry, ends: [&BoxGeometry; 2]) -> f6
     let fraction = offset.dot(&line) / (length_m * length_m);
     let aside_m = (offset - fraction * line).norm();
     let radius_m = ends[0].radius_m().max(ends[1].radius_m()) + object.radius_m();
-    let is_inside = ramp(fraction, 0.0, 0.15) * ramp(fraction, 1.0, 0.85);
-    let far_m = radius_m.max(0.4 * length_m);
+    let direction = line / length_m;
+    let is_beyond = |end: &BoxGeometry, distance_m: f64| {
+        let half_m = end.half_extent_m(&direction);
+        ramp(distance_m, 0.5 * half_m, half_m.max(0.15 * length_m))
+    };
+    let along_m = fraction * length_m;
+    let is_inside = is_beyond(ends[0], along_m) * is_beyond(ends[1], length_m - along_m);
+    let far_m = radius_m.max(0.25 * length_m);
     is_inside * ramp(aside_m, 1.2 * far_m, 0.5 * far_m)
 }
 

@@ -73,6 +73,12 @@ const SHADES: [(&str, &[ColorTerm]); 56] = [
     ("blackish", &[Black]),
 ];
 
+/// Words that name a shade.
+pub(crate) fn shade_words() -> impl Iterator<Item = &'static str> {
+    let terms = ColorTerm::ALL.into_iter().map(ColorTerm::word);
+    terms.chain(SHADES.iter().map(|(word, _)| *word))
+}
+
 /// Shade that a word in lower case names.
 pub(crate) fn shade(word: &str) -> Option<Shade> {
     let is_word = |term: &&ColorTerm| term.word() == word;

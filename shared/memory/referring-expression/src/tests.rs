@@ -1,9 +1,10 @@
 //! Tests of comprehension in a world made by hand.
 
+mod pantry;
 mod phrases;
 mod robustness;
 
-use crate::{Answer, Lesson, QueryWorld, Viewpoint, WorldObject, find};
+use crate::{Answer, Lesson, Presence, QueryWorld, Viewpoint, WorldObject, find};
 
 const SECOND: i64 = 1_000_000_000;
 const HOUR: i64 = 3600 * SECOND;
@@ -37,7 +38,7 @@ fn object(
         centre_in_world_m: [place_m[0], place_m[1], 0.7 + 0.5 * size_m[2]],
         orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
         size_m,
-        is_in_view: true,
+        presence: Presence::InView,
         first_seen_ns: NOW - HOUR + id * SECOND,
         last_seen_ns: NOW,
     }
@@ -76,7 +77,7 @@ impl Tabletop {
         objects[6].names = vec![("sponge".to_owned(), 0.61), ("mug".to_owned(), 0.2)];
         objects[8].color_shares[RED] = 0.38;
         objects[8].color_shares[WHITE] = 0.62;
-        objects[8].is_in_view = false;
+        objects[8].presence = Presence::OutOfView;
         objects[8].last_seen_ns = NOW - 35 * SECOND;
         objects[9].centre_in_world_m[2] = 0.835;
         objects[10].centre_in_world_m[2] = 0.75;

@@ -7,6 +7,8 @@ pub(crate) struct SpokenWord {
     pub(crate) text: String,
     /// Word in lower case and British spelling.
     pub(crate) word: String,
+    /// True if a hyphen joins the word to the one before.
+    pub(crate) is_joined: bool,
 }
 
 /// Consecutive tokens, by position in the query.
@@ -32,6 +34,10 @@ impl WordSpan {
 
     pub(crate) fn contains(self, position: usize) -> bool {
         (self.start..self.end).contains(&position)
+    }
+
+    pub(crate) fn positions(self) -> std::ops::Range<usize> {
+        self.start..self.end
     }
 
     pub(crate) fn is_empty(self) -> bool {
@@ -71,11 +77,18 @@ pub(crate) fn tokenize(text: &str) -> Vec<SpokenWord> {
             continue;
         }
         if start < position {
+            let n_before = tokens.len();
             push_word(&characters[start..position], &mut tokens);
+            tokens[n_before].is_joined = follows_hyphen(&characters, start);
         }
         start = position + 1;
     }
     tokens
+}
+
+fn follows_hyphen(characters: &[char], start: usize) -> bool {
+    let at = |n_back: usize| Some(characters[start.checked_sub(n_back)?]);
+    at(1) == Some('-') && at(2).is_some_and(char::is_alphanumeric)
 }
 
 fn plain_apostrophe(character: char) -> char {
@@ -120,7 +133,11 @@ fn token(characters: &[char]) -> SpokenWord {
     let lower = text.to_lowercase();
     let british = SPELLINGS.iter().find(|(from, _)| *from == lower);
     let word = british.map_or(lower, |(_, to)| (*to).to_owned());
-    SpokenWord { text, word }
+    SpokenWord {
+        text,
+        word,
+        is_joined: false,
+    }
 }
 
 #[cfg(test)]
@@ -136,6 +153,15 @@ mod tests {
         assert_eq!(words("The gray, BIG mug?"), ["the", "grey", "big", "mug"]);
         assert_eq!(words("non-red cereal-box"), ["non", "red", "cereal", "box"]);
         assert_eq!(words("'Where\u{2019}s' it..."), ["where's", "it"]);
+    }
+
+    #[test]
+    fn tokens_know_the_hyphen_before_them() {
+        let joined: Vec<bool> = tokenize("green tea-box - -x 5cm-long")
+            .iter()
+            .map(|token| token.is_joined)
+            .collect();
+        assert_eq!(joined, [false, false, true, false, false, false, true]);
     }
 
     #[test]

@@ -5,10 +5,12 @@
 mod requests;
 mod sizes;
 mod times;
+mod words;
 
 pub(crate) use requests::{ACKNOWLEDGEMENTS, JOINTS, WRAPPERS};
 pub(crate) use sizes::{ADJECTIVES, BOUNDS, LENGTH_UNITS, MEASURED_DIMENSIONS};
 pub(crate) use times::{COUNTED_TIMES, TEACHING_VERBS, TIME_UNITS, TIMES, WITHIN};
+pub(crate) use words::{is_ordinary, is_word, words};
 
 use crate::expression::{Quantity, RankingKey};
 use crate::relation::{Relation, TablePlace};
@@ -218,6 +220,37 @@ pub(crate) const VISIBILITY: [(&str, bool); 12] = [
     ("hidden", false),
     ("invisible", false),
     ("you cannot see", false),
+];
+
+/// Presence on the table: all of them mean an object that is gone.
+pub(crate) const PRESENCES: [(&str, ()); 16] = [
+    ("gone", ()),
+    ("missing", ()),
+    ("lost", ()),
+    ("removed", ()),
+    ("taken away", ()),
+    ("disappeared", ()),
+    ("vanished", ()),
+    ("no longer here", ()),
+    ("no longer there", ()),
+    ("not here any more", ()),
+    ("not there any more", ()),
+    ("not here anymore", ()),
+    ("not there anymore", ()),
+    ("used to be here", ()),
+    ("used to be there", ()),
+    ("was here before", ()),
+];
+
+/// Openings of a relation to two landmarks.
+pub(crate) const BETWEEN: [(&str, ()); 7] = [
+    ("between", ()),
+    ("in between", ()),
+    ("halfway between", ()),
+    ("midway between", ()),
+    ("in the middle between", ()),
+    ("somewhere between", ()),
+    ("right between", ()),
 ];
 
 /// Relations to a landmark.

@@ -2,6 +2,19 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
+/// Presence of an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Presence {
+    /// The camera sees the object now.
+    #[default]
+    InView,
+    /// The object is believed to be at its place, but is not seen now.
+    OutOfView,
+    /// The object is not there any more. Its place is the one where it was last seen, and what is
+    /// not known of it never fits.
+    Gone,
+}
+
 /// Object that an expression may refer to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldObject {
@@ -20,8 +33,8 @@ pub struct WorldObject {
     pub orientation_xyzw: [f64; 4],
     /// Edges of the box along its own axes.
     pub size_m: [f64; 3],
-    /// True if the camera sees the object now.
-    pub is_in_view: bool,
+    /// Presence on the table.
+    pub presence: Presence,
     /// Instant of the first view, wall clock since 1970.
     pub first_seen_ns: i64,
     /// Instant of the last view, wall clock since 1970.
@@ -32,6 +45,11 @@ impl WorldObject {
     /// Most probable name, if there is one.
     pub fn best_name(&self) -> Option<&str> {
         self.names.first().map(|(name, _)| name.as_str())
+    }
+
+    /// True if the object is not there any more.
+    pub fn is_gone(&self) -> bool {
+        self.presence == Presence::Gone
     }
 }
 

@@ -58,6 +58,11 @@ fn shares(object: &WorldObject) -> [f64; 11] {
     })
 }
 
+/// True if the colour of an object is known.
+pub(super) fn has_known_color(object: &WorldObject) -> bool {
+    is_known(&shares(object))
+}
+
 fn is_known(shares: &[f64; 11]) -> bool {
     shares.iter().sum::<f64>() > NOTICED_SHARE
 }

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use super::{Grounder, Judgement, Rating};
+use crate::compound::{NameAgreement, agreement, is_container};
 use crate::expression::{Noun, NounPhrase};
 use crate::lexicon::{Kinship, are_everyday_synonyms};
-use crate::names::{NameAgreement, agreement, singular};
+use crate::names::{name_key, singular};
 use crate::tokens::{SpokenWord, WordSpan};
 use crate::world::WorldObject;
 
@@ -14,6 +15,16 @@ const UNKNOWN_NOUN_SCORE: f64 = 0.5;
 
 /// Score of a category that the words name or contain, rather than resemble.
 const NEAR_SCORE: f64 = 0.6;
+
+/// Score of a category whose name ends with the words. Chosen.
+const HEAD_SCORE: f64 = 0.75;
+
+/// Score of a category whose container has the words as its contents: it competes with those
+/// whose name ends with the words, but not with those of the very name. Chosen.
+const CONTENTS_SCORE: f64 = 0.72;
+
+/// Score of a category of whose name the words are another part. Chosen.
+const PART_SCORE: f64 = 0.6;
 
 /// Probability of a name from which on it is not doubtful.
 const SURE_PROBABILITY: f64 = 0.9;
@@ -27,8 +38,18 @@ struct CategoryFit {
 }
 
 impl Grounder<'_> {
-    /// Ratings of all objects by the noun of a phrase.
+    /// Ratings of all objects by the noun of a phrase; 0 for those out of the scope.
     pub(super) fn rate_noun(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
+        let mut ratings = self.rate_by_noun(phrase);
+        for (rating, object) in ratings.iter_mut().zip(self.world.objects) {
+            if !self.scope.contains(object) {
+                rating.score = 0.0;
+            }
+        }
+        ratings
+    }
+
+    fn rate_by_noun(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
         let mut ratings = vec![Rating::default(); self.world.objects.len()];
         let Noun::Category(span) = phrase.noun else {
             return ratings;
@@ -55,8 +76,16 @@ impl Grounder<'_> {
 
     /// Categories that the words may name. Words that name none are noted as not understood.
     fn resolve(&mut self, span: WordSpan) -> HashMap<String, CategoryFit> {
-        // "Shiny gadget": the whole compound, then its head.
-        for start in span.start..span.end {
+        let fits = self.fits(span);
+        if !fits.is_empty() {
+            self.note_noun(span, span, &fits);
+            return fits;
+        }
+        if let Some(fits) = self.resolve_contained(span) {
+            return fits;
+        }
+        // "Shiny gadget": the head of the compound.
+        for start in span.start + 1..span.end {
             let part = WordSpan { start, ..span };
             let fits = self.fits(part);
             if !fits.is_empty() {
@@ -74,6 +103,35 @@ impl Grounder<'_> {
             self.notes.ignored.push(span);
         }
         HashMap::new()
+    }
+
+    /// Categories of "juice carton": orange juice, the words before the container being its name
+    /// or the last words of its name.
+    fn resolve_contained(&mut self, span: WordSpan) -> Option<HashMap<String, CategoryFit>> {
+        let contents = WordSpan {
+            end: span.end - 1,
+            ..span
+        };
+        let container = span.of(self.words).last()?;
+        if contents.is_empty() || !is_container(&container.word) {
+            return None;
+        }
+        let spoken = contents.of(self.words);
+        let names = self.known_names.iter();
+        let fits = names.filter_map(|(name, words)| {
+            let is_itself = matches!(
+                agreement(spoken, words)?,
+                NameAgreement::Same | NameAgreement::Head
+            );
+            let doubt = format!("`{}` was taken as {name}", normalised(span.of(self.words)));
+            is_itself.then(|| ((*name).to_owned(), doubtful(HEAD_SCORE, doubt)))
+        });
+        let fits: HashMap<String, CategoryFit> = fits.collect();
+        if fits.is_empty() {
+            return None;
+        }
+        self.note_noun(span, span, &fits);
+        Some(fits)
     }
 
     fn note_noun(&mut self, span: WordSpan, part: WordSpan, fits: &HashMap<String, CategoryFit>) {
@@ -112,17 +170,37 @@ impl Grounder<'_> {
                 names.filter_map(|(name, words)| Some(((*name).to_owned(), fit(name, words)?)));
             fits.collect::<HashMap<_, _>>()
         };
-        let named = fits_by(&|name, words| fit_of_name(spoken, name, words));
+        let is_exact = self.is_name_of_object(spoken);
+        let named = fits_by(&|name, words| {
+            let agreement = agreement(spoken, words)?;
+            let is_excluded = is_exact && agreement == NameAgreement::Contents;
+            (!is_excluded).then(|| fit_of_name(agreement, spoken, name))?
+        });
         if !named.is_empty() {
             return named;
         }
         let related = fits_by(&|name, words| self.fit_of_meaning(spoken, name, words));
         let closest = related.values().map(|fit| fit.score).fold(0.0, f64::max);
+        if closest < NEAR_SCORE {
+            let parts =
+                fits_by(&|name, words| fit_of_part(agreement(spoken, words)?, spoken, name));
+            if !parts.is_empty() {
+                return parts;
+            }
+        }
         let is_near = |fit: &CategoryFit| closest < NEAR_SCORE || fit.score >= NEAR_SCORE;
         related
             .into_iter()
             .filter(|(_, fit)| is_near(fit))
             .collect()
+    }
+
+    /// True if an object has exactly the spoken name.
+    fn is_name_of_object(&self, spoken: &[SpokenWord]) -> bool {
+        let key = name_key(spoken);
+        let names = self.world.objects.iter().filter_map(WorldObject::best_name);
+        let words = names.filter_map(|name| self.known_names.get(name));
+        words.into_iter().any(|words| name_key(words) == key)
     }
 
     /// Fit of a category whose name means the same as the words, or something related.
@@ -162,23 +240,28 @@ fn doubtful(score: f64, doubt: String) -> CategoryFit {
     }
 }
 
-/// Fit of a category by its name: all of it, or the last word of a compound.
-fn fit_of_name(
-    spoken: &[SpokenWord],
-    name: &str,
-    name_words: &[SpokenWord],
-) -> Option<CategoryFit> {
-    let fit = match agreement(spoken, name_words)? {
-        NameAgreement::Same => CategoryFit {
-            score: 1.0,
-            doubt: None,
-        },
-        NameAgreement::Head => {
-            let words = normalised(spoken);
-            doubtful(0.75, format!("`{words}` was taken as {name}"))
+/// Fit of a category by its name: all of it, the last words of a compound, or its contents.
+fn fit_of_name(agreement: NameAgreement, spoken: &[SpokenWord], name: &str) -> Option<CategoryFit> {
+    let score = match agreement {
+        NameAgreement::Same => {
+            return Some(CategoryFit {
+                score: 1.0,
+                doubt: None,
+            });
         }
+        NameAgreement::Head => HEAD_SCORE,
+        NameAgreement::Contents => CONTENTS_SCORE,
+        NameAgreement::Part => return None,
     };
-    Some(fit)
+    let words = normalised(spoken);
+    Some(doubtful(score, format!("`{words}` was taken as {name}")))
+}
+
+/// Fit of a category by any other part of its name.
+fn fit_of_part(agreement: NameAgreement, spoken: &[SpokenWord], name: &str) -> Option<CategoryFit> {
+    let words = normalised(spoken);
+    let doubt = format!("`{words}` was taken as {name}");
+    (agreement == NameAgreement::Part).then(|| doubtful(PART_SCORE, doubt))
 }
 
 fn normalised(words: &[SpokenWord]) -> String {

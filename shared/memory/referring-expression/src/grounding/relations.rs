@@ -137,8 +137,18 @@ impl Grounder<'_> {
             }
             return None;
         };
+        let present = self.world.objects.iter().zip(&self.geometries);
+        let present: Vec<_> = present
+            .filter(|(object, _)| !object.is_gone())
+            .map(|(_, geometry)| *geometry)
+            .collect();
         let judge = |index: usize| {
-            let score = place.score(&self.geometries[index], &self.geometries, &view);
+            let is_on_table = !self.world.objects[index].is_gone();
+            let score = if holds_for_all {
+                f64::from(u8::from(is_on_table))
+            } else {
+                place.score(&self.geometries[index], &present, &view)
+            };
             let words = place.word();
             let track = self.track(index);
             let fit = if holds_for_all {

@@ -30,7 +30,13 @@ impl Grounder<'_> {
             .filter(|(_, r)| r.score >= MATCH_MIN);
         let fitting: Vec<f64> = fitting.map(|(value, _)| *value).collect();
         let is_alone = fitting.len() < 2;
-        let others = if is_alone { &values } else { &fitting };
+        let all: Vec<f64> = values
+            .iter()
+            .zip(self.world.objects)
+            .filter(|(_, object)| !object.is_gone())
+            .map(|(value, _)| *value)
+            .collect();
+        let others = if is_alone { &all } else { &fitting };
         let adjective = dimension.adjective(degree);
         let judge = |(index, value): (usize, &f64)| {
             let relative = relative_score(*value, others, degree);

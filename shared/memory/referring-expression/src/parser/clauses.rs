@@ -10,7 +10,7 @@ use crate::vocabulary::{
 };
 
 /// Auxiliaries between an author and the verb.
-const AUXILIARIES: [&str; 6] = ["have", "has", "had", "just", "did", "already"];
+pub(super) const AUXILIARIES: [&str; 6] = ["have", "has", "had", "just", "did", "already"];
 
 /// Authors that are no names.
 const AUTHORS: [(&str, LessonAuthor); 8] = [

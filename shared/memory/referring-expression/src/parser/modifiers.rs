@@ -8,8 +8,8 @@ use crate::size::{AdjectiveForm, Bound, Degree, Dimension};
 use crate::tokens::WordSpan;
 use crate::vocabulary::{
     self, ADJECTIVES, BOUNDS, COLOR_MODIFIERS, COLOR_SUFFIXES, COUNTING_SIDES, EXCEPTIONS, LABELS,
-    LENGTH_UNITS, MANY_COLORS, MEASURED_DIMENSIONS, NEGATIONS, ORDINALS, PLACES, RANKINGS,
-    RELATIONS, SUPPORTS, VISIBILITY,
+    LENGTH_UNITS, MANY_COLORS, MEASURED_DIMENSIONS, NEGATIONS, ORDINALS, PLACES, PRESENCES,
+    RANKINGS, RELATIONS, SUPPORTS, VISIBILITY,
 };
 
 impl Parser<'_> {
@@ -34,6 +34,8 @@ impl Parser<'_> {
                 (is_labelled, span, RestrictionKind::Labelled)
             } else if let Some((is_seen, span)) = self.take(&VISIBILITY, "a restriction by view") {
                 (is_seen, span, RestrictionKind::InView)
+            } else if let Some(((), span)) = self.take(&PRESENCES, "an object that is gone") {
+                (true, span, RestrictionKind::Gone)
             } else {
                 return false;
             };
@@ -103,6 +105,9 @@ impl Parser<'_> {
             |w: &&crate::tokens::SpokenWord| COLOR_MODIFIERS.contains(&w.word.as_str());
         let n_modifiers = self.rest().iter().take_while(is_modifier).count();
         let color = shade(&self.rest().get(n_modifiers)?.word)?;
+        if n_modifiers > 0 && self.is_name_after(n_modifiers) {
+            return None;
+        }
         if n_modifiers > 0 {
             let span = self.pass(n_modifiers, "a modifier of the colour, not used");
             let words = span.text(self.words);
@@ -114,6 +119,12 @@ impl Parser<'_> {
         Some(color)
     }
 
+    /// True if a name of several words stands some words ahead.
+    fn is_name_after(&self, n_words: usize) -> bool {
+        let after = self.rest().get(n_words..).unwrap_or_default();
+        self.names.longest_at_start(after) > Some(1)
+    }
+
     /// Reads "and white" or "or blue", or one more colour; true for "or".
     fn further_shade(&mut self) -> Option<(Shade, bool)> {
         let checkpoint = self.checkpoint();
@@ -122,7 +133,7 @@ impl Parser<'_> {
             self.pass(1, if joint == "or" { "either" } else { "both" });
         }
         // A category may have the name of a colour: "the red orange".
-        let is_noun = self.names.longest_at_start(self.rest()).is_some();
+        let is_noun = self.is_name_here();
         let found = if is_noun { None } else { self.shade() };
         if found.is_none() {
             self.restore(&checkpoint);
@@ -268,36 +279,6 @@ impl Parser<'_> {
             RankingKey::FarthestFrom(landmark)
         };
         true
-    }
-
-    /// Reads "between the box and the mug".
-    fn between(&mut self, draft: &mut Draft) -> bool {
-        let checkpoint = self.checkpoint();
-        let is_negated = draft.is_negated;
-        let Some(((), span)) = self.take(&[("between", ()), ("in between", ())], "a relation")
-        else {
-            return false;
-        };
-        let Some(first) = self.landmark() else {
-            return self.restore(&checkpoint);
-        };
-        let second = if self.next_word() == "and" {
-            self.pass(1, "the second landmark");
-            self.landmark()
-        } else {
-            // "between the boxes"
-            first.is_plural.then(|| first.clone())
-        };
-        let Some(second) = second else {
-            return self.restore(&checkpoint);
-        };
-        draft.is_negated = is_negated;
-        draft.has_postmodifier = true;
-        Self::restrict(
-            draft,
-            span,
-            RestrictionKind::Between(Box::new([first, second])),
-        )
     }
 
     /// Reads "left of the box" or "on the left", by the longer phrase.

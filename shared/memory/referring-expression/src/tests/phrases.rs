@@ -192,10 +192,6 @@ fn grounding_states_doubts() {
         ("what I showed you 2 days ago", "may be another object"),
         ("four mugs", "only 3 of 4 objects fit"),
         ("the second mug", "`second` was counted from the left"),
-        (
-            "the red flurble in front of the bottle",
-            "the word `flurble` was not understood",
-        ),
     ] {
         let answer = ask(query);
         assert!(
@@ -217,6 +213,20 @@ fn grounding_states_doubts() {
     ] {
         assert_eq!(doubts(&ask(query)), "", "{query}");
     }
+}
+
+#[test]
+fn grounding_says_what_to_say_instead_of_words_that_are_not_understood() {
+    let answer = ask("the red flurble in front of the bottle");
+    assert!(answer.matches.is_empty());
+    assert!(
+        answer.sentence.contains(
+            "the word `flurble` was not understood. Say a name that was taught, such as `apple`, \
+             `bottle` or `bowl`, or a colour, a size or a place of the object."
+        ),
+        "{}",
+        answer.sentence
+    );
 }
 
 #[test]
