@@ -10,7 +10,8 @@ use message::{TrackState, WirePose};
 use nalgebra::{UnitQuaternion, Vector3};
 use parking_lot::Mutex;
 use referring_expression::{
-    Answer, ColorTerm, Lesson, Lexicon, Match, QueryWorld, Viewpoint, WordNet, WorldObject, find,
+    Answer, ColorTerm, Lesson, Lexicon, Match, Presence, QueryWorld, Viewpoint, WordNet,
+    WorldObject, find,
 };
 use scene_document::{CategoryAnswer, CategoryDocument, ObjectDocument, SceneDocument};
 use std::path::Path;
@@ -46,8 +47,10 @@ impl Synonyms {
 /// Everything that a query is about.
 pub(crate) struct KnownWorld {
     scene: SceneDocument,
-    live: Vec<WorldObject>,
-    gone: Vec<WorldObject>,
+    /// Objects of the scene, then those that are gone.
+    objects: Vec<WorldObject>,
+    /// Rotation of the world that points its up direction along z.
+    upright: UnitQuaternion<f64>,
     viewpoint: Option<Viewpoint>,
     lessons: Vec<Lesson>,
     taught_names: Vec<String>,
@@ -60,16 +63,26 @@ impl KnownWorld {
         categories: Vec<CategoryDocument>,
         memory: &WorkingMemory,
     ) -> Self {
-        let (lessons, gone) = memory.with(|model| (lessons(model), gone(model)));
         let upright = upright_from_world(&scene);
+        let (lessons, gone) = memory.with(|model| {
+            let lessons = lessons(model);
+            let gone = gone(model, &upright, &lessons);
+            (lessons, gone)
+        });
         let now_ns = now_ns() as i64;
-        let object = |object: &ObjectDocument| live_object(object, &upright, &lessons, now_ns);
+        let live = |object: &ObjectDocument| live_object(object, &upright, &lessons, now_ns);
+        let mut objects: Vec<WorldObject> = scene.objects.iter().map(live).collect();
+        let is_live = |object: &WorldObject| {
+            let mut live = scene.objects.iter();
+            live.any(|one| one.track_id == object.track_id)
+        };
+        objects.extend(gone.into_iter().filter(|object| !is_live(object)));
         Self {
-            live: scene.objects.iter().map(object).collect(),
+            objects,
             viewpoint: viewpoint(&scene, &upright),
+            upright,
             taught_names: categories.into_iter().map(|one| one.category).collect(),
             scene,
-            gone,
             lessons,
         }
     }
@@ -85,27 +98,18 @@ impl KnownWorld {
     ) -> Result<FindReport, Refusal> {
         let wordnet = synonyms.get();
         let lexicon = wordnet.as_deref().map(|wordnet| wordnet as &dyn Lexicon);
-        let find_among = |objects: &[WorldObject]| {
-            let world = QueryWorld {
-                objects,
-                viewpoint: self.viewpoint,
-                lessons: &self.lessons,
-                taught_names: &self.taught_names,
-                now_ns: now_ns() as i64,
-                utc_offset_s: query.utc_offset_s,
-                speaker: query.speaker.as_deref(),
-            };
-            find(&query.words, &world, lexicon)
-                .map_err(|error| Refusal::new(RefusalKind::Invalid, error.to_string()))
+        let world = QueryWorld {
+            objects: &self.objects,
+            viewpoint: self.viewpoint,
+            lessons: &self.lessons,
+            taught_names: &self.taught_names,
+            now_ns: now_ns() as i64,
+            utc_offset_s: query.utc_offset_s,
+            speaker: query.speaker.as_deref(),
         };
-        let live = find_among(&self.live)?;
-        if live.matches.is_empty() && !self.gone.is_empty() {
-            let gone = find_among(&self.gone)?;
-            if !gone.matches.is_empty() {
-                return Ok(self.report(query, gone));
-            }
-        }
-        Ok(self.report(query, live))
+        let answer = find(&query.words, &world, lexicon)
+            .map_err(|error| Refusal::new(RefusalKind::Invalid, error.to_string()))?;
+        Ok(self.report(query, answer))
     }
 
     fn report(&self, query: &FindQuery, answer: Answer) -> FindReport {
@@ -138,8 +142,8 @@ impl KnownWorld {
         let track_id = found.track_id;
         let mut live = self.scene.objects.iter();
         let live = live.find(|object| object.track_id == track_id);
-        let mut gone = self.gone.iter();
-        let gone = gone.find(|object| object.track_id == track_id);
+        let mut objects = self.objects.iter();
+        let gone = objects.find(|object| object.track_id == track_id && object.is_gone());
         let gone_label = gone.and_then(WorldObject::best_name).map(str::to_owned);
         FoundObjectReport {
             track_id,
@@ -153,7 +157,10 @@ impl KnownWorld {
             state: live.map_or(GONE, |object| &object.state).to_owned(),
             position_m: match (live, gone) {
                 (Some(object), _) => Some(object.position_m),
-                (None, gone) => gone.map(|object| object.centre_in_world_m),
+                (None, gone) => gone.map(|object| {
+                    let centre = Vector3::from(object.centre_in_world_m);
+                    (self.upright.inverse() * centre).into()
+                }),
             },
         }
     }
@@ -177,25 +184,50 @@ fn lessons(model: &WorldModel) -> Vec<Lesson> {
         .collect()
 }
 
-/// Objects of the working memory that are gone.
-fn gone(model: &WorldModel) -> Vec<WorldObject> {
-    let object = |record: &ObjectRecord| WorldObject {
-        track_id: record.track_id,
-        names: record
-            .label
-            .iter()
-            .map(|name| (name.clone(), 1.0))
-            .collect(),
-        is_labelled: false,
-        color_shares: [0.0; ColorTerm::ALL.len()],
-        centre_in_world_m: record.place.position_m,
-        orientation_xyzw: record.place.orientation_xyzw,
-        size_m: record.place.size_m,
-        is_in_view: false,
-        first_seen_ns: record.first_seen_ns as i64,
-        last_seen_ns: record.last_seen_ns as i64,
+/// Objects of the working memory that are gone, in a world whose z axis points up. Their colours
+/// are not kept.
+fn gone(model: &WorldModel, upright: &UnitQuaternion<f64>, lessons: &[Lesson]) -> Vec<WorldObject> {
+    let object = |record: &ObjectRecord| {
+        let place = upright_pose(
+            upright,
+            record.place.position_m,
+            record.place.orientation_xyzw,
+        );
+        let label = record.label.as_ref();
+        WorldObject {
+            track_id: record.track_id,
+            names: label.map(|name| (name.clone(), 1.0)).into_iter().collect(),
+            is_labelled: label.is_some_and(|label| is_taught(lessons, record.track_id, label)),
+            color_shares: [0.0; ColorTerm::ALL.len()],
+            centre_in_world_m: place.translation.vector.into(),
+            orientation_xyzw: place.rotation.coords.into(),
+            size_m: record.place.size_m,
+            presence: Presence::Gone,
+            first_seen_ns: record.first_seen_ns as i64,
+            last_seen_ns: record.last_seen_ns as i64,
+        }
     };
     model.past_objects().map(object).collect()
+}
+
+/// True if the newest lesson about a track gave it the label.
+fn is_taught(lessons: &[Lesson], track_id: u64, label: &str) -> bool {
+    let of_track = |lesson: &&Lesson| lesson.track_id == Some(track_id);
+    let newest = lessons.iter().find(of_track);
+    newest.is_some_and(|lesson| lesson.category == label)
+}
+
+/// Pose in a world whose z axis points up.
+fn upright_pose(
+    upright: &UnitQuaternion<f64>,
+    position_m: [f64; 3],
+    [x, y, z, w]: [f64; 4],
+) -> RigidTransform {
+    let rotation = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+    RigidTransform::from_parts(
+        (upright * Vector3::from(position_m)).into(),
+        upright * rotation,
+    )
 }
 
 /// Rotation of the world that points its up direction along z; the identity without one.
@@ -227,18 +259,9 @@ fn live_object(
     lessons: &[Lesson],
     now_ns: i64,
 ) -> WorldObject {
-    let [x, y, z, w] = object.orientation_xyzw;
-    let rotation = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
-    let turned = RigidTransform::from_parts(
-        (upright * Vector3::from(object.position_m)).into(),
-        upright * rotation,
-    );
+    let turned = upright_pose(upright, object.position_m, object.orientation_xyzw);
     let ago = |seconds: f64| now_ns.saturating_sub((seconds * 1e9) as i64);
-    let is_taught = |label: &String| {
-        let of_track = |lesson: &&Lesson| lesson.track_id == Some(object.track_id);
-        let newest = lessons.iter().find(of_track);
-        newest.is_some_and(|lesson| lesson.category == *label)
-    };
+    let is_taught = |label: &String| is_taught(lessons, object.track_id, label);
     WorldObject {
         track_id: object.track_id,
         names: names(object),
@@ -247,7 +270,11 @@ fn live_object(
         centre_in_world_m: turned.translation.vector.into(),
         orientation_xyzw: turned.rotation.coords.into(),
         size_m: object.size_m,
-        is_in_view: object.state == TrackState::Tracked.word(),
+        presence: if object.state == TrackState::Tracked.word() {
+            Presence::InView
+        } else {
+            Presence::OutOfView
+        },
         first_seen_ns: ago(object.age_s),
         last_seen_ns: ago(object.unseen_s),
     }

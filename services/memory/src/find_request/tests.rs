@@ -22,11 +22,11 @@ fn known(scene: SceneDocument) -> KnownWorld {
     let upright = upright_from_world(&scene);
     let object = |object: &ObjectDocument| live_object(object, &upright, &[], 0);
     KnownWorld {
-        live: scene.objects.iter().map(object).collect(),
+        objects: scene.objects.iter().map(object).collect(),
         viewpoint: viewpoint(&scene, &upright),
+        upright,
         taught_names: vec!["mug".into(), "box".into()],
         scene,
-        gone: vec![],
         lessons: vec![],
     }
 }
@@ -95,11 +95,11 @@ fn find_uses_the_image_when_the_camera_looks_straight_down() {
 #[test]
 fn find_answers_from_gone_objects_when_no_live_one_fits() {
     let mut world = known(scene_of_a_camera());
-    world.gone.push(WorldObject {
+    world.objects.push(WorldObject {
         track_id: 9,
         names: vec![("teapot".into(), 1.0)],
-        is_in_view: false,
-        ..world.live[0].clone()
+        presence: Presence::Gone,
+        ..world.objects[0].clone()
     });
     world.taught_names.push("teapot".into());
     let query = FindQuery {
@@ -111,6 +111,44 @@ fn find_answers_from_gone_objects_when_no_live_one_fits() {
     assert_eq!(report.matches[0].track_id, 9);
     assert_eq!(report.matches[0].state, GONE);
     assert!(!report.matches[0].doubts.is_empty());
+}
+
+#[test]
+fn find_matches_gone_objects_by_what_is_known_of_them() {
+    let mut world = known(scene_of_a_camera());
+    world.objects.push(WorldObject {
+        track_id: 9,
+        names: vec![("teapot".into(), 1.0)],
+        color_shares: [0.0; ColorTerm::ALL.len()],
+        presence: Presence::Gone,
+        ..world.objects[0].clone()
+    });
+    assert_eq!(found(&world, "the teapot left of the box"), [9]);
+    assert!(found(&world, "the teapot right of the box").is_empty());
+    assert!(found(&world, "the red teapot").is_empty());
+    assert!(found(&world, "the teapot that is not red").is_empty());
+}
+
+#[test]
+fn find_reports_the_place_of_a_gone_object_in_the_world() {
+    let mut world = known(scene_of_a_camera());
+    let position_m = [0.1, 0.2, 1.1];
+    let upright = world.upright;
+    world.objects.push(WorldObject {
+        track_id: 9,
+        names: vec![("teapot".into(), 1.0)],
+        presence: Presence::Gone,
+        centre_in_world_m: (upright * Vector3::from(position_m)).into(),
+        ..world.objects[0].clone()
+    });
+    let query = FindQuery {
+        words: "the teapot".into(),
+        speaker: None,
+        utc_offset_s: 0,
+    };
+    let report = world.answer(&query, &Synonyms::default()).unwrap();
+    let reported = Vector3::from(report.matches[0].position_m.unwrap());
+    assert!((reported - Vector3::from(position_m)).norm() < 1e-9);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::names::singular;
 use crate::tokens::SpokenWord;
+use crate::vocabulary::NUMERALS;
 
 /// Containers: a compound with one as its head is called by what is in it, too ("the wine").
 const CONTAINERS: [&str; 24] = [
@@ -52,21 +53,21 @@ pub(crate) fn is_container(word: &str) -> bool {
     CONTAINERS.contains(&singular(word).as_str())
 }
 
-/// Words of a compound in the order of "tea box" for "boxes of tea", the last one singular.
+/// Words of a compound in the order of "tea box" for "boxes of tea", all of them singular.
 pub(crate) fn canonical_words(words: &[SpokenWord]) -> Vec<String> {
-    let plain = |words: &[SpokenWord]| -> Vec<String> {
-        let mut plain: Vec<String> = words.iter().map(|token| token.word.clone()).collect();
-        if let Some(last) = plain.last_mut() {
-            *last = singular(last);
-        }
-        plain
-    };
-    let Some((head, contents)) = split_at_of(words) else {
-        return plain(words);
-    };
-    let mut canonical = plain(contents);
-    canonical.extend(plain(head));
-    canonical
+    let (head, contents) = split_at_of(words).unwrap_or((words, &[]));
+    let words = contents.iter().chain(head);
+    words
+        .map(|token| singular(in_letters(&token.word)))
+        .collect()
+}
+
+/// Number in letters for one in digits: "seven" for "7".
+fn in_letters(word: &str) -> &str {
+    let count = word.parse::<usize>().ok();
+    let mut numerals = NUMERALS.iter();
+    let numeral = numerals.find(|(_, number)| Some(*number) == count);
+    numeral.map_or(word, |(letters, _)| letters)
 }
 
 /// Word that carries the number of a compound: the last one, or the last before "of".
@@ -93,12 +94,8 @@ pub(crate) fn agreement(spoken: &[SpokenWord], name: &[SpokenWord]) -> Option<Na
     if (1..name.len()).any(|first| name[first..].concat() == key) {
         return Some(NameAgreement::Head);
     }
-    let is_contained = (0..name.len()).any(|first| {
-        (first + 1..name.len()).any(|end| {
-            let (last, before) = (&name[end - 1], &name[first..end - 1]);
-            before.concat() + &singular(last) == key
-        })
-    });
+    let is_contained = (0..name.len())
+        .any(|first| (first + 1..name.len()).any(|end| name[first..end].concat() == key));
     let has_container = name.last().is_some_and(|head| is_container(head));
     is_contained.then_some(if has_container {
         NameAgreement::Contents
@@ -122,8 +119,10 @@ mod tests {
             ("cereal boxes", "cereal-box"),
             ("tea pot", "teapot"),
             ("pop tart", "pop-tarts"),
+            ("cereals box", "cereal-box"),
             ("boxes of tea", "box-of-tea"),
             ("tea box", "box-of-tea"),
+            ("7 up", "seven-up"),
             ("bottle of wine", "wine-bottle"),
         ] {
             assert_eq!(agree(spoken, name), Some(NameAgreement::Same), "{spoken}");

@@ -105,7 +105,7 @@ pub fn find(
         .into_iter()
         .map(|(phrase, scope, ratings)| {
             let text = phrase.span.text(words);
-            if is_understood(phrase, &notes, &use_of_words) {
+            if is_understood(phrase, &parse, &notes, &use_of_words) {
                 select(phrase, (scope, ratings), world, text)
             } else {
                 Selection::not_understood(phrase, world, text)
@@ -158,25 +158,27 @@ fn people<'a>(world: &QueryWorld<'a>) -> Vec<&'a str> {
 }
 
 /// True if enough of a phrase was understood to choose objects by it: its noun, or a restriction
-/// where "thing" or no noun stands. A phrase of which every word was understood is enough, too.
-fn is_understood(phrase: &NounPhrase, notes: &Notes, use_of_words: &UseOfWords) -> bool {
+/// where "thing" or no noun stands. "Things" or "all" is enough, too, if every word was understood.
+fn is_understood(
+    phrase: &NounPhrase,
+    parse: &Parse,
+    notes: &Notes,
+    use_of_words: &UseOfWords,
+) -> bool {
     let is_used = |span: WordSpan| !notes.ignored.contains(&span);
-    let is_whole = phrase
-        .span
-        .positions()
-        .all(|position| !use_of_words.positions_not_understood.contains(&position));
-    match phrase.noun {
-        Noun::Category(span) => is_used(span),
-        Noun::Anything => {
-            let mut restrictions = phrase.restrictions.iter();
-            let mut rankings = phrase.rankings.iter();
-            let has_words = !use_of_words.understood.is_empty();
-            has_words
-                && (is_whole
-                    || restrictions.any(|one| is_used(one.span) && one.kind.excludes_objects())
-                    || rankings.any(|ranking| is_used(ranking.span)))
-        }
+    if let Noun::Category(span) = phrase.noun {
+        return is_used(span);
     }
+    let mut positions = phrase.span.positions();
+    let is_whole = positions.all(|at| !use_of_words.positions_not_understood.contains(&at));
+    let names_all = matches!(phrase.quantity, Quantity::All(_) | Quantity::Exactly(_))
+        || parse.has_generic_noun(phrase.span);
+    let has_restriction = phrase
+        .restrictions
+        .iter()
+        .any(|one| is_used(one.span) && (is_whole || one.kind.excludes_objects()));
+    let has_ranking = phrase.rankings.iter().any(|ranking| is_used(ranking.span));
+    is_whole && names_all || has_restriction || has_ranking
 }
 
 fn name_index(world: &QueryWorld<'_>) -> NameIndex {

@@ -23,6 +23,8 @@ pub(crate) struct NounPhrase {
     pub(crate) noun: Noun,
     /// True for "mugs", but not for a category that is taught as "pop-tarts".
     pub(crate) is_plural: bool,
+    /// True for "the shiny thing", where a word before "thing" was not understood.
+    pub(crate) is_vague: bool,
     pub(crate) restrictions: Vec<Restriction>,
     /// Applied one after the other, after all restrictions.
     pub(crate) rankings: Vec<Ranking>,
@@ -160,6 +162,23 @@ impl NounPhrase {
     pub(crate) fn wants_gone(&self) -> bool {
         let mut restrictions = self.restrictions.iter();
         restrictions.any(|one| one.kind == RestrictionKind::Gone && !one.is_negated)
+    }
+
+    /// True if a restriction names what an object keeps when it is taken away.
+    pub(crate) fn has_lasting_property(&self) -> bool {
+        self.restrictions.iter().any(|one| {
+            !one.is_negated
+                && matches!(
+                    one.kind,
+                    RestrictionKind::Color(_)
+                        | RestrictionKind::Size(..)
+                        | RestrictionKind::SizeThan(..)
+                        | RestrictionKind::Measure(..)
+                        | RestrictionKind::Taught(..)
+                        | RestrictionKind::Seen(_)
+                        | RestrictionKind::Appeared(_)
+                )
+        })
     }
 
     /// Other attachment of the last landmark's own restrictions: to this phrase.

@@ -111,7 +111,7 @@ impl<'a> Grounder<'a> {
             let n_doubts = self.notes.doubts.len();
             let ratings = self.rate_attached(phrase);
             let has_gone = self.world.objects.iter().any(WorldObject::is_gone);
-            let is_vague = phrase.noun == Noun::Anything && phrase.restrictions.is_empty();
+            let is_vague = phrase.noun == Noun::Anything && !phrase.has_lasting_property();
             if has_match(&ratings) || !has_gone || is_vague {
                 return (Scope::Present, ratings);
             }
@@ -241,7 +241,8 @@ impl<'a> Grounder<'a> {
             }
         }
         self.scope = outer;
-        if self.is_noun_ignored(phrase) && phrase.restrictions.is_empty() {
+        let is_not_understood = phrase.is_vague || self.is_noun_ignored(phrase);
+        if is_not_understood && phrase.restrictions.is_empty() && phrase.rankings.is_empty() {
             return None;
         }
         let best = ratings.iter().map(|r| r.score).fold(0.0, f64::max);

@@ -2,10 +2,11 @@
 
 /// Source of kinship between words.
 pub trait Lexicon {
-    /// Kinship of spoken words ("tin can", in lower case) to the name of a category.
+    /// Kinship of spoken words ("tin can", in lower case) to the name of a category; `None` for a
+    /// spoken compound without an entry of its own.
     fn kinship(&self, words: &str, name: &str) -> Option<Kinship>;
 
-    /// True if the words are a noun of the language.
+    /// True if the words are a noun of the language, or a compound with an entry of its own.
     fn is_noun(&self, words: &str) -> bool;
 }
 

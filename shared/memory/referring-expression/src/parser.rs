@@ -19,6 +19,9 @@ use crate::vocabulary::{self, ACKNOWLEDGEMENTS, JOINTS, WRAPPERS};
 /// Deepest nesting of landmarks.
 const DEPTH_MAX: usize = 6;
 
+/// Meaning of "thing".
+const ANY_OBJECT: &str = "any object";
+
 /// Most attempts to read a landmark, so that the time of a query is bounded.
 const LANDMARK_ATTEMPTS_MAX: usize = 32;
 
@@ -37,6 +40,14 @@ pub(crate) struct Parse {
     pub(crate) uses: Vec<(WordSpan, String)>,
     /// Words that were accepted but not used, as sentences.
     pub(crate) remarks: Vec<String>,
+}
+
+impl Parse {
+    /// True if some words of a span are "thing" or the like.
+    pub(crate) fn has_generic_noun(&self, span: WordSpan) -> bool {
+        let mut uses = self.uses.iter();
+        uses.any(|(used, meaning)| span.contains(used.start) && meaning == ANY_OBJECT)
+    }
 }
 
 /// Parser at a position of the query.

@@ -7,13 +7,13 @@ use strsim::damerau_levenshtein;
 use crate::lexicon::{Lexicon, is_everyday_word};
 use crate::names::{NameIndex, name_key, plural, singular};
 use crate::tokens::SpokenWord;
-use crate::vocabulary::{self, TEACHING_VERBS};
+use crate::vocabulary::{self, GENERIC_NOUNS, TEACHING_VERBS};
 
 /// Number of letters from which on two errors are allowed. Chosen.
 const LONG_WORD_LETTERS: usize = 6;
 
-/// Least number of letters with which any error is allowed; shorter words allow only that two
-/// letters are swapped. Chosen.
+/// Least number of letters with which any error is allowed. In shorter words letters may be
+/// swapped; with a lexicon, which knows short words, letters after the first may be wrong. Chosen.
 const SHORT_WORD_LETTERS: usize = 4;
 
 /// Words of a query as they are read.
@@ -54,11 +54,17 @@ pub(crate) fn corrected(
     };
     let dictionary = Dictionary::new(names, lexicon);
     for (position, token) in words.iter().enumerate() {
-        if dictionary.has(token) || is_person(words, position, people) {
+        if dictionary.is_meant(token) || is_person(words, position, people) {
             continue;
         }
         let text = &token.text;
-        match dictionary.nearest(&token.word).as_slice() {
+        let mut nearest = dictionary.missing_word(&spelling.words, position);
+        let is_understood =
+            dictionary.is_noun(token) && !dictionary.is_before_noun(words, position);
+        if nearest.is_empty() && !is_understood {
+            nearest = dictionary.nearest(&token.word);
+        }
+        match nearest.as_slice() {
             [] => {}
             [one] => {
                 spelling.words[position].word.clone_from(one);
@@ -107,8 +113,8 @@ impl<'a> Dictionary<'a> {
         }
     }
 
-    /// True if a word has a meaning, or is one of the language.
-    fn has(&self, token: &SpokenWord) -> bool {
+    /// True if a word has a meaning for a query, or none by its nature.
+    fn is_meant(&self, token: &SpokenWord) -> bool {
         let word = token.word.as_str();
         let has_digit = word.chars().any(|character| character.is_ascii_digit());
         has_digit
@@ -117,7 +123,51 @@ impl<'a> Dictionary<'a> {
             || self.name_words.contains(word)
             || self.names.has_part(std::slice::from_ref(token))
             || is_everyday_word(&singular(word))
-            || self.lexicon.is_some_and(|lexicon| lexicon.is_noun(word))
+    }
+
+    fn is_noun(&self, token: &SpokenWord) -> bool {
+        let mut lexicon = self.lexicon.iter();
+        lexicon.any(|lexicon| lexicon.is_noun(&token.word))
+    }
+
+    /// True if a known name or "thing" follows a word that makes no compound with it: there a noun
+    /// such as "bleu" has no meaning.
+    fn is_before_noun(&self, words: &[SpokenWord], position: usize) -> bool {
+        let after = words.get(position + 1..).unwrap_or_default();
+        let Some(next) = after.first() else {
+            return false;
+        };
+        let compound = format!("{} {}", words[position].word, next.word);
+        let is_compound = self
+            .lexicon
+            .is_some_and(|lexicon| lexicon.is_noun(&compound));
+        let has_name = self.names.longest_at_start(after).is_some()
+            || self.names.has_head(&after[..1])
+            || vocabulary::longest(&GENERIC_NOUNS, after).is_some();
+        has_name && !is_compound
+    }
+
+    /// Words that complete a known compound with the words around them: "orange" for "orang juice".
+    fn missing_word(&self, words: &[SpokenWord], position: usize) -> Vec<String> {
+        let mut found: Vec<String> = Vec::new();
+        for name in self.names.words().filter(|name| name.len() > 1) {
+            for (place, missing) in name.iter().enumerate() {
+                let around = position
+                    .checked_sub(place)
+                    .and_then(|start| words.get(start..start + name.len()));
+                let fits_around = around.is_some_and(|around| {
+                    let mut pairs = around.iter().zip(name).enumerate();
+                    pairs.all(|(i, (word, part))| {
+                        i == place || singular(&word.word) == singular(&part.word)
+                    })
+                });
+                let is_near = damerau_levenshtein(&words[position].word, &missing.word) == 1;
+                if fits_around && is_near && !found.contains(&missing.word) {
+                    found.push(missing.word.clone());
+                }
+            }
+        }
+        found
     }
 
     /// Nearest words, of several forms of one noun the one of the same number.
@@ -127,7 +177,7 @@ impl<'a> Dictionary<'a> {
         let mut nearest: Vec<String> = Vec::new();
         let mut least = (usize::MAX, true);
         for candidate in of_names.chain(of_vocabulary) {
-            let Some(errors) = errors(word, candidate) else {
+            let Some(errors) = errors(word, candidate, self.lexicon.is_some()) else {
                 continue;
             };
             if errors < least {
@@ -143,22 +193,21 @@ impl<'a> Dictionary<'a> {
 }
 
 /// Number of errors of a word, and true if one is in the first letter; None if there are too many.
-fn errors(word: &str, candidate: &str) -> Option<(usize, bool)> {
+fn errors(word: &str, candidate: &str, has_lexicon: bool) -> Option<(usize, bool)> {
     let n_letters = word.chars().count();
     let n_candidate = candidate.chars().count();
-    let longer = n_letters.max(n_candidate);
-    if n_letters < 3 || n_candidate < 3 || n_letters.abs_diff(n_candidate) > 2 {
+    let (shorter, longer) = (n_letters.min(n_candidate), n_letters.max(n_candidate));
+    if shorter < 3 || longer - shorter > 2 {
         return None;
     }
     let is_first_wrong = word.chars().next() != candidate.chars().next();
-    let n_most = if longer >= LONG_WORD_LETTERS && !is_first_wrong {
-        2
-    } else {
-        1
-    };
+    let is_long = longer >= LONG_WORD_LETTERS && shorter >= LONG_WORD_LETTERS - 1;
+    let n_most = if is_long && !is_first_wrong { 2 } else { 1 };
     let n_errors = damerau_levenshtein(word, candidate);
-    let is_allowed =
-        n_errors <= n_most && (longer >= SHORT_WORD_LETTERS || has_same_letters(word, candidate));
+    let is_allowed = n_errors <= n_most
+        && (longer >= SHORT_WORD_LETTERS
+            || has_lexicon && !is_first_wrong
+            || has_same_letters(word, candidate));
     is_allowed.then_some((n_errors, is_first_wrong))
 }
 
@@ -243,10 +292,28 @@ mod tests {
     }
 
     #[test]
+    fn spelling_completes_a_compound() {
+        let names = NameIndex::new(["orange-juice", "green-tea", "wine-bottle"]);
+        for (written, right) in [
+            ("the orang juice", "orange"),
+            ("the green tee", "tea"),
+            ("the wine battle", "bottle"),
+        ] {
+            let spelling = corrected(&tokenize(written), &names, &[], None);
+            let mut words = spelling.words.iter();
+            assert!(words.any(|token| token.word == right), "{written}");
+        }
+    }
+
+    #[test]
     fn spelling_allows_two_errors_in_long_words() {
-        assert_eq!(errors("botel", "bottle"), Some((2, false)));
-        assert_eq!(errors("golden", "wooden"), None);
-        assert_eq!(errors("bug", "mug"), None);
-        assert_eq!(errors("mgu", "mug"), Some((1, false)));
+        assert_eq!(errors("handle", "hand", false), None);
+        assert_eq!(errors("tenisbal", "tennisball", false), Some((2, false)));
+        assert_eq!(errors("botel", "bottle", false), Some((2, false)));
+        assert_eq!(errors("golden", "wooden", false), None);
+        assert_eq!(errors("bug", "mug", false), None);
+        assert_eq!(errors("mgu", "mug", false), Some((1, false)));
+        assert_eq!(errors("rwd", "red", false), None);
+        assert_eq!(errors("rwd", "red", true), Some((1, false)));
     }
 }

@@ -223,7 +223,7 @@ pub(crate) const VISIBILITY: [(&str, bool); 12] = [
 ];
 
 /// Presence on the table: all of them mean an object that is gone.
-pub(crate) const PRESENCES: [(&str, ()); 16] = [
+pub(crate) const PRESENCES: [(&str, ()); 20] = [
     ("gone", ()),
     ("missing", ()),
     ("lost", ()),
@@ -233,6 +233,10 @@ pub(crate) const PRESENCES: [(&str, ()); 16] = [
     ("vanished", ()),
     ("no longer here", ()),
     ("no longer there", ()),
+    ("no longer present", ()),
+    ("no longer on the table", ()),
+    ("not on the table any more", ()),
+    ("not on the table anymore", ()),
     ("not here any more", ()),
     ("not there any more", ()),
     ("not here anymore", ()),
@@ -243,9 +247,10 @@ pub(crate) const PRESENCES: [(&str, ()); 16] = [
 ];
 
 /// Openings of a relation to two landmarks.
-pub(crate) const BETWEEN: [(&str, ()); 7] = [
+pub(crate) const BETWEEN: [(&str, ()); 8] = [
     ("between", ()),
     ("in between", ()),
+    ("inbetween", ()),
     ("halfway between", ()),
     ("midway between", ()),
     ("in the middle between", ()),
@@ -254,7 +259,7 @@ pub(crate) const BETWEEN: [(&str, ()); 7] = [
 ];
 
 /// Relations to a landmark.
-pub(crate) const RELATIONS: [(&str, Relation); 49] = [
+pub(crate) const RELATIONS: [(&str, Relation); 52] = [
     ("left of", Relation::LeftOf),
     ("to the left of", Relation::LeftOf),
     ("on the left of", Relation::LeftOf),
@@ -271,9 +276,11 @@ pub(crate) const RELATIONS: [(&str, Relation); 49] = [
     ("in back of", Relation::Behind),
     ("at the back of", Relation::Behind),
     ("in front of", Relation::InFrontOf),
+    ("infront of", Relation::InFrontOf),
     ("before", Relation::InFrontOf),
     ("at the front of", Relation::InFrontOf),
     ("next to", Relation::NextTo),
+    ("nextto", Relation::NextTo),
     ("right next to", Relation::NextTo),
     ("beside", Relation::NextTo),
     ("near", Relation::NextTo),
@@ -290,6 +297,7 @@ pub(crate) const RELATIONS: [(&str, Relation); 49] = [
     ("away from", Relation::FarFrom),
     ("on", Relation::On),
     ("on top of", Relation::On),
+    ("ontop of", Relation::On),
     ("atop", Relation::On),
     ("upon", Relation::On),
     ("onto", Relation::On),

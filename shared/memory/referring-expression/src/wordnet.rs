@@ -37,6 +37,8 @@ pub struct WordNet {
 #[derive(Debug, Default)]
 struct Kin {
     levels: HashMap<u64, u8>,
+    /// True if they are those of the head noun only, since the compound has no entry.
+    is_of_head: bool,
 }
 
 /// Most words whose kin is kept; the cache is emptied when it is full. Half a kilobyte each.
@@ -90,25 +92,21 @@ impl WordNet {
         Ok(wordnet)
     }
 
-    /// Offsets of all senses of a phrase, or of its head noun if the compound has none.
+    /// Offsets of all senses of a phrase, which may be a compound.
     fn senses(&self, words: &str) -> Vec<u64> {
         let parts: Vec<&str> = words.split(['-', '_', ' ']).collect();
-        let compound = parts.join("_");
-        let found = self.senses_of_lemma(&compound);
-        if !found.is_empty() || parts.len() < 2 {
-            return found;
-        }
-        let hyphenated = self.senses_of_lemma(&parts.join("-"));
-        if !hyphenated.is_empty() {
-            return hyphenated;
-        }
-        let joined = self.senses_of_lemma(&parts.concat());
-        if !joined.is_empty() {
-            return joined;
-        }
-        parts
-            .last()
-            .map_or(Vec::new(), |head| self.senses_of_lemma(head))
+        let spellings = [parts.join("_"), parts.join("-"), parts.concat()];
+        let n_spellings = if parts.len() < 2 { 1 } else { spellings.len() };
+        let mut senses = spellings[..n_spellings]
+            .iter()
+            .map(|lemma| self.senses_of_lemma(lemma));
+        senses.find(|found| !found.is_empty()).unwrap_or_default()
+    }
+
+    /// Offsets of all senses of the head noun of a compound.
+    fn senses_of_head(&self, words: &str) -> Vec<u64> {
+        let head = words.rsplit(['-', '_', ' ']).next();
+        head.map_or(Vec::new(), |head| self.senses_of_lemma(head))
     }
 
     /// Offsets of the senses of a lemma, in the singular or, failing that, in the plural.
@@ -154,7 +152,11 @@ impl WordNet {
 
     /// Breadth-first search from the senses of a word up to its hypernyms.
     fn read_kin(&self, words: &str) -> Kin {
-        let offsets = self.senses(words);
+        let mut offsets = self.senses(words);
+        let is_of_head = offsets.is_empty();
+        if is_of_head {
+            offsets = self.senses_of_head(words);
+        }
         let read = offsets.iter().take(SENSES_READ_MAX);
         let senses: Vec<(u64, Synset)> = read
             .filter_map(|offset| Some((*offset, self.synset(*offset)?)))
@@ -165,7 +167,10 @@ impl WordNet {
             .filter(|(_, synset)| synset.is_physical() || !has_physical)
             .take(SENSES_MAX)
             .collect();
-        let mut kin = Kin::default();
+        let mut kin = Kin {
+            is_of_head,
+            ..Kin::default()
+        };
         for level in 0..=LEVELS_MAX {
             frontier.retain(|(offset, _)| {
                 let is_new = kin.levels.len() < KIN_MAX && !kin.levels.contains_key(offset);
@@ -211,6 +216,9 @@ impl Kin {
 impl Lexicon for WordNet {
     fn kinship(&self, words: &str, name: &str) -> Option<Kinship> {
         let (spoken, named) = (self.kin(words), self.kin(name));
+        if spoken.is_of_head {
+            return None;
+        }
         match named.steps_up_to(&spoken) {
             Some(0) => return Some(Kinship::Synonym),
             Some(n_levels) => return Some(Kinship::Broader { n_levels }),
@@ -228,7 +236,8 @@ impl Lexicon for WordNet {
     }
 
     fn is_noun(&self, words: &str) -> bool {
-        !self.kin(words).levels.is_empty()
+        let kin = self.kin(words);
+        !kin.is_of_head && !kin.levels.is_empty()
     }
 }
 

@@ -8,6 +8,7 @@ use crate::expression::{Noun, NounPhrase};
 use crate::lexicon::{Kinship, are_everyday_synonyms};
 use crate::names::{name_key, singular};
 use crate::tokens::{SpokenWord, WordSpan};
+use crate::vocabulary;
 use crate::world::WorldObject;
 
 /// Score of an object for a noun that is not understood.
@@ -76,33 +77,53 @@ impl Grounder<'_> {
 
     /// Categories that the words may name. Words that name none are noted as not understood.
     fn resolve(&mut self, span: WordSpan) -> HashMap<String, CategoryFit> {
-        let fits = self.fits(span);
-        if !fits.is_empty() {
-            self.note_noun(span, span, &fits);
-            return fits;
-        }
-        if let Some(fits) = self.resolve_contained(span) {
-            return fits;
-        }
-        // "Shiny gadget": the head of the compound.
-        for start in span.start + 1..span.end {
+        // "Shiny gadget": the whole compound, then its head.
+        for start in span.start..span.end {
             let part = WordSpan { start, ..span };
+            let is_adjective =
+                part.of(self.words).len() > 1 && vocabulary::is_ordinary(&self.words[start].word);
+            if is_adjective {
+                continue;
+            }
             let fits = self.fits(part);
             if !fits.is_empty() {
                 self.note_noun(span, part, &fits);
                 return fits;
             }
+            if start == span.start
+                && let Some(fits) = self.resolve_contained(span)
+            {
+                return fits;
+            }
         }
         self.notes.wants_synonyms = true;
-        let words = normalised(span.of(self.words));
-        let is_noun = self.lexicon.is_some_and(|lexicon| lexicon.is_noun(&words));
-        if is_noun {
+        let noun = (span.start..span.end)
+            .map(|start| WordSpan { start, ..span })
+            .find(|part| self.is_noun(*part));
+        if let Some(noun) = noun {
+            self.ignore_before(span, noun);
             let meaning = "a noun; no name that was taught is related".to_owned();
-            self.note_meaning(span, meaning);
+            self.note_meaning(noun, meaning);
         } else if !self.notes.ignored.contains(&span) {
             self.notes.ignored.push(span);
         }
         HashMap::new()
+    }
+
+    fn is_noun(&self, span: WordSpan) -> bool {
+        let words = normalised(span.of(self.words));
+        self.lexicon.is_some_and(|lexicon| lexicon.is_noun(&words))
+    }
+
+    /// Notes that the words of a compound before its head are not understood.
+    fn ignore_before(&mut self, span: WordSpan, head: WordSpan) {
+        let before = WordSpan {
+            start: span.start,
+            end: head.start,
+        };
+        if !before.is_empty() && !self.notes.ignored.contains(&before) {
+            self.notes.ignored.push(before);
+        }
     }
 
     /// Categories of "juice carton": orange juice, the words before the container being its name
@@ -135,13 +156,7 @@ impl Grounder<'_> {
     }
 
     fn note_noun(&mut self, span: WordSpan, part: WordSpan, fits: &HashMap<String, CategoryFit>) {
-        let before = WordSpan {
-            start: span.start,
-            end: part.start,
-        };
-        if !before.is_empty() && !self.notes.ignored.contains(&before) {
-            self.notes.ignored.push(before);
-        }
+        self.ignore_before(span, part);
         let mut names: Vec<_> = fits.iter().collect();
         names.sort_by(|a, b| b.1.score.total_cmp(&a.1.score).then(a.0.cmp(b.0)));
         let is_direct = names.first().is_some_and(|(_, fit)| fit.doubt.is_none());

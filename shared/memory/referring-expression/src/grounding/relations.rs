@@ -77,10 +77,13 @@ impl Grounder<'_> {
             .each_ref()
             .map(|phrase| self.landmarks_or_ignore(phrase, span));
         let (first, second) = (first?, second?);
-        let text = phrases
-            .each_ref()
-            .map(|phrase| self.text(phrase.span))
-            .join("` and `");
+        let is_pair = phrases[0] == phrases[1];
+        let text = if is_pair {
+            self.text(phrases[0].span)
+        } else {
+            let texts = phrases.each_ref().map(|phrase| self.text(phrase.span));
+            texts.join("` and `")
+        };
         let judge = |index: usize| {
             let mut best: Option<(f64, &Landmark, &Landmark)> = None;
             for one in first.iter().filter(|landmark| landmark.index != index) {
@@ -101,8 +104,11 @@ impl Grounder<'_> {
             };
             let (track, ends) = (self.track(index), [one, other].map(|l| self.track(l.index)));
             let fit = format!("between tracks {} and {}", ends[0], ends[1]);
-            let n_competing =
-                n_competing(&phrases[0], &first).max(n_competing(&phrases[1], &second));
+            let n_competing = if is_pair {
+                first.len().saturating_sub(1)
+            } else {
+                n_competing(&phrases[0], &first).max(n_competing(&phrases[1], &second))
+            };
             let mut judgement = Judgement::new(
                 score,
                 format!("is {fit}"),

@@ -1,7 +1,7 @@
 //! Determiners, numerals and nouns of a phrase.
 
 use super::clauses::AUXILIARIES;
-use super::{CLOSED_WORDS, Draft, Parser};
+use super::{ANY_OBJECT, CLOSED_WORDS, Draft, Parser};
 use crate::compound::is_container;
 use crate::expression::{Noun, Quantity};
 use crate::names;
@@ -213,10 +213,11 @@ impl Parser<'_> {
         if draft.has_known_noun && draft.phrase.noun == Noun::Anything {
             return false;
         }
-        let Some((is_plural, _)) = self.take(&GENERIC_NOUNS, "any object") else {
+        let Some((is_plural, _)) = self.take(&GENERIC_NOUNS, ANY_OBJECT) else {
             return false;
         };
         if !draft.has_known_noun && !draft.has_postmodifier {
+            draft.phrase.is_vague = draft.phrase.noun != Noun::Anything;
             draft.phrase.noun = Noun::Anything;
             draft.phrase.is_plural = is_plural;
         }

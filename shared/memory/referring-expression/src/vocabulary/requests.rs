@@ -81,7 +81,7 @@ pub(crate) const ACKNOWLEDGEMENTS: [(&str, ()); 8] = [
 ];
 
 /// Words that join the parts of a noun phrase and restrict nothing.
-pub(crate) const JOINTS: [(&str, ()); 45] = [
+pub(crate) const JOINTS: [(&str, ()); 46] = [
     ("that is", ()),
     ("that's", ()),
     ("that are", ()),
@@ -118,6 +118,7 @@ pub(crate) const JOINTS: [(&str, ()); 45] = [
     ("having", ()),
     ("that has", ()),
     ("did", ()),
+    ("go", ()),
     ("just", ()),
     ("it", ()),
     ("of the", ()),
