@@ -1,5 +1,6 @@
 //! Scene of a query: simulated objects, their tracks, and their true colours.
 
+use super::query_file::SceneChange;
 use crate::evaluate::isolated_scene::isolated_scene;
 use crate::evaluate::tracking::simulated_sequence::track;
 use crate::evaluate::tracking::tracking_pipeline::TrackingPipeline;
@@ -8,7 +9,7 @@ use geometry::PinholeCamera;
 use nalgebra::Vector3;
 use point_cloud::{ColorTerm, Point, Rgba};
 use random::Random;
-use referring_expression::{Lesson, QueryWorld, Viewpoint, WorldObject};
+use referring_expression::{Lesson, Presence, QueryWorld, Viewpoint, WorldObject};
 use service::Failure;
 use simulated_world::{ModelChoice, ModelLibrary, ObjectModel, SimulatedKinect, World};
 
@@ -55,12 +56,18 @@ const NOW_NS: i64 = 1_779_289_200_000_000_000;
 /// Number of nanoseconds of a day.
 const DAY_NS: i64 = 86_400_000_000_000;
 
+/// Time since objects that are gone were last seen, nanoseconds.
+const GONE_NS: i64 = 600_000_000_000;
+
 /// Object of a scene: what is true about it.
 #[derive(Debug, Clone)]
 pub(super) struct TrueObject {
     /// Object number in the scene, from 1.
     pub(super) id: u16,
+    /// Category, or the name that is taught in its place.
     pub(super) category: String,
+    /// True if the object was taken away after it was seen.
+    pub(super) is_gone: bool,
     /// Shares of the colour terms on its surface, in the order of [`ColorTerm::ALL`].
     pub(super) color_shares: [f64; ColorTerm::ALL.len()],
     /// Centre of its bounding box, world frame.
@@ -142,6 +149,54 @@ impl QueryScene {
         })
     }
 
+    /// Teaches other names, and takes objects away after they were seen. As in the daemon, the
+    /// colours of objects that are gone are not known.
+    ///
+    /// # Errors
+    /// When the scene has no object of a number.
+    pub(super) fn apply(&mut self, change: &SceneChange) -> Result<(), Failure> {
+        let numbers = change.names_by_object.keys().chain(&change.gone);
+        for id in numbers {
+            if !self.objects.iter().any(|object| object.id == *id) {
+                return Err(Failure::usage(format!(
+                    "the scene has no object {id}; give one of 1 to {}",
+                    self.objects.len()
+                )));
+            }
+        }
+        for object in &mut self.objects {
+            let by_category = change.names_by_category.get(&object.category);
+            if let Some(name) = change.names_by_object.get(&object.id).or(by_category) {
+                object.category.clone_from(name);
+            }
+            object.is_gone = change.gone.contains(&object.id);
+        }
+        let names = change.names_by_category.values();
+        self.names
+            .extend(names.chain(change.names_by_object.values()).cloned());
+        let objects = &self.objects;
+        let of_track = |track_id: Option<u64>| {
+            let mut objects = objects.iter();
+            objects.find(|object| track_id.is_some() && object.track_id == track_id)
+        };
+        for track in &mut self.tracks {
+            if let Some(object) = of_track(Some(track.track_id)) {
+                track.names = vec![(object.category.clone(), 1.0)];
+                if object.is_gone {
+                    track.presence = Presence::Gone;
+                    track.color_shares = [0.0; ColorTerm::ALL.len()];
+                    track.last_seen_ns = NOW_NS - GONE_NS;
+                }
+            }
+        }
+        for lesson in &mut self.lessons {
+            if let Some(object) = of_track(lesson.track_id) {
+                lesson.category.clone_from(&object.category);
+            }
+        }
+        Ok(())
+    }
+
     /// World of a query.
     pub(super) fn world(&self) -> QueryWorld<'_> {
         QueryWorld {
@@ -197,6 +252,7 @@ fn true_object(object: &simulated_world::SimulatedObject) -> TrueObject {
     TrueObject {
         id: object.id,
         category: object.model.category.clone(),
+        is_gone: false,
         color_shares: surface_colors(&object.model),
         centre_in_world_m: object.world_from_object.translation.vector,
         size_m: object.model.half_sides_m * 2.0,
@@ -259,7 +315,7 @@ fn tracks(tracker: &TrackingPipeline, objects: &mut [TrueObject]) -> Vec<WorldOb
             centre_in_world_m: centre.into(),
             orientation_xyzw: body.frame_from_box.rotation.coords.into(),
             size_m: body.sides_m().into(),
-            is_in_view: true,
+            presence: Presence::InView,
             first_seen_ns: NOW_NS - DAY_NS,
             last_seen_ns: NOW_NS,
         });

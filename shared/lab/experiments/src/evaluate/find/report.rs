@@ -60,6 +60,7 @@ pub(super) struct SceneObjectReport {
     /// The same as perception sees it; empty when it is not tracked.
     pub(super) seen_colors: Vec<(&'static str, f64)>,
     pub(super) is_tracked: bool,
+    pub(super) is_gone: bool,
 }
 
 /// Query with its answer.
@@ -75,6 +76,11 @@ pub(super) struct AskedQuery {
     pub(super) is_right: bool,
     pub(super) is_wrong_without_doubt: bool,
     pub(super) sentence: String,
+    /// Doubts of all objects of the answer, each once.
+    pub(super) doubts: Vec<String>,
+    /// Words with their meaning.
+    pub(super) understood: Vec<(String, String)>,
+    pub(super) not_understood: Vec<String>,
     pub(super) ms: f64,
 }
 
@@ -108,7 +114,14 @@ impl AskedQuery {
             words: query.words,
             expected: query.objects,
             found,
+            doubts: doubts(&answer),
             sentence: answer.sentence,
+            understood: answer
+                .understood
+                .into_iter()
+                .map(|used| (used.words, used.meaning))
+                .collect(),
+            not_understood: answer.not_understood,
             ms,
         }
     }
@@ -150,6 +163,7 @@ impl FindReport {
                 colors: notable(object.color_shares),
                 seen_colors: notable(seen),
                 is_tracked: object.track_id.is_some(),
+                is_gone: object.is_gone,
             }
         };
         self.scenes.push(SceneReport {
@@ -166,6 +180,17 @@ impl FindReport {
         self.p50_ms = percentiles.as_ref().map(|percentiles| percentiles.p50);
         self.p99_ms = percentiles.as_ref().map(|percentiles| percentiles.p99);
     }
+}
+
+/// Doubts of all objects of an answer, each once.
+fn doubts(answer: &Answer) -> Vec<String> {
+    let mut distinct: Vec<String> = Vec::new();
+    for doubt in answer.matches.iter().flat_map(|found| &found.doubts) {
+        if !distinct.contains(doubt) {
+            distinct.push(doubt.clone());
+        }
+    }
+    distinct
 }
 
 /// Colour terms with at least a tenth, with their shares.

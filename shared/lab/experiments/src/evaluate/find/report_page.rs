@@ -30,6 +30,7 @@ pub(super) fn page(
                 ("words", &|asked| asked.words.clone()),
                 ("objects meant", &|asked| numbers(&asked.expected)),
                 ("objects found", &|asked| numbers(&asked.found)),
+                ("not understood", &|asked| asked.not_understood.join(", ")),
                 ("answer", &|asked| asked.sentence.clone()),
             ],
         )],
@@ -42,7 +43,9 @@ pub(super) fn page(
 fn picture((index, scene): (usize, &SceneReport)) -> PageFigure {
     let object = |object: &SceneObjectReport| {
         let colors: Vec<&str> = object.colors.iter().map(|(color, _)| *color).collect();
-        format!("{} {} ({})", object.id, object.category, colors.join(", "))
+        let gone = if object.is_gone { ", gone" } else { "" };
+        let colors = colors.join(", ");
+        format!("{} {} ({colors}{gone})", object.id, object.category)
     };
     let objects: Vec<String> = scene.objects.iter().map(object).collect();
     figure(
