@@ -104,6 +104,20 @@ pub(crate) fn agreement(spoken: &[SpokenWord], name: &[SpokenWord]) -> Option<Na
     })
 }
 
+/// Keys of the last words of a compound, and of its other parts.
+pub(crate) fn part_keys(name: &[SpokenWord]) -> (Vec<String>, Vec<String>) {
+    let name = canonical_words(name);
+    let heads = (1..name.len()).map(|first| name[first..].concat());
+    let others = (0..name.len())
+        .flat_map(|first| (first + 1..name.len()).map(move |end| (first, end)))
+        .map(|(first, end)| name[first..end].concat());
+    let names_something = |key: &String| !CONNECTIVES.contains(&key.as_str());
+    (
+        heads.filter(names_something).collect(),
+        others.filter(names_something).collect(),
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,8 +1,8 @@
 //! Names of categories: plural and singular, hyphens, and the index of known names.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use crate::compound::{NameAgreement, agreement, canonical_words, head_word};
+use crate::compound::{canonical_words, head_word, part_keys};
 use crate::tokens::{SpokenWord, tokenize};
 
 /// Plurals that no rule of spelling gives, with their singular.
@@ -95,6 +95,10 @@ pub(crate) fn name_key(words: &[SpokenWord]) -> String {
 pub(crate) struct NameIndex {
     /// Names by key, with true if the name is a plural as it was taught.
     names: HashMap<String, bool>,
+    /// Keys of the last words of compounds.
+    heads: HashSet<String>,
+    /// Keys of the other parts of compounds.
+    parts: HashSet<String>,
     /// Names with their words, in any order.
     words: Vec<Vec<SpokenWord>>,
 }
@@ -108,8 +112,15 @@ impl NameIndex {
             let is_plural = head_word(words).is_some_and(|head| is_plural(&head.word));
             (name_key(words), is_plural)
         };
+        let (mut heads, mut parts) = (HashSet::new(), HashSet::new());
+        for (of_head, others) in words.iter().map(|name| part_keys(name)) {
+            heads.extend(of_head);
+            parts.extend(others);
+        }
         Self {
             names: words.iter().map(entry).collect(),
+            heads,
+            parts,
             words,
         }
     }
@@ -140,13 +151,13 @@ impl NameIndex {
 
     /// True if the words are the last ones of a known compound.
     pub(crate) fn has_head(&self, words: &[SpokenWord]) -> bool {
-        let mut names = self.words();
-        names.any(|name| agreement(words, name) == Some(NameAgreement::Head))
+        self.heads.contains(&name_key(words))
     }
 
-    /// True if the words are a part of a known compound.
+    /// True if the words are a known name or a part of one.
     pub(crate) fn has_part(&self, words: &[SpokenWord]) -> bool {
-        self.words().any(|name| agreement(words, name).is_some())
+        let key = name_key(words);
+        self.names.contains_key(&key) || self.heads.contains(&key) || self.parts.contains(&key)
     }
 
     /// True if the words mean several objects: a plural that is not itself the name.

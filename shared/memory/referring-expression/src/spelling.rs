@@ -16,6 +16,9 @@ const LONG_WORD_LETTERS: usize = 6;
 /// swapped; with a lexicon, which knows short words, letters after the first may be wrong. Chosen.
 const SHORT_WORD_LETTERS: usize = 4;
 
+/// Most words of a query that are looked up, so that its time is bounded.
+const LOOKUPS_MAX: usize = 16;
+
 /// Words of a query as they are read.
 #[derive(Debug)]
 pub(crate) struct Spelling {
@@ -53,10 +56,11 @@ pub(crate) fn corrected(
         remarks: Vec::new(),
     };
     let dictionary = Dictionary::new(names, lexicon);
-    for (position, token) in words.iter().enumerate() {
-        if dictionary.is_meant(token) || is_person(words, position, people) {
-            continue;
-        }
+    let is_unknown = |(position, token): &(usize, &SpokenWord)| {
+        !dictionary.is_meant(token) && !is_person(words, *position, people)
+    };
+    let unknown = words.iter().enumerate().filter(is_unknown);
+    for (position, token) in unknown.take(LOOKUPS_MAX) {
         let text = &token.text;
         let mut nearest = dictionary.missing_word(&spelling.words, position);
         let is_understood =
