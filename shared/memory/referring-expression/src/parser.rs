@@ -13,6 +13,7 @@ use crate::expression::{
     RestrictionKind,
 };
 use crate::names::NameIndex;
+use crate::shade::shade;
 use crate::tokens::{SpokenWord, WordSpan};
 use crate::vocabulary::{self, ACKNOWLEDGEMENTS, JOINTS, WRAPPERS};
 
@@ -185,9 +186,26 @@ impl<'a> Parser<'a> {
                     self.pass(1, "an alternative");
                 }
                 _ => {
-                    self.pass(1, "a further object");
+                    let joint = self.pass(1, "a further object");
+                    self.doubt_further_object(&expression, joint);
                 }
             }
+        }
+    }
+
+    /// Remarks that "and the bowl" after "the mug next to the box" may mean a second landmark.
+    fn doubt_further_object(&mut self, expression: &ReferringExpression, joint: WordSpan) {
+        let last = expression.phrases.last();
+        let restriction = last.and_then(|phrase| phrase.restrictions.last());
+        let follows_landmark = restriction.is_some_and(|restriction| {
+            matches!(&restriction.kind, RestrictionKind::Relation(_, landmark)
+                if landmark.span.end == joint.start)
+        });
+        if follows_landmark {
+            let object = self.rest().iter().take(2).map(|word| word.text.as_str());
+            let object = object.collect::<Vec<_>>().join(" ");
+            self.remarks
+                .push(format!("`and {object}` was read as a further object"));
         }
     }
 
@@ -275,7 +293,10 @@ impl<'a> Parser<'a> {
             && (vocabulary::longest(&vocabulary::DETERMINERS, after).is_some()
                 || vocabulary::longest(&vocabulary::NUMERALS, after).is_some()
                 || vocabulary::longest(&vocabulary::GENERIC_NOUNS, after).is_some()
-                || self.names.longest_at_start(after).is_some())
+                || self.names.longest_at_start(after).is_some()
+                || !after.is_empty()
+                    && shade(&after[0].word).is_none()
+                    && self.names.has_part(&after[..1]))
     }
 
     /// Reads the noun phrase of a landmark; None if nothing stands here or it is nested too deep.

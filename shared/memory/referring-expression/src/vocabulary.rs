@@ -70,7 +70,7 @@ pub(crate) const DETERMINERS: [(&str, Quantity); 22] = [
 pub(crate) const POSSESSIVES: [&str; 3] = ["my", "our", "your"];
 
 /// Cardinal numbers.
-pub(crate) const NUMERALS: [(&str, usize); 13] = [
+pub(crate) const NUMERALS: [(&str, usize); 15] = [
     ("one", 1),
     ("two", 2),
     ("three", 3),
@@ -83,6 +83,8 @@ pub(crate) const NUMERALS: [(&str, usize); 13] = [
     ("ten", 10),
     ("a couple of", 2),
     ("a pair of", 2),
+    ("couple of", 2),
+    ("pair of", 2),
     ("a dozen", 12),
 ];
 
@@ -167,12 +169,13 @@ pub(crate) const NEGATIONS: [(&str, ()); 12] = [
 ];
 
 /// Exceptions, before a noun phrase.
-pub(crate) const EXCEPTIONS: [(&str, ()); 8] = [
+pub(crate) const EXCEPTIONS: [(&str, ()); 9] = [
     ("except", ()),
     ("except for", ()),
     ("other than", ()),
     ("apart from", ()),
     ("excluding", ()),
+    ("but the", ()),
     ("but not the", ()),
     ("not the", ()),
     ("without the", ()),

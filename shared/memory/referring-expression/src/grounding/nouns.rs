@@ -80,8 +80,11 @@ impl Grounder<'_> {
         // "Shiny gadget": the whole compound, then its head.
         for start in span.start..span.end {
             let part = WordSpan { start, ..span };
-            let is_adjective =
-                part.of(self.words).len() > 1 && vocabulary::is_ordinary(&self.words[start].word);
+            let spoken = part.of(self.words);
+            let is_part = |name: &Vec<SpokenWord>| agreement(spoken, name).is_some();
+            let is_adjective = spoken.len() > 1
+                && vocabulary::is_ordinary(&self.words[start].word)
+                && !self.known_names.values().any(is_part);
             if is_adjective {
                 continue;
             }

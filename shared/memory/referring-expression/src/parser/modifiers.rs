@@ -54,6 +54,19 @@ impl Parser<'_> {
         };
         draft.is_negated = true;
         draft.has_postmodifier = true;
+        Self::restrict(draft, span, RestrictionKind::Is(Box::new(phrase)));
+        while matches!(self.next_word(), "and" | "or") && self.further_exception(draft, span) {}
+        true
+    }
+
+    /// Reads "and the bottle" after "except the mug".
+    fn further_exception(&mut self, draft: &mut Draft, span: WordSpan) -> bool {
+        let checkpoint = self.checkpoint();
+        self.pass(1, "a further exception");
+        let Some(phrase) = self.landmark() else {
+            return self.restore(&checkpoint);
+        };
+        draft.is_negated = true;
         Self::restrict(draft, span, RestrictionKind::Is(Box::new(phrase)))
     }
 

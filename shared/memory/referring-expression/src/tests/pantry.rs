@@ -117,7 +117,74 @@ fn names_with_words_of_the_vocabulary_are_found() {
         ("the orange and white mug", &[]),
         ("the biggest orange juice", &[1]),
         ("all mugs that are orange", &[5]),
+        ("all drinks and bottles except the wine and the water", &[9]),
+        ("all bottles but the wine", &[12]),
     ]);
+}
+
+#[test]
+fn names_that_are_said_in_full_are_not_doubted() {
+    for query in [
+        "the orange juice",
+        "the white orange juice",
+        "the green tea",
+        "the top hat",
+        "the left shoe",
+        "the seven up",
+        "the green tea-box",
+        "the bottle of wine",
+        "the salt and pepper",
+        "the lime",
+    ] {
+        let answer = ask_pantry(query);
+        assert_eq!(doubts(&answer), "", "{query}: {}", answer.sentence);
+        assert!(answer.not_understood.is_empty(), "{query}");
+    }
+}
+
+#[test]
+fn answers_say_how_words_were_taken() {
+    for (query, doubt) in [
+        ("the wine", "`wine` was taken as wine-bottle"),
+        ("the bottle", "2 objects fit: tracks 3 and 12"),
+        ("the tennis", "`tennis` was taken as tennis-ball"),
+        ("the wine bottel", "`bottel` was read as `bottle`"),
+        (
+            "the balck mug",
+            "`balck` may mean `back` or `black`; say which",
+        ),
+        ("the red bull can", "`can` was not used"),
+        (
+            "the red mug",
+            "track 22 is gone; its place is as last seen, 60 min ago",
+        ),
+        (
+            "the thing next to the teapot",
+            "track 21 is gone; its place is as last seen",
+        ),
+        ("the thing between the bottles", "`bottles` was taken as"),
+        (
+            "the drink between the balls",
+            "`balls` was taken as tennis-ball",
+        ),
+        ("the shiny mug", "the word `shiny` was not understood"),
+        (
+            "the mug left of the seven up and the lime",
+            "`and the lime` was read as a further object",
+        ),
+    ] {
+        let answer = ask_pantry(query);
+        assert!(
+            doubts(&answer).contains(doubt),
+            "{query}: {}",
+            answer.sentence
+        );
+    }
+    let meanings = ask_pantry("the wine bottel").understood;
+    assert_eq!(
+        meanings[1].meaning,
+        "the category wine-bottle; `bottel` read as `bottle`"
+    );
 }
 
 #[test]
