@@ -14,6 +14,7 @@ use referring_expression::{
     WorldObject, find,
 };
 use scene_document::{CategoryAnswer, CategoryDocument, ObjectDocument, SceneDocument};
+use std::cmp::Reverse;
 use std::path::Path;
 use std::sync::Arc;
 use working_memory::{EventKind, LessonKind, ObjectRecord, WorldModel};
@@ -23,6 +24,10 @@ const WORDNET: &str = "/usr/share/wordnet";
 
 /// Greatest number of lessons that a query knows, newest first. Chosen.
 const N_LESSONS_MAX: usize = 2000;
+
+/// Greatest number of gone objects that a query knows: those with a label before those without,
+/// and the ones that were seen last first. Chosen.
+const N_GONE_MAX: usize = 2000;
 
 /// State of an object that is not on the table any more.
 const GONE: &str = "gone";
@@ -207,7 +212,9 @@ fn gone(model: &WorldModel, upright: &UnitQuaternion<f64>, lessons: &[Lesson]) -
             last_seen_ns: record.last_seen_ns as i64,
         }
     };
-    model.past_objects().map(object).collect()
+    let mut records: Vec<&ObjectRecord> = model.past_objects().collect();
+    records.sort_by_key(|record| Reverse((record.label.is_some(), record.last_seen_ns)));
+    records.into_iter().take(N_GONE_MAX).map(object).collect()
 }
 
 /// True if the newest lesson about a track gave it the label.

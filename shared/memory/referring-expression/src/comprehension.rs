@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::answer::{Answer, Match, WordUse};
+use crate::answer::{Answer, Match};
 use crate::answer_text;
 use crate::error::Error;
 use crate::expression::{Noun, NounPhrase, Quantity};
@@ -10,9 +10,10 @@ use crate::grounding::{COMPETING_SHARE, Grounder, MATCH_MIN, Notes, Rating, Scop
 use crate::lexicon::Lexicon;
 use crate::names::NameIndex;
 use crate::parser::{Parse, parse};
-use crate::spelling::{Spelling, corrected};
+use crate::spelling::corrected;
 use crate::time_phrase::duration_text;
 use crate::tokens::{SpokenWord, WordSpan, tokenize};
+use crate::word_account::{UseOfWords, account};
 use crate::world::{Presence, QueryWorld, WorldObject};
 
 /// Most characters of a query.
@@ -185,54 +186,6 @@ fn name_index(world: &QueryWorld<'_>) -> NameIndex {
     let of_objects = world.objects.iter().flat_map(|object| &object.names);
     let names = of_objects.map(|(name, _)| name).chain(world.taught_names);
     NameIndex::new(names.map(String::as_str))
-}
-
-/// Uses of all words. Each word is either understood or not.
-#[derive(Debug, Default)]
-struct UseOfWords {
-    understood: Vec<WordUse>,
-    not_understood: Vec<String>,
-    positions_not_understood: Vec<usize>,
-}
-
-fn account(spelling: &Spelling, parse: &Parse, notes: &Notes) -> UseOfWords {
-    let words = &spelling.words;
-    let is_ignored = |position| notes.ignored.iter().any(|span| span.contains(position));
-    let mut meanings: Vec<Option<(usize, &str)>> = vec![None; words.len()];
-    for (number, (span, meaning)) in parse.uses.iter().chain(&notes.nouns).enumerate() {
-        let covered = meanings.get_mut(span.start..span.end).unwrap_or_default();
-        for word in covered {
-            word.get_or_insert((number, meaning));
-        }
-    }
-    let mut account = UseOfWords::default();
-    let mut previous = None;
-    for (position, word) in words.iter().enumerate() {
-        let meaning = meanings[position].filter(|_| !is_ignored(position));
-        match (meaning, account.understood.last_mut()) {
-            (None, _) => {
-                account.not_understood.push(word.text.clone());
-                account.positions_not_understood.push(position);
-            }
-            (Some((number, _)), Some(last)) if previous == Some(number) => {
-                last.words.push(' ');
-                last.words.push_str(&word.text);
-            }
-            (Some((_, meaning)), _) => account.understood.push(WordUse {
-                words: word.text.clone(),
-                meaning: meaning.to_owned(),
-            }),
-        }
-        if meaning.is_some()
-            && spelling.corrected.contains(&position)
-            && let Some(used) = account.understood.last_mut()
-        {
-            let reading = format!("; `{}` read as `{}`", word.text, word.word);
-            used.meaning.push_str(&reading);
-        }
-        previous = meaning.map(|(number, _)| number);
-    }
-    account
 }
 
 /// Doubts that concern every match.

@@ -58,6 +58,7 @@ mod spelling;
 mod time_phrase;
 mod tokens;
 mod vocabulary;
+mod word_account;
 mod wordnet;
 mod world;
 
