@@ -33,6 +33,11 @@ const CLOSED_WORDS: [&str; 30] = [
     "ago", "there",
 ];
 
+/// Words that open a clause or an attribute after the noun.
+const AFTER_NOUN: [&str; 9] = [
+    "that", "that's", "which", "who", "whose", "with", "has", "have", "having",
+];
+
 /// Syntax tree of a query with the meaning of its words.
 #[derive(Debug, Default)]
 pub(crate) struct Parse {
@@ -250,9 +255,21 @@ impl<'a> Parser<'a> {
         self.name_or_modifier(draft)
             || self.known_noun(draft)
             || self.take(&ACKNOWLEDGEMENTS, "politeness").is_some()
-            || self.take(&JOINTS, "a joint").is_some()
+            || self.joint(draft)
             || self.open_noun(draft)
             || self.joined_modifier(draft)
+    }
+
+    /// Reads "that is" or "with". After a relative pronoun or "with" no noun takes the place of the
+    /// one before: "the cup with the handle".
+    fn joint(&mut self, draft: &mut Draft) -> bool {
+        let Some(((), span)) = self.take(&JOINTS, "a joint") else {
+            return false;
+        };
+        let first = span.of(self.words).first();
+        let is_after_noun = first.is_some_and(|word| AFTER_NOUN.contains(&word.word.as_str()));
+        draft.has_postmodifier |= is_after_noun && draft.phrase.noun != Noun::Anything;
+        true
     }
 
     /// Reads one part of a landmark: joints only before a modifier, so that "and" stays outside.

@@ -211,6 +211,8 @@ fn parts_of_a_compound_name_it() {
         ("the box", &[4, 13]),
         ("the mug left of the wine", &[6]),
         ("the bull", &[15]),
+        ("the red drink with the straw", &[9]),
+        ("the bottle with the hat", &[3, 12]),
     ]);
 }
 

@@ -47,6 +47,7 @@ fn grounding_of_nouns() {
         ("the pop tarts", &[]),
         ("the flurble", &[]),
         ("cups", &[1, 2, 4]),
+        ("the cup with the red handle", &[1]),
     ]);
 }
 
