@@ -6,7 +6,7 @@ use crate::compound::{canonical_words, head_word, part_keys};
 use crate::tokens::{SpokenWord, tokenize};
 
 /// Plurals that no rule of spelling gives, with their singular.
-const IRREGULAR: [(&str, &str); 22] = [
+const IRREGULAR: [(&str, &str); 25] = [
     ("knives", "knife"),
     ("leaves", "leaf"),
     ("loaves", "loaf"),
@@ -29,6 +29,9 @@ const IRREGULAR: [(&str, &str); 22] = [
     ("children", "child"),
     ("people", "person"),
     ("dice", "die"),
+    ("shoes", "shoe"),
+    ("horseshoes", "horseshoe"),
+    ("canoes", "canoe"),
 ];
 
 /// Words that end in s and name one thing.
@@ -184,6 +187,7 @@ mod tests {
             ("pies", "pie"),
             ("brushes", "brush"),
             ("vases", "vase"),
+            ("shoes", "shoe"),
         ] {
             assert_eq!(singular(plural), one);
         }

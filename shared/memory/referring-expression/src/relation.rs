@@ -193,7 +193,7 @@ pub(crate) fn between_score(object: &BoxGeometry, ends: [&BoxGeometry; 2]) -> f6
     };
     let along_m = fraction * length_m;
     let is_inside = is_beyond(ends[0], along_m) * is_beyond(ends[1], length_m - along_m);
-    let far_m = radius_m.max(0.25 * length_m);
+    let far_m = radius_m.max(0.3 * length_m);
     is_inside * ramp(aside_m, 1.2 * far_m, 0.5 * far_m)
 }
 

@@ -151,6 +151,11 @@ impl<'a> Dictionary<'a> {
         has_name && !is_compound
     }
 
+    /// True if a word has no meaning, and one error makes it another.
+    fn is_misspelt(&self, token: &SpokenWord, other: &SpokenWord) -> bool {
+        !self.is_meant(token) && damerau_levenshtein(&token.word, &other.word) == 1
+    }
+
     /// Words that complete a known compound with the words around them: "orange" for "orang juice".
     fn missing_word(&self, words: &[SpokenWord], position: usize) -> Vec<String> {
         let mut found: Vec<String> = Vec::new();
@@ -162,7 +167,8 @@ impl<'a> Dictionary<'a> {
                 let fits_around = around.is_some_and(|around| {
                     let mut pairs = around.iter().zip(name).enumerate();
                     pairs.all(|(i, (word, part))| {
-                        i == place || singular(&word.word) == singular(&part.word)
+                        let is_same = singular(&word.word) == singular(&part.word);
+                        i == place || is_same || self.is_misspelt(word, part)
                     })
                 });
                 let is_near = damerau_levenshtein(&words[position].word, &missing.word) == 1;
@@ -301,6 +307,7 @@ mod tests {
         for (written, right) in [
             ("the orang juice", "orange"),
             ("the green tee", "tea"),
+            ("the gren tae", "tea"),
             ("the wine battle", "bottle"),
         ] {
             let spelling = corrected(&tokenize(written), &names, &[], None);

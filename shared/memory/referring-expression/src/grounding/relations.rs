@@ -178,6 +178,9 @@ impl Grounder<'_> {
     ) -> Option<Vec<Judgement>> {
         let landmarks = self.landmarks_or_ignore(phrase, span)?;
         let text = self.text(phrase.span);
+        if landmarks.is_empty() {
+            self.doubt(format!("nothing here fits `{text}`"));
+        }
         let judge = |index: usize| {
             let same = landmarks.iter().find(|landmark| landmark.index == index);
             let score = same.map_or(0.0, |landmark| landmark.weight);

@@ -119,6 +119,7 @@ fn names_with_words_of_the_vocabulary_are_found() {
         ("all mugs that are orange", &[5]),
         ("all drinks and bottles except the wine and the water", &[9]),
         ("all bottles but the wine", &[12]),
+        ("all left shoes", &[16]),
     ]);
 }
 
@@ -168,6 +169,7 @@ fn answers_say_how_words_were_taken() {
             "`balls` was taken as tennis-ball",
         ),
         ("the shiny mug", "the word `shiny` was not understood"),
+        ("everything except the fork", "nothing here fits `the fork`"),
         (
             "the mug left of the seven up and the lime",
             "`and the lime` was read as a further object",
