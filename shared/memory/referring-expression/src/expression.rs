@@ -79,8 +79,10 @@ pub(crate) enum RestrictionKind {
     Relation(Relation, Box<NounPhrase>),
     /// "between the box and the mug".
     Between(Box<[NounPhrase; 2]>),
-    /// "on the left".
+    /// "on the left", of the table or of the candidates.
     Place(TablePlace),
+    /// "on the left of the table".
+    Region(TablePlace),
     /// "labelled".
     Labelled,
     /// "in view".
@@ -134,6 +136,9 @@ pub(crate) enum RankingKey {
     Size(Dimension, Degree),
     Leftmost,
     Rightmost,
+    /// Nearest to the viewer along the view, whatever the distance.
+    Frontmost,
+    Rearmost,
     Nearest,
     Farthest,
     NearestTo(Box<NounPhrase>),
@@ -179,6 +184,26 @@ impl NounPhrase {
                         | RestrictionKind::Appeared(_)
                 )
         })
+    }
+
+    /// Side by which the candidates may be compared: "the mug on the left".
+    pub(crate) fn compared_side(&self) -> Option<TablePlace> {
+        let is_definite = matches!(self.quantity, Quantity::The | Quantity::Open);
+        let has_candidates = self.noun != Noun::Anything || self.restrictions.len() > 1;
+        let is_size = |one: &Restriction| matches!(one.kind, RestrictionKind::Size(..));
+        let mut sides = self.restrictions.iter().filter_map(|one| match one.kind {
+            RestrictionKind::Place(place) => Some((place, one.is_negated)),
+            _ => None,
+        });
+        let (place, is_negated) = sides.next()?;
+        let is_compared = is_definite
+            && self.wants_one()
+            && has_candidates
+            && self.rankings.is_empty()
+            && !self.restrictions.iter().any(is_size)
+            && sides.next().is_none()
+            && !is_negated;
+        is_compared.then_some(place)
     }
 
     /// Other attachment of the last landmark's own restrictions: to this phrase.

@@ -9,6 +9,7 @@ mod lessons;
 mod nouns;
 mod rankings;
 mod relations;
+mod sides;
 mod sizes;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -56,6 +57,26 @@ pub(crate) enum Scope {
 impl Scope {
     pub(crate) fn contains(self, object: &WorldObject) -> bool {
         object.is_gone() == (self == Self::Gone)
+    }
+}
+
+/// Order of the restrictions: those that compare the candidates come last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    Property,
+    Place,
+    RelativeSize,
+}
+
+impl Stage {
+    const ALL: [Self; 3] = [Self::Property, Self::Place, Self::RelativeSize];
+
+    fn of(kind: &RestrictionKind) -> Self {
+        match kind {
+            RestrictionKind::Place(_) => Self::Place,
+            RestrictionKind::Size(..) => Self::RelativeSize,
+            _ => Self::Property,
+        }
     }
 }
 
@@ -152,16 +173,22 @@ impl<'a> Grounder<'a> {
         ratings
     }
 
-    /// Ratings of all objects: properties, then relative sizes, then ranks.
+    /// Ratings of all objects: properties, places, relative sizes, then ranks.
     pub(crate) fn rate(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
         let mut ratings = self.rate_noun(phrase);
-        let is_relative =
-            |restriction: &&Restriction| matches!(restriction.kind, RestrictionKind::Size(..));
-        for restriction in phrase.restrictions.iter().filter(|r| !is_relative(r)) {
-            self.apply(restriction, &mut ratings);
+        let mut before_place = None;
+        for stage in Stage::ALL {
+            if stage == Stage::Place {
+                before_place = Some(ratings.clone());
+            }
+            for restriction in &phrase.restrictions {
+                if Stage::of(&restriction.kind) == stage {
+                    self.apply(restriction, &mut ratings);
+                }
+            }
         }
-        for restriction in phrase.restrictions.iter().filter(is_relative) {
-            self.apply(restriction, &mut ratings);
+        if let Some(before) = before_place {
+            self.prefer_furthest(phrase, &before, &mut ratings);
         }
         for ranking in &phrase.rankings {
             self.apply_ranking(ranking, &mut ratings);
@@ -206,7 +233,9 @@ impl<'a> Grounder<'a> {
                 self.judge_relation(*relation, landmark, span)?
             }
             RestrictionKind::Between(landmarks) => self.judge_between(landmarks, span)?,
-            RestrictionKind::Place(place) => self.judge_place(*place, span)?,
+            RestrictionKind::Place(place) | RestrictionKind::Region(place) => {
+                self.judge_place(*place, span)?
+            }
             RestrictionKind::Labelled => objects
                 .map(|o| Judgement::of_fact(o.is_labelled, "is labelled", "is not labelled"))
                 .collect(),

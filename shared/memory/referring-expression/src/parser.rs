@@ -5,7 +5,9 @@
 
 mod between;
 mod clauses;
+mod extremes;
 mod modifiers;
+mod negations;
 mod nouns;
 
 use crate::expression::{
@@ -256,6 +258,7 @@ impl<'a> Parser<'a> {
             || self.known_noun(draft)
             || self.take(&ACKNOWLEDGEMENTS, "politeness").is_some()
             || self.joint(draft)
+            || self.possessive()
             || self.open_noun(draft)
             || self.joined_modifier(draft)
     }
@@ -275,6 +278,9 @@ impl<'a> Parser<'a> {
     /// Reads one part of a landmark: joints only before a modifier, so that "and" stays outside.
     fn landmark_part(&mut self, draft: &mut Draft) -> bool {
         if self.name_or_modifier(draft) || self.known_noun(draft) {
+            return true;
+        }
+        if !draft.has_known_noun && self.possessive() {
             return true;
         }
         let checkpoint = self.checkpoint();

@@ -77,6 +77,27 @@ impl Dimension {
         }
     }
 
+    /// Value on a scale where the error is constant: metres for one edge, otherwise a logarithm.
+    pub(crate) fn scale(self, geometry: &BoxGeometry) -> f64 {
+        let value = self.of(geometry);
+        match self {
+            Self::Volume | Self::Flatness => value.max(1e-6).ln(),
+            _ => value,
+        }
+    }
+
+    /// Error of the difference of two values on that scale between objects of one category: the
+    /// median over 221 tracks of `evaluate find --seed 21 --scenes 30` for a volume, and the
+    /// 84th percentile for a height. The others are estimates.
+    pub(crate) fn scale_error(self) -> f64 {
+        match self {
+            Self::Volume => 0.02,
+            Self::Flatness => 0.04,
+            Self::Height => 0.002,
+            Self::Extent | Self::Length | Self::Width | Self::Thickness => 0.004,
+        }
+    }
+
     /// Comparative of the adjective for a dimension and a degree.
     pub(crate) fn comparative(self, degree: Degree) -> String {
         match self.adjective(degree) {

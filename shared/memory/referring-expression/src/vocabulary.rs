@@ -2,11 +2,13 @@
 //!
 //! The longest phrase of a table that begins at a word counts.
 
+mod extremes;
 mod requests;
 mod sizes;
 mod times;
 mod words;
 
+pub(crate) use extremes::{EXTREME_DEGREES, EXTREME_ENDS, EXTREME_OPENINGS, EXTREME_SIDES};
 pub(crate) use requests::{ACKNOWLEDGEMENTS, JOINTS, WRAPPERS};
 pub(crate) use sizes::{ADJECTIVES, BOUNDS, LENGTH_UNITS, MEASURED_DIMENSIONS};
 pub(crate) use times::{COUNTED_TIMES, TEACHING_VERBS, TIME_UNITS, TIMES, WITHIN};
@@ -41,7 +43,7 @@ pub(crate) fn longest<'t, T>(
 }
 
 /// Determiners.
-pub(crate) const DETERMINERS: [(&str, Quantity); 22] = [
+pub(crate) const DETERMINERS: [(&str, Quantity); 25] = [
     ("the", Quantity::The),
     ("that", Quantity::The),
     ("this", Quantity::The),
@@ -64,10 +66,13 @@ pub(crate) const DETERMINERS: [(&str, Quantity); 22] = [
     ("each", Quantity::All(None)),
     ("both", Quantity::All(Some(2))),
     ("both the", Quantity::All(Some(2))),
+    ("his", Quantity::The),
+    ("her", Quantity::The),
+    ("their", Quantity::The),
 ];
 
 /// Possessives, of which the robot knows nothing.
-pub(crate) const POSSESSIVES: [&str; 3] = ["my", "our", "your"];
+pub(crate) const POSSESSIVES: [&str; 6] = ["my", "our", "your", "his", "her", "their"];
 
 /// Cardinal numbers.
 pub(crate) const NUMERALS: [(&str, usize); 15] = [
@@ -153,7 +158,7 @@ pub(crate) const COLOR_SUFFIXES: [(&str, ()); 3] =
     [("coloured", ()), ("in colour", ()), ("colour", ())];
 
 /// Negations of the modifier that follows.
-pub(crate) const NEGATIONS: [(&str, ()); 12] = [
+pub(crate) const NEGATIONS: [(&str, ()); 18] = [
     ("not", ()),
     ("non", ()),
     ("isn't", ()),
@@ -165,7 +170,22 @@ pub(crate) const NEGATIONS: [(&str, ()); 12] = [
     ("that aren't", ()),
     ("which is not", ()),
     ("which isn't", ()),
-    ("not a", ()),
+    ("neither", ()),
+    ("are not", ()),
+    ("is not", ()),
+    ("which are not", ()),
+    ("which aren't", ()),
+    ("were not", ()),
+    ("wasn't", ()),
+];
+
+/// Determiners of a noun after a negation.
+pub(crate) const INDEFINITES: [(&str, ()); 5] = [
+    ("a", ()),
+    ("an", ()),
+    ("any", ()),
+    ("one of the", ()),
+    ("any of the", ()),
 ];
 
 /// Exceptions, before a noun phrase.
@@ -317,6 +337,29 @@ pub(crate) const RELATIONS: [(&str, Relation); 52] = [
     ("into", Relation::In),
 ];
 
+/// Modifiers of a relation that are accepted and not used.
+pub(crate) const RELATION_MODIFIERS: [(&str, ()); 19] = [
+    ("directly", ()),
+    ("right", ()),
+    ("just", ()),
+    ("immediately", ()),
+    ("exactly", ()),
+    ("straight", ()),
+    ("precisely", ()),
+    ("slightly", ()),
+    ("somewhat", ()),
+    ("a bit", ()),
+    ("a little", ()),
+    ("a little bit", ()),
+    ("somewhere", ()),
+    ("roughly", ()),
+    ("well", ()),
+    ("further", ()),
+    ("farther", ()),
+    ("partly", ()),
+    ("really", ()),
+];
+
 /// Support on which everything stands, unless it is a name that was taught.
 pub(crate) const SUPPORTS: [(&str, ()); 10] = [
     ("the table", ()),
@@ -376,7 +419,7 @@ pub(crate) const PLACES: [(&str, TablePlace); 40] = [
 ];
 
 /// Rankings by place and time.
-pub(crate) const RANKINGS: [(&str, RankingKey); 42] = [
+pub(crate) const RANKINGS: [(&str, RankingKey); 44] = [
     ("leftmost", RankingKey::Leftmost),
     ("left most", RankingKey::Leftmost),
     ("furthest left", RankingKey::Leftmost),
@@ -395,14 +438,16 @@ pub(crate) const RANKINGS: [(&str, RankingKey); 42] = [
     ("closest to you", RankingKey::Nearest),
     ("nearer", RankingKey::Nearest),
     ("closer", RankingKey::Nearest),
-    ("front most", RankingKey::Nearest),
-    ("frontmost", RankingKey::Nearest),
+    ("front most", RankingKey::Frontmost),
+    ("frontmost", RankingKey::Frontmost),
     ("farthest", RankingKey::Farthest),
     ("furthest", RankingKey::Farthest),
     ("farthest away", RankingKey::Farthest),
     ("furthest away", RankingKey::Farthest),
     ("most distant", RankingKey::Farthest),
-    ("rearmost", RankingKey::Farthest),
+    ("rearmost", RankingKey::Rearmost),
+    ("backmost", RankingKey::Rearmost),
+    ("back most", RankingKey::Rearmost),
     ("topmost", RankingKey::Topmost),
     ("uppermost", RankingKey::Topmost),
     ("lowest", RankingKey::Lowest),
@@ -427,8 +472,8 @@ pub(crate) const COUNTING_SIDES: [(&str, RankingKey); 9] = [
     ("from left", RankingKey::Leftmost),
     ("from the right", RankingKey::Rightmost),
     ("from right", RankingKey::Rightmost),
-    ("from the front", RankingKey::Nearest),
-    ("from the back", RankingKey::Farthest),
+    ("from the front", RankingKey::Frontmost),
+    ("from the back", RankingKey::Rearmost),
     ("from the top", RankingKey::Topmost),
     ("from the bottom", RankingKey::Lowest),
     ("by size", RankingKey::Size(Dimension::Volume, Degree::More)),

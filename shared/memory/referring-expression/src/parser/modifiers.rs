@@ -1,15 +1,15 @@
 //! Modifiers of a noun: colours, sizes, measures, ranks, relations, places and negation.
 
 use super::{Draft, Parser};
-use crate::expression::{ColorPhrase, Ranking, RankingKey, RestrictionKind};
+use crate::expression::{ColorPhrase, NounPhrase, Ranking, RankingKey, RestrictionKind};
 use crate::relation::{Relation, TablePlace};
 use crate::shade::{Shade, shade};
 use crate::size::{AdjectiveForm, Bound, Degree, Dimension};
 use crate::tokens::WordSpan;
 use crate::vocabulary::{
-    self, ADJECTIVES, BOUNDS, COLOR_MODIFIERS, COLOR_SUFFIXES, COUNTING_SIDES, EXCEPTIONS, LABELS,
-    LENGTH_UNITS, MANY_COLORS, MEASURED_DIMENSIONS, NEGATIONS, ORDINALS, PLACES, PRESENCES,
-    RANKINGS, RELATIONS, SUPPORTS, VISIBILITY,
+    self, ADJECTIVES, BETWEEN, BOUNDS, COLOR_MODIFIERS, COLOR_SUFFIXES, COUNTING_SIDES, EXCEPTIONS,
+    LABELS, LENGTH_UNITS, MANY_COLORS, MEASURED_DIMENSIONS, ORDINALS, PLACES, PRESENCES, RANKINGS,
+    RELATION_MODIFIERS, RELATIONS, SUPPORTS, VISIBILITY,
 };
 
 impl Parser<'_> {
@@ -19,6 +19,8 @@ impl Parser<'_> {
             || self.knowledge(draft)
             || self.exception(draft)
             || self.measure(draft)
+            || self.extreme_place(draft)
+            || self.modified_relation(draft)
             || self.ranking(draft)
             || self.between(draft)
             || self.relation_or_place(draft)
@@ -60,7 +62,7 @@ impl Parser<'_> {
     }
 
     /// Reads "and the bottle" after "except the mug".
-    fn further_exception(&mut self, draft: &mut Draft, span: WordSpan) -> bool {
+    pub(super) fn further_exception(&mut self, draft: &mut Draft, span: WordSpan) -> bool {
         let checkpoint = self.checkpoint();
         self.pass(1, "a further exception");
         let Some(phrase) = self.landmark() else {
@@ -68,20 +70,6 @@ impl Parser<'_> {
         };
         draft.is_negated = true;
         Self::restrict(draft, span, RestrictionKind::Is(Box::new(phrase)))
-    }
-
-    /// Reads "not" before another modifier.
-    fn negation(&mut self, draft: &mut Draft) -> bool {
-        let checkpoint = self.checkpoint();
-        if draft.is_negated || self.take(&NEGATIONS, "a negation").is_none() {
-            return false;
-        }
-        draft.is_negated = true;
-        if self.modifier(draft) {
-            return true;
-        }
-        draft.is_negated = false;
-        self.restore(&checkpoint)
     }
 
     /// Reads "light red", "red and white", "red or blue", "colourful".
@@ -133,7 +121,7 @@ impl Parser<'_> {
     }
 
     /// True if a name of several words stands some words ahead.
-    fn is_name_after(&self, n_words: usize) -> bool {
+    pub(super) fn is_name_after(&self, n_words: usize) -> bool {
         let after = self.rest().get(n_words..).unwrap_or_default();
         self.names.longest_at_start(after) > Some(1)
     }
@@ -169,7 +157,7 @@ impl Parser<'_> {
                 self.comparison(draft, span, (dimension, degree)) || self.restore(&checkpoint)
             }
             AdjectiveForm::Comparative | AdjectiveForm::Superlative => {
-                Self::rank(draft, span, RankingKey::Size(dimension, degree))
+                self.rank(draft, span, RankingKey::Size(dimension, degree))
             }
         }
     }
@@ -246,7 +234,7 @@ impl Parser<'_> {
             return true;
         }
         if let Some((key, span)) = self.take(&RANKINGS, "a rank") {
-            return Self::rank(draft, span, key);
+            return self.rank(draft, span, key);
         }
         if draft.ordinal.is_none()
             && let Some(ordinal) = self.take(&ORDINALS, "an ordinal number")
@@ -258,14 +246,25 @@ impl Parser<'_> {
             && let Some((key, span)) = self.take(&COUNTING_SIDES, "the side to count from")
         {
             draft.has_postmodifier = true;
-            return Self::rank(draft, span, key);
+            return self.rank(draft, span, key);
         }
         false
     }
 
-    fn rank(draft: &mut Draft, span: WordSpan, key: RankingKey) -> bool {
+    /// Adds a rank; "not the leftmost" excludes the object of that rank.
+    pub(super) fn rank(&mut self, draft: &mut Draft, span: WordSpan, key: RankingKey) -> bool {
         let rank = draft.ordinal.take().map_or(1, |(rank, _)| rank);
-        draft.phrase.rankings.push(Ranking { span, key, rank });
+        let ranking = Ranking { span, key, rank };
+        if draft.is_negated {
+            let of_rank = NounPhrase {
+                span,
+                noun: draft.phrase.noun,
+                rankings: vec![ranking],
+                ..NounPhrase::default()
+            };
+            return Self::restrict(draft, span, RestrictionKind::Is(Box::new(of_rank)));
+        }
+        draft.phrase.rankings.push(ranking);
         true
     }
 
@@ -294,6 +293,26 @@ impl Parser<'_> {
         true
     }
 
+    /// Reads "directly behind the box"; how directly is not judged.
+    fn modified_relation(&mut self, draft: &mut Draft) -> bool {
+        let checkpoint = self.checkpoint();
+        if self.has(&RELATIONS) || self.has(&BETWEEN) {
+            return false;
+        }
+        let meaning = "a modifier of the relation, not used";
+        let Some(((), span)) = self.take(&RELATION_MODIFIERS, meaning) else {
+            return false;
+        };
+        let is_relation = self.has(&RELATIONS) || self.has(&BETWEEN) || self.has(&PLACES);
+        if !is_relation || !(self.between(draft) || self.relation_or_place(draft)) {
+            return self.restore(&checkpoint);
+        }
+        let words = span.text(self.words);
+        self.remarks
+            .push(format!("the modifier `{words}` was not used"));
+        true
+    }
+
     /// Reads "left of the box" or "on the left", by the longer phrase.
     fn relation_or_place(&mut self, draft: &mut Draft) -> bool {
         let relation = vocabulary::longest(&RELATIONS, self.rest());
@@ -314,8 +333,7 @@ impl Parser<'_> {
         if self.has(&SUPPORTS) && !self.is_support_known() {
             self.take(&SUPPORTS, "the table");
             draft.has_postmodifier = true;
-            let place = place_on_support(relation);
-            return Self::restrict(draft, span, RestrictionKind::Place(place));
+            return Self::restrict(draft, span, place_on_support(relation));
         }
         let Some(landmark) = self.landmark() else {
             return self.restore(&checkpoint);
@@ -333,6 +351,13 @@ impl Parser<'_> {
         self.names.longest_at_start(name).is_some()
     }
 
+    /// Passes "of the table".
+    pub(super) fn pass_of_table(&mut self) -> bool {
+        let checkpoint = self.checkpoint();
+        self.take(&[("of", ())], "a joint").is_some()
+            && (self.take(&SUPPORTS, "the table").is_some() || self.restore(&checkpoint))
+    }
+
     fn place(&mut self, draft: &mut Draft, place: TablePlace, n_words: usize) -> bool {
         let is_adjective = n_words == 1;
         let is_support = place == TablePlace::Anywhere;
@@ -342,24 +367,23 @@ impl Parser<'_> {
             return self.relation(draft, Relation::On, 1);
         }
         let span = self.pass(n_words, format!("the place \"{}\"", place.word()));
-        let checkpoint = self.checkpoint();
-        if self.take(&[("of", ())], "a joint").is_some()
-            && self.take(&SUPPORTS, "the table").is_none()
-        {
-            self.restore(&checkpoint);
-        }
         draft.has_postmodifier |= !is_adjective;
-        Self::restrict(draft, span, RestrictionKind::Place(place))
+        let kind = if self.pass_of_table() {
+            RestrictionKind::Region(place)
+        } else {
+            RestrictionKind::Place(place)
+        };
+        Self::restrict(draft, span, kind)
     }
 }
 
 /// Place that a relation to the table means.
-fn place_on_support(relation: Relation) -> TablePlace {
-    match relation {
+fn place_on_support(relation: Relation) -> RestrictionKind {
+    RestrictionKind::Region(match relation {
         Relation::LeftOf => TablePlace::Left,
         Relation::RightOf => TablePlace::Right,
         Relation::Behind => TablePlace::Back,
         Relation::InFrontOf => TablePlace::Front,
-        _ => TablePlace::Anywhere,
-    }
+        _ => return RestrictionKind::Place(TablePlace::Anywhere),
+    })
 }

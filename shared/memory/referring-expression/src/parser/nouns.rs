@@ -28,10 +28,7 @@ impl Parser<'_> {
             draft.has_determiner = true;
             draft.phrase.quantity = quantity;
             if POSSESSIVES.contains(&word) {
-                let words = span.text(self.words);
-                self.remarks.push(format!(
-                    "`{words}` was not used: who owns an object is not known"
-                ));
+                self.remark_possessive(span);
             }
         }
         if self.name_here() > Some(1) {
@@ -45,6 +42,23 @@ impl Parser<'_> {
             };
             self.take(&[("of the", ()), ("of", ())], "a determiner");
         }
+    }
+
+    fn remark_possessive(&mut self, span: WordSpan) {
+        let words = span.text(self.words);
+        self.remarks.push(format!(
+            "`{words}` was not used: who owns an object is not known"
+        ));
+    }
+
+    /// Reads "my" inside a phrase: "all my mugs", "the mug that my mother likes".
+    pub(super) fn possessive(&mut self) -> bool {
+        let is_here = POSSESSIVES.contains(&self.next_word());
+        if is_here {
+            let span = self.pass(1, "a possessive, not used");
+            self.remark_possessive(span);
+        }
+        is_here
     }
 
     /// True before "that is": a clause without a noun, and no determiner.

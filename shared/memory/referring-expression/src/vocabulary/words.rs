@@ -5,14 +5,16 @@ use std::sync::LazyLock;
 
 use super::{
     ACKNOWLEDGEMENTS, ADJECTIVES, BETWEEN, BOUNDS, COLOR_MODIFIERS, COLOR_SUFFIXES, COUNTED_TIMES,
-    COUNTING_SIDES, DETERMINERS, EXCEPTIONS, GENERIC_NOUNS, JOINTS, LABELS, LENGTH_UNITS,
-    MANY_COLORS, MEASURED_DIMENSIONS, NEGATIONS, NUMERALS, ORDINALS, PLACES, PRESENCES, RANKINGS,
-    RELATIONS, SUPPORTS, TEACHING_VERBS, TIME_UNITS, TIMES, VISIBILITY, WITHIN, WRAPPERS,
+    COUNTING_SIDES, DETERMINERS, EXCEPTIONS, EXTREME_DEGREES, EXTREME_ENDS, EXTREME_OPENINGS,
+    EXTREME_SIDES, GENERIC_NOUNS, INDEFINITES, JOINTS, LABELS, LENGTH_UNITS, MANY_COLORS,
+    MEASURED_DIMENSIONS, NEGATIONS, NUMERALS, ORDINALS, PLACES, PRESENCES, RANKINGS,
+    RELATION_MODIFIERS, RELATIONS, SUPPORTS, TEACHING_VERBS, TIME_UNITS, TIMES, VISIBILITY, WITHIN,
+    WRAPPERS,
 };
 use crate::shade::shade_words;
 
 /// Words of phrases that no table has.
-const OTHER_WORDS: &str = "and or between halfway midway by than i you me we it my your their \
+const OTHER_WORDS: &str = "and or between halfway midway nor by than i you me we it my your their \
     have has had just did already very so there somebody someone they people i've \
     seen saw last appeared came arrived first ago earlier before";
 
@@ -26,7 +28,10 @@ const ORDINARY_WORDS: &str = "round square cold warm hot cool old heavy hard sof
     transparent clear opaque fragile living real fake used unused both either neither each \
     other's now then soon maybe perhaps also again could should would might must can cannot can't \
     don't doesn't am be being do does done its his her hers him them us our ours mine yours theirs \
-    as if because until since through across along against among amongst toward towards beyond \
+    bought brought belong belongs like likes liked love loves loved want wants wanted need needs \
+    taste tastes smell smells look looks use uses borrowed broke broken found keep keeps kept leave \
+    made makes drink drinks eat eats ate drank prefer prefers hate hates own owns owned gave given \
+    got as if because until since through across along against among amongst toward towards beyond \
     off out up down top bottom edge corner end half whole pair set kind sort type brand make made \
     wearing holding carrying using facing looking going moving hanging leaning floating standing \
     no yes not never ever always sometimes often hi hey ok okay hello dear sir madam";
@@ -44,15 +49,21 @@ static WORDS: LazyLock<BTreeSet<&'static str>> = LazyLock::new(|| {
     add(&mut words, &COLOR_SUFFIXES);
     add(&mut words, &NEGATIONS);
     add(&mut words, &EXCEPTIONS);
+    add(&mut words, &INDEFINITES);
     add(&mut words, &LABELS);
     add(&mut words, &VISIBILITY);
     add(&mut words, &PRESENCES);
     add(&mut words, &BETWEEN);
     add(&mut words, &RELATIONS);
+    add(&mut words, &RELATION_MODIFIERS);
     add(&mut words, &SUPPORTS);
     add(&mut words, &PLACES);
     add(&mut words, &RANKINGS);
     add(&mut words, &COUNTING_SIDES);
+    add(&mut words, &EXTREME_OPENINGS);
+    add(&mut words, &EXTREME_DEGREES);
+    add(&mut words, &EXTREME_SIDES);
+    add(&mut words, &EXTREME_ENDS);
     add(&mut words, &ACKNOWLEDGEMENTS);
     add(&mut words, &JOINTS);
     add(&mut words, &WRAPPERS);
