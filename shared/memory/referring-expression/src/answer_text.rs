@@ -74,9 +74,9 @@ fn selection_sentence(selection: &Selection, general_doubts: &[String]) -> Strin
 }
 
 fn nothing_sentence(selection: &Selection, general_doubts: &[String]) -> String {
-    let closest = selection.closest.as_ref();
-    let closest = closest.map_or(String::new(), |closest| format!("; {closest}"));
-    let nothing = format!("Nothing here fits `{}`{closest}", selection.text);
+    let reason = selection.reason.as_ref();
+    let reason = reason.map_or(String::new(), |reason| format!("; {reason}"));
+    let nothing = format!("Nothing here fits `{}`{reason}", selection.text);
     let parts = std::iter::once(nothing.as_str()).chain(general_doubts.iter().map(String::as_str));
     let sentence = format!("{}.", parts.collect::<Vec<_>>().join("; "));
     match &selection.advice {

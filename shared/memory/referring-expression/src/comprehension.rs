@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 
 use crate::answer::{Answer, Match};
 use crate::answer_text;
+use crate::empty_answer::reason;
 use crate::error::Error;
 use crate::expression::{Noun, NounPhrase, Quantity};
-use crate::grounding::{COMPETING_SHARE, Grounder, MATCH_MIN, Notes, Rating, Scope};
+use crate::grounding::{COMPETING_SHARE, Grounder, Grounding, MATCH_MIN, Notes, Rating};
 use crate::lexicon::Lexicon;
 use crate::names::NameIndex;
 use crate::parser::{Parse, parse};
-use crate::spelling::corrected;
+use crate::spelling::{Spelling, corrected};
 use crate::time_phrase::duration_text;
 use crate::tokens::{SpokenWord, WordSpan, tokenize};
 use crate::word_account::{UseOfWords, account};
@@ -34,8 +35,8 @@ pub(crate) struct Selection {
     pub(crate) wants_one: bool,
     /// Number of objects that fit.
     pub(crate) n_fitting: usize,
-    /// Sentence about the closest object if none fits.
-    pub(crate) closest: Option<String>,
+    /// Reason why nothing fits.
+    pub(crate) reason: Option<String>,
     /// Sentence about what may be said instead of words that were not understood.
     pub(crate) advice: Option<String>,
 }
@@ -62,7 +63,7 @@ impl Selection {
             matches: Vec::new(),
             wants_one: phrase.wants_one(),
             n_fitting: 0,
-            closest: None,
+            reason: None,
             advice: Some(format!(
                 "Say {name}, or a colour, a size or a place of the object."
             )),
@@ -87,31 +88,32 @@ pub fn find(
     let names = name_index(world);
     let spelling = corrected(&written, &names, &people(world), lexicon);
     let words = spelling.words.as_slice();
-    let mut parse = parse(words, &names);
-    parse.remarks.extend(spelling.remarks.iter().cloned());
+    let parse = parse(words, &names);
     let mut grounder = Grounder::new(words, world, lexicon);
-    let rated: Vec<(&NounPhrase, Scope, Vec<Rating>)> = parse
-        .expression
-        .phrases
-        .iter()
-        .map(|phrase| {
-            let (scope, ratings) = grounder.rate_outermost(phrase);
-            (phrase, scope, ratings)
-        })
+    let phrases = parse.expression.phrases.iter();
+    let grounded: Vec<(&NounPhrase, Grounding)> = phrases
+        .map(|phrase| (phrase, grounder.rate_outermost(phrase)))
         .collect();
     let notes = grounder.into_notes();
     let use_of_words = account(&spelling, &parse, &notes);
-    let general = general_doubts(&parse, &notes, &use_of_words.not_understood);
-    let selections: Vec<Selection> = rated
-        .into_iter()
-        .map(|(phrase, scope, ratings)| {
-            let text = phrase.span.text(words);
-            if is_understood(phrase, &parse, &notes, &use_of_words) {
-                select(phrase, (scope, ratings), world, text)
-            } else {
-                Selection::not_understood(phrase, world, text)
+    let read = readings(&spelling, &use_of_words);
+    let remarks: Vec<String> = parse.remarks.iter().cloned().chain(read).collect();
+    let general = general_doubts(&remarks, &notes, &use_of_words.not_understood);
+    let select_or_ask = |(phrase, grounding): (&NounPhrase, Grounding)| {
+        let text = phrase.span.text(words);
+        if is_understood(phrase, &parse, &notes, &use_of_words) {
+            let reason = reason(phrase, &grounding, &notes, world, words);
+            Selection {
+                reason,
+                ..select(phrase, grounding, world, text)
             }
-        })
+        } else {
+            Selection::not_understood(phrase, world, text)
+        }
+    };
+    let selections: Vec<Selection> = grounded
+        .into_iter()
+        .map(select_or_ask)
         .map(|selection| with_doubts(selection, &general))
         .collect();
     let is_alternative = parse.expression.is_alternative;
@@ -130,7 +132,7 @@ pub fn find(
         wants_one,
         understood: use_of_words.understood,
         not_understood: use_of_words.not_understood,
-        remarks: remarks(&parse, lexicon.is_none()),
+        remarks: with_lexicon_remark(remarks, lexicon.is_none()),
         sentence,
     })
 }
@@ -189,9 +191,9 @@ fn name_index(world: &QueryWorld<'_>) -> NameIndex {
 }
 
 /// Doubts that concern every match.
-fn general_doubts(parse: &Parse, notes: &Notes, not_understood: &[String]) -> Vec<String> {
+fn general_doubts(remarks: &[String], notes: &Notes, not_understood: &[String]) -> Vec<String> {
     let mut doubts = notes.doubts.clone();
-    doubts.extend(parse.remarks.iter().cloned());
+    doubts.extend(remarks.iter().cloned());
     match not_understood {
         [] => {}
         [word] => doubts.push(format!("the word `{word}` was not understood")),
@@ -203,8 +205,20 @@ fn general_doubts(parse: &Parse, notes: &Notes, not_understood: &[String]) -> Ve
     doubts
 }
 
-fn remarks(parse: &Parse, is_without_lexicon: bool) -> Vec<String> {
-    let mut remarks = parse.remarks.clone();
+/// Remarks about misspelt words. The reading of a word that is not understood all the same is none.
+fn readings(spelling: &Spelling, use_of_words: &UseOfWords) -> Vec<String> {
+    let is_used = |position: &usize| {
+        !spelling.corrected.contains(position)
+            || !use_of_words.positions_not_understood.contains(position)
+    };
+    let remarks = spelling.remarks.iter();
+    remarks
+        .filter(|(position, _)| is_used(position))
+        .map(|(_, remark)| remark.clone())
+        .collect()
+}
+
+fn with_lexicon_remark(mut remarks: Vec<String>, is_without_lexicon: bool) -> Vec<String> {
     if is_without_lexicon {
         remarks.push(SYNONYMS_OFF.to_owned());
     }
@@ -214,11 +228,11 @@ fn remarks(parse: &Parse, is_without_lexicon: bool) -> Vec<String> {
 /// Chooses the objects of a phrase by its number.
 fn select(
     phrase: &NounPhrase,
-    (scope, ratings): (Scope, Vec<Rating>),
+    grounding: Grounding,
     world: &QueryWorld<'_>,
     text: String,
 ) -> Selection {
-    let closest = closest(&ratings, scope, world);
+    let ratings = grounding.ratings;
     let mut fitting: Vec<(usize, Rating)> = ratings.into_iter().enumerate().collect();
     fitting.retain(|(_, rating)| rating.score >= MATCH_MIN);
     fitting.sort_by(|a, b| {
@@ -256,7 +270,7 @@ fn select(
         matches: fitting.into_iter().map(to_match).collect(),
         wants_one,
         n_fitting,
-        closest,
+        reason: None,
         advice: None,
     }
 }
@@ -325,20 +339,6 @@ fn with_doubts(mut selection: Selection, general: &[String]) -> Selection {
         found.doubts.extend(new);
     }
     selection
-}
-
-/// Sentence about the object that lacks least.
-fn closest(ratings: &[Rating], scope: Scope, world: &QueryWorld<'_>) -> Option<String> {
-    let all = ratings.iter().zip(world.objects);
-    let candidates = all.filter(|(_, object)| scope.contains(object));
-    let with_fit =
-        candidates.filter(|(rating, _)| !rating.fits.is_empty() && !rating.lacks.is_empty());
-    let (rating, object) = with_fit.max_by_key(|(rating, _)| {
-        let n_lacks = std::cmp::Reverse(rating.lacks.len());
-        (rating.has_category, n_lacks, rating.fits.len())
-    })?;
-    let (fits, lacks) = (rating.fits.join(" and "), rating.lacks.join(" and "));
-    Some(format!("track {} {fits}, but {lacks}", object.track_id))
 }
 
 /// Matches of all phrases; an object of several phrases counts once.

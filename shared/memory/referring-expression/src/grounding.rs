@@ -21,6 +21,7 @@ use crate::relation::ViewFrame;
 use crate::tokens::{SpokenWord, WordSpan, tokenize};
 use crate::world::{Presence, QueryWorld, WorldObject};
 pub(crate) use judgement::{Judgement, Rating};
+pub(crate) use nouns::UNRELATED_NOUN;
 
 /// Least score of an object that fits. Chosen.
 pub(crate) const MATCH_MIN: f64 = 0.3;
@@ -57,6 +58,25 @@ pub(crate) enum Scope {
 impl Scope {
     pub(crate) fn contains(self, object: &WorldObject) -> bool {
         object.is_gone() == (self == Self::Gone)
+    }
+}
+
+/// Objects of an outermost phrase with their ratings.
+#[derive(Debug)]
+pub(crate) struct Grounding {
+    pub(crate) scope: Scope,
+    pub(crate) ratings: Vec<Rating>,
+    /// Tracks that are gone and may fit, if nothing fits.
+    pub(crate) maybe_gone: Vec<u64>,
+}
+
+impl Grounding {
+    fn new(scope: Scope, ratings: Vec<Rating>) -> Self {
+        Self {
+            scope,
+            ratings,
+            maybe_gone: Vec::new(),
+        }
     }
 }
 
@@ -126,31 +146,60 @@ impl<'a> Grounder<'a> {
 
     /// Ratings of the objects of an outermost phrase: those that are there, and if none of them
     /// fits, those that are gone.
-    pub(crate) fn rate_outermost(&mut self, phrase: &NounPhrase) -> (Scope, Vec<Rating>) {
-        let wants_gone = phrase.wants_gone();
-        if !wants_gone {
-            let n_doubts = self.notes.doubts.len();
-            let ratings = self.rate_attached(phrase);
-            let has_gone = self.world.objects.iter().any(WorldObject::is_gone);
-            let is_vague = phrase.noun == Noun::Anything && !phrase.has_lasting_property();
-            if has_match(&ratings) || !has_gone || is_vague {
-                return (Scope::Present, ratings);
-            }
-            let doubts = self.notes.doubts.split_off(n_doubts);
-            self.scope = Scope::Gone;
-            let of_gone = self.rate_attached(phrase);
-            self.scope = Scope::Present;
-            if !has_match(&of_gone) {
-                self.notes.doubts.truncate(n_doubts);
-                self.notes.doubts.extend(doubts);
-                return (Scope::Present, ratings);
-            }
-            return (Scope::Gone, of_gone);
+    pub(crate) fn rate_outermost(&mut self, phrase: &NounPhrase) -> Grounding {
+        if phrase.wants_gone() {
+            let of_gone = self.rate_gone(phrase);
+            return Grounding::new(Scope::Gone, of_gone);
         }
-        self.scope = Scope::Gone;
+        let n_doubts = self.notes.doubts.len();
         let ratings = self.rate_attached(phrase);
+        let has_gone = self.world.objects.iter().any(WorldObject::is_gone);
+        let is_vague = phrase.noun == Noun::Anything && !phrase.has_lasting_property();
+        if has_match(&ratings) || !has_gone || is_vague {
+            return Grounding::new(Scope::Present, ratings);
+        }
+        let doubts = self.notes.doubts.split_off(n_doubts);
+        let of_gone = self.rate_gone(phrase);
+        if has_match(&of_gone) {
+            return Grounding::new(Scope::Gone, of_gone);
+        }
+        self.notes.doubts.truncate(n_doubts);
+        self.notes.doubts.extend(doubts);
+        let maybe_gone = self.tracks_where(&of_gone, Scope::Gone, Rating::may_fit);
+        let has_category = |rating: &Rating| rating.has_category;
+        let is_here = !self
+            .tracks_where(&ratings, Scope::Present, has_category)
+            .is_empty();
+        let is_only_gone = !is_here && maybe_gone.is_empty();
+        Grounding {
+            maybe_gone,
+            ..if is_only_gone {
+                Grounding::new(Scope::Gone, of_gone)
+            } else {
+                Grounding::new(Scope::Present, ratings)
+            }
+        }
+    }
+
+    fn rate_gone(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
+        self.scope = Scope::Gone;
+        let of_gone = self.rate_attached(phrase);
         self.scope = Scope::Present;
-        (Scope::Gone, ratings)
+        of_gone
+    }
+
+    /// Tracks of a scope whose rating passes a test.
+    fn tracks_where(
+        &self,
+        ratings: &[Rating],
+        scope: Scope,
+        test: impl Fn(&Rating) -> bool,
+    ) -> Vec<u64> {
+        let pairs = self.world.objects.iter().zip(ratings);
+        pairs
+            .filter(|(object, rating)| scope.contains(object) && test(rating))
+            .map(|(object, _)| object.track_id)
+            .collect()
     }
 
     /// Ratings of all objects, with the other attachment of a landmark if the nearest finds none.
@@ -203,7 +252,9 @@ impl<'a> Grounder<'a> {
         for ((rating, judgement), object) in
             ratings.iter_mut().zip(judgements).zip(self.world.objects)
         {
-            rating.apply(if is_unknown(object, &restriction.kind) {
+            let is_unknown = is_unknown(object, &restriction.kind);
+            rating.n_unknown += usize::from(is_unknown);
+            rating.apply(if is_unknown {
                 Judgement::new(0.0, "", "is gone, and that is not known of it")
             } else if restriction.is_negated {
                 judgement.negated()
@@ -219,7 +270,7 @@ impl<'a> Grounder<'a> {
         let world = self.world;
         let objects = world.objects.iter();
         Some(match &restriction.kind {
-            RestrictionKind::Color(color) => self.judge_color(color, span),
+            RestrictionKind::Color(color) => self.judge_color(color, restriction, ratings),
             RestrictionKind::Size(dimension, degree) => {
                 self.judge_size(*dimension, *degree, ratings)
             }

@@ -45,6 +45,7 @@ mod answer_text;
 mod box_geometry;
 mod compound;
 mod comprehension;
+mod empty_answer;
 mod error;
 mod expression;
 mod grounding;

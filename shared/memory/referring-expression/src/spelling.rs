@@ -19,6 +19,16 @@ const SHORT_WORD_LETTERS: usize = 4;
 /// Most words of a query that are looked up, so that its time is bounded.
 const LOOKUPS_MAX: usize = 16;
 
+/// Pronouns before the verb of a clause.
+const SUBJECTS: [&str; 9] = [
+    "i", "you", "we", "they", "he", "she", "who", "somebody", "someone",
+];
+
+/// Verbs before the subject of a request: "can you find".
+const MODALS: [&str; 8] = [
+    "can", "could", "would", "will", "do", "did", "have", "should",
+];
+
 /// Words of a query as they are read.
 #[derive(Debug)]
 pub(crate) struct Spelling {
@@ -26,8 +36,8 @@ pub(crate) struct Spelling {
     pub(crate) words: Vec<SpokenWord>,
     /// Positions of the words that were corrected.
     pub(crate) corrected: Vec<usize>,
-    /// Sentences about what was corrected, and what could not be.
-    pub(crate) remarks: Vec<String>,
+    /// Sentences about words that were corrected, or could not be, with their position.
+    pub(crate) remarks: Vec<(usize, String)>,
 }
 
 /// Words that a query may contain.
@@ -57,7 +67,9 @@ pub(crate) fn corrected(
     };
     let dictionary = Dictionary::new(names, lexicon);
     let is_unknown = |(position, token): &(usize, &SpokenWord)| {
-        !dictionary.is_meant(token) && !is_person(words, *position, people)
+        !dictionary.is_meant(token)
+            && !is_person(words, *position, people)
+            && !is_verb(words, *position)
     };
     let unknown = words.iter().enumerate().filter(is_unknown);
     for (position, token) in unknown.take(LOOKUPS_MAX) {
@@ -75,12 +87,12 @@ pub(crate) fn corrected(
                 spelling.corrected.push(position);
                 spelling
                     .remarks
-                    .push(format!("`{text}` was read as `{one}`"));
+                    .push((position, format!("`{text}` was read as `{one}`")));
             }
             several => {
                 let readings = several.join("` or `");
                 let remark = format!("`{text}` may mean `{readings}`; say which");
-                spelling.remarks.push(remark);
+                spelling.remarks.push((position, remark));
             }
         }
     }
@@ -97,6 +109,24 @@ fn is_person(words: &[SpokenWord], position: usize, people: &[&str]) -> bool {
         || matches!(next, "has" | "had" | "just" | "already");
     let follows_by = position > 0 && words[position - 1].word == "by";
     is_known || is_author || follows_by
+}
+
+/// True if a word is a verb of a clause that is not understood: "bought" after "I". A verb of
+/// teaching may be misspelt there.
+fn is_verb(words: &[SpokenWord], position: usize) -> bool {
+    let subject = position
+        .checked_sub(1)
+        .map_or("", |before| words[before].word.as_str());
+    let before = position
+        .checked_sub(2)
+        .map_or("can", |before| words[before].word.as_str());
+    let has_subject = SUBJECTS.contains(&subject) && !MODALS.contains(&before);
+    let word = words[position].word.as_str();
+    let verbs = TEACHING_VERBS.iter().flat_map(|(verb, ())| verb.split(' '));
+    let mut verbs = verbs
+        .chain(["know", "seen", "want"])
+        .filter(|verb| verb.len() >= SHORT_WORD_LETTERS);
+    has_subject && !verbs.any(|verb| errors(word, verb, false).is_some())
 }
 
 impl<'a> Dictionary<'a> {
@@ -256,10 +286,12 @@ mod tests {
         let names = NameIndex::new(["wine-bottle", "bowl", "mug", "orange-juice"]);
         let spelling = corrected(&tokenize(text), &names, &["Anna"], None);
         let words = spelling.words.iter().map(|token| token.word.as_str());
-        (
-            words.collect::<Vec<_>>().join(" "),
-            spelling.remarks.join("; "),
-        )
+        let remarks: Vec<_> = spelling
+            .remarks
+            .iter()
+            .map(|(_, text)| text.clone())
+            .collect();
+        (words.collect::<Vec<_>>().join(" "), remarks.join("; "))
     }
 
     #[test]
@@ -297,7 +329,7 @@ mod tests {
         assert_eq!(spelling.words[1].word, "boo");
         assert_eq!(
             spelling.remarks,
-            ["`boo` may mean `book` or `boot`; say which"]
+            [(1, "`boo` may mean `book` or `boot`; say which".to_owned())]
         );
     }
 

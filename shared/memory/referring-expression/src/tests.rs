@@ -1,5 +1,8 @@
 //! Tests of comprehension in a world made by hand.
 
+mod empty_answers;
+mod extremes;
+mod negated_nouns;
 mod pantry;
 mod phrases;
 mod robustness;

@@ -1,11 +1,10 @@
 //! Colours: shares of the basic terms against the colours that were asked for.
 
-use super::{Grounder, Judgement};
+use super::{Grounder, Judgement, Rating};
 use crate::ColorTerm;
-use crate::expression::ColorPhrase;
+use crate::expression::{ColorPhrase, Restriction};
 use crate::relation::ramp;
 use crate::shade::Shade;
-use crate::tokens::WordSpan;
 use crate::world::WorldObject;
 
 /// Share from which on an object has a colour fully. Chosen.
@@ -21,24 +20,55 @@ const CLEAR_PART: f64 = 0.2;
 /// Share of a colour that a person notices. Chosen.
 const NOTICED_SHARE: f64 = 0.12;
 
+/// Share with which the only object of a noun has a colour. Chosen: a quarter is seen.
+const FAIR_SHARE: f64 = 0.25;
+
+/// Score of that object: with the one of a part of its name it still fits. Chosen.
+const FAIR_SCORE: f64 = 0.6;
+
 /// Score of an object whose colour is not known.
 const UNKNOWN_SCORE: f64 = 0.4;
 
 impl Grounder<'_> {
-    pub(super) fn judge_color(&mut self, color: &ColorPhrase, span: WordSpan) -> Vec<Judgement> {
+    /// Judges the colours. The only object of a noun fits with a doubt if it has a fair share.
+    pub(super) fn judge_color(
+        &mut self,
+        color: &ColorPhrase,
+        restriction: &Restriction,
+        ratings: &[Rating],
+    ) -> Vec<Judgement> {
         let (ColorPhrase::Any(shades) | ColorPhrase::All(shades)) = color else {
             return self.world.objects.iter().map(judge_many).collect();
         };
         if shades.iter().any(|shade| shade.is_mapped) {
             let terms: Vec<_> = shades.iter().map(shade_text).collect();
-            let words = self.text(span);
+            let words = self.text(restriction.span);
             self.doubt(format!("`{words}` was taken as {}", terms.join(" and ")));
         }
         let judge = |object| match color {
             ColorPhrase::All(_) => judge_all(object, shades),
             _ => judge_any(object, shades),
         };
-        self.world.objects.iter().map(judge).collect()
+        let mut judgements: Vec<Judgement> = self.world.objects.iter().map(judge).collect();
+        if let Some(only) = self.only_candidate(ratings)
+            && matches!(color, ColorPhrase::Any(_))
+            && !restriction.is_negated
+            && judgements[only].nearness >= FAIR_SHARE
+        {
+            judgements[only].score = judgements[only].score.max(FAIR_SCORE);
+        }
+        judgements
+    }
+
+    /// The only object of the scope that has the category of the noun.
+    fn only_candidate(&self, ratings: &[Rating]) -> Option<usize> {
+        let is_candidate = |index: &usize| {
+            ratings[*index].has_category && self.scope.contains(&self.world.objects[*index])
+        };
+        let mut candidates = (0..ratings.len()).filter(is_candidate);
+        let only = candidates.next()?;
+        let is_named = !ratings[only].fits.is_empty();
+        (is_named && candidates.next().is_none()).then_some(only)
     }
 }
 
@@ -113,16 +143,18 @@ fn judge_any(object: &WorldObject, shades: &[Shade]) -> Judgement {
         format!("is {main}")
     };
     let score = ramp(best, NOTICED_SHARE, CLEAR_SHARE);
-    Judgement::new(score, format!("is {wanted}"), lack).doubt_if(
-        (NOTICED_SHARE..SURE_SHARE).contains(&best),
-        || {
-            format!(
-                "track {} is only {:.0} % {wanted}",
-                object.track_id,
-                100.0 * best
-            )
-        },
-    )
+    let judgement = Judgement::new(score, format!("is {wanted}"), lack);
+    let judgement = Judgement {
+        nearness: best,
+        ..judgement
+    };
+    judgement.doubt_if((NOTICED_SHARE..SURE_SHARE).contains(&best), || {
+        format!(
+            "track {} is only {:.0} % {wanted}",
+            object.track_id,
+            100.0 * best
+        )
+    })
 }
 
 fn judge_all(object: &WorldObject, shades: &[Shade]) -> Judgement {

@@ -7,6 +7,8 @@ pub(crate) struct Judgement {
     pub(crate) score: f64,
     /// Reasons why it may not hold, as sentences that name the track.
     pub(crate) doubts: Vec<String>,
+    /// Degree by which objects are compared if none fits, 0 to 1.
+    pub(crate) nearness: f64,
     /// Predicate of a sentence if it holds: "is red".
     pub(crate) fit: String,
     /// Predicate of a sentence if it does not hold: "is blue".
@@ -19,8 +21,10 @@ const HOLDS_MIN: f64 = 0.3;
 impl Judgement {
     pub(crate) fn new(score: f64, fit: impl Into<String>, lack: impl Into<String>) -> Self {
         let score = if score.is_finite() { score } else { 0.0 };
+        let score = score.clamp(0.0, 1.0);
         Self {
-            score: score.clamp(0.0, 1.0),
+            score,
+            nearness: score,
             doubts: Vec::new(),
             fit: fit.into(),
             lack: lack.into(),
@@ -43,6 +47,7 @@ impl Judgement {
     pub(crate) fn negated(self) -> Self {
         Self {
             score: 1.0 - self.score,
+            nearness: 1.0 - self.nearness,
             doubts: if self.score > 0.1 {
                 self.doubts
             } else {
@@ -61,6 +66,10 @@ pub(crate) struct Rating {
     pub(crate) score: f64,
     /// True if the object has the category of the noun, or if there is no noun.
     pub(crate) has_category: bool,
+    /// Sum of the nearness of all judgements.
+    pub(crate) nearness: f64,
+    /// Number of missing predicates that are only not known.
+    pub(crate) n_unknown: usize,
     pub(crate) doubts: Vec<String>,
     /// Predicates that hold, for a sentence about the object.
     pub(crate) fits: Vec<String>,
@@ -73,6 +82,8 @@ impl Default for Rating {
         Self {
             score: 1.0,
             has_category: true,
+            nearness: 0.0,
+            n_unknown: 0,
             doubts: Vec::new(),
             fits: Vec::new(),
             lacks: Vec::new(),
@@ -86,8 +97,14 @@ impl Rating {
         self.lacks.is_empty()
     }
 
+    /// True if the object may fit, but something of it is not known.
+    pub(crate) fn may_fit(&self) -> bool {
+        self.has_category && self.n_unknown > 0 && self.n_unknown == self.lacks.len()
+    }
+
     pub(crate) fn apply(&mut self, judgement: Judgement) {
         self.score *= judgement.score;
+        self.nearness += judgement.nearness;
         let (list, text) = if judgement.score >= HOLDS_MIN {
             (&mut self.fits, judgement.fit)
         } else {

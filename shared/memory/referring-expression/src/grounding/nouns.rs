@@ -30,6 +30,9 @@ const PART_SCORE: f64 = 0.6;
 /// Probability of a name from which on it is not doubtful.
 const SURE_PROBABILITY: f64 = 0.9;
 
+/// Meaning of an English noun without a category.
+pub(crate) const UNRELATED_NOUN: &str = "a noun; no name that was taught is related";
+
 /// Fit of a category to a noun.
 #[derive(Debug, Clone, PartialEq)]
 struct CategoryFit {
@@ -105,7 +108,7 @@ impl Grounder<'_> {
             .find(|part| self.is_noun(*part));
         if let Some(noun) = noun {
             self.ignore_before(span, noun);
-            let meaning = "a noun; no name that was taught is related".to_owned();
+            let meaning = UNRELATED_NOUN.to_owned();
             self.note_meaning(noun, meaning);
         } else if !self.notes.ignored.contains(&span) {
             self.notes.ignored.push(span);
@@ -164,6 +167,17 @@ impl Grounder<'_> {
         names.sort_by(|a, b| b.1.score.total_cmp(&a.1.score).then(a.0.cmp(b.0)));
         let is_direct = names.first().is_some_and(|(_, fit)| fit.doubt.is_none());
         self.notes.wants_synonyms |= !is_direct;
+        let is_here = |name: &str| {
+            let mut best = self.world.objects.iter().filter_map(WorldObject::best_name);
+            best.any(|best| best == name)
+        };
+        // The categories that can be found come first.
+        names.sort_by_key(|(name, _)| !is_here(name));
+        if let Some(n_here) = names.iter().position(|(name, _)| !is_here(name))
+            && n_here > 0
+        {
+            names.truncate(n_here);
+        }
         let names: Vec<_> = names
             .iter()
             .take(4)

@@ -13,7 +13,7 @@ const BLACK: usize = 0;
 /// edge    14 top-hat  15 red-bull  16 left-shoe  17 lime  18 bottle-opener
 /// gone    21 blue teapot  22 red mug  23 vase without a colour  24 unknown object
 /// ```
-fn pantry() -> Tabletop {
+pub(super) fn pantry() -> Tabletop {
     let small = [0.07, 0.07, 0.1];
     let mut objects = vec![
         object(1, "orange-juice", WHITE, [-0.4, 0.5], [0.07, 0.07, 0.2]),
@@ -55,13 +55,13 @@ fn pantry() -> Tabletop {
     }
 }
 
-fn ask_pantry(query: &str) -> Answer {
+pub(super) fn ask_pantry(query: &str) -> Answer {
     let pantry = pantry();
     find(query, &pantry.world(), None).unwrap()
 }
 
 #[track_caller]
-fn check(table: &[(&str, &[u64])]) {
+pub(super) fn check(table: &[(&str, &[u64])]) {
     let mut failures = Vec::new();
     for (query, expected) in table {
         let answer = ask_pantry(query);
