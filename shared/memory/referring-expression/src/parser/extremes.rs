@@ -19,7 +19,7 @@ impl Parser<'_> {
         let span = self.pass(n_words, "an extreme place");
         self.pass_of_table();
         draft.has_postmodifier |= !is_adjective;
-        self.rank(draft, span, key)
+        Self::rank(draft, span, key)
     }
 
     /// Side of an extreme here, with the number of words; None before a landmark or inside a name.
@@ -56,6 +56,6 @@ impl Parser<'_> {
     /// Number of words of the longest phrase of a table, some words ahead.
     fn n_words_at(&self, position: usize, table: &[(&str, ())]) -> usize {
         let words = self.rest().get(position..).unwrap_or_default();
-        vocabulary::longest(table, words).map_or(0, |(_, n_words)| n_words)
+        vocabulary::longest(table, words).map_or(0, |((), n_words)| n_words)
     }
 }

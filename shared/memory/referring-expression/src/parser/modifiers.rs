@@ -157,7 +157,7 @@ impl Parser<'_> {
                 self.comparison(draft, span, (dimension, degree)) || self.restore(&checkpoint)
             }
             AdjectiveForm::Comparative | AdjectiveForm::Superlative => {
-                self.rank(draft, span, RankingKey::Size(dimension, degree))
+                Self::rank(draft, span, RankingKey::Size(dimension, degree))
             }
         }
     }
@@ -234,7 +234,7 @@ impl Parser<'_> {
             return true;
         }
         if let Some((key, span)) = self.take(&RANKINGS, "a rank") {
-            return self.rank(draft, span, key);
+            return Self::rank(draft, span, key);
         }
         if draft.ordinal.is_none()
             && let Some(ordinal) = self.take(&ORDINALS, "an ordinal number")
@@ -246,13 +246,13 @@ impl Parser<'_> {
             && let Some((key, span)) = self.take(&COUNTING_SIDES, "the side to count from")
         {
             draft.has_postmodifier = true;
-            return self.rank(draft, span, key);
+            return Self::rank(draft, span, key);
         }
         false
     }
 
     /// Adds a rank; "not the leftmost" excludes the object of that rank.
-    pub(super) fn rank(&mut self, draft: &mut Draft, span: WordSpan, key: RankingKey) -> bool {
+    pub(super) fn rank(draft: &mut Draft, span: WordSpan, key: RankingKey) -> bool {
         let rank = draft.ordinal.take().map_or(1, |(rank, _)| rank);
         let ranking = Ranking { span, key, rank };
         if draft.is_negated {
