@@ -82,13 +82,13 @@ impl Grounding {
 
 /// Order of the restrictions: those that compare the candidates come last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Stage {
+enum RestrictionStage {
     Property,
     Place,
     RelativeSize,
 }
 
-impl Stage {
+impl RestrictionStage {
     const ALL: [Self; 3] = [Self::Property, Self::Place, Self::RelativeSize];
 
     fn of(kind: &RestrictionKind) -> Self {
@@ -226,12 +226,12 @@ impl<'a> Grounder<'a> {
     pub(crate) fn rate(&mut self, phrase: &NounPhrase) -> Vec<Rating> {
         let mut ratings = self.rate_noun(phrase);
         let mut before_place = None;
-        for stage in Stage::ALL {
-            if stage == Stage::Place {
+        for stage in RestrictionStage::ALL {
+            if stage == RestrictionStage::Place {
                 before_place = Some(ratings.clone());
             }
             for restriction in &phrase.restrictions {
-                if Stage::of(&restriction.kind) == stage {
+                if RestrictionStage::of(&restriction.kind) == stage {
                     self.apply(restriction, &mut ratings);
                 }
             }

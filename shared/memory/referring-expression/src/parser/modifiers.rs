@@ -1,7 +1,7 @@
 //! Modifiers of a noun: colours, sizes, measures, ranks, relations, places and negation.
 
 use super::{Draft, Parser};
-use crate::expression::{ColorPhrase, NounPhrase, Ranking, RankingKey, RestrictionKind};
+use crate::expression::{ColorPhrase, Noun, NounPhrase, Ranking, RankingKey, RestrictionKind};
 use crate::relation::{Relation, TablePlace};
 use crate::shade::{Shade, shade};
 use crate::size::{AdjectiveForm, Bound, Degree, Dimension};
@@ -48,7 +48,7 @@ impl Parser<'_> {
     /// Reads "except the mug".
     fn exception(&mut self, draft: &mut Draft) -> bool {
         let checkpoint = self.checkpoint();
-        let Some(((), span)) = self.take(&EXCEPTIONS, "an exception") else {
+        let Some(span) = self.exception_word(draft) else {
             return false;
         };
         let Some(phrase) = self.landmark() else {
@@ -59,6 +59,18 @@ impl Parser<'_> {
         Self::restrict(draft, span, RestrictionKind::Is(Box::new(phrase)));
         while matches!(self.next_word(), "and" | "or") && self.further_exception(draft, span) {}
         true
+    }
+
+    /// Passes "except", or "but" between "everything" and a name.
+    fn exception_word(&mut self, draft: &Draft) -> Option<WordSpan> {
+        if let Some(((), span)) = self.take(&EXCEPTIONS, "an exception") {
+            return Some(span);
+        }
+        let after = self.rest().get(1..).unwrap_or_default();
+        let is_exception = self.next_word() == "but"
+            && draft.phrase.noun == Noun::Anything
+            && self.names.longest_at_start(after).is_some();
+        is_exception.then(|| self.pass(1, "an exception"))
     }
 
     /// Reads "and the bottle" after "except the mug".
@@ -157,8 +169,23 @@ impl Parser<'_> {
                 self.comparison(draft, span, (dimension, degree)) || self.restore(&checkpoint)
             }
             AdjectiveForm::Comparative | AdjectiveForm::Superlative => {
-                Self::rank(draft, span, RankingKey::Size(dimension, degree))
+                Self::rank(draft, span, RankingKey::Size(dimension, degree));
+                self.pass_of_several();
+                true
             }
+        }
+    }
+
+    /// Passes "of the two" after "the bigger".
+    fn pass_of_several(&mut self) {
+        let openings = [
+            ("of the", ()),
+            ("of these", ()),
+            ("of all the", ()),
+            ("of", ()),
+        ];
+        if self.take(&openings, "a determiner").is_some() {
+            self.take(&vocabulary::NUMERALS, "a number");
         }
     }
 

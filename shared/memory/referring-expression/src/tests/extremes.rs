@@ -71,5 +71,6 @@ fn comparatives_choose_by_the_measured_error() {
     ] {
         let answer = find(query, &tabletop.world(), None).unwrap();
         assert_eq!(ids(&answer), [1], "{query}: {}", answer.sentence);
+        assert!(answer.not_understood.is_empty(), "{query}");
     }
 }

@@ -12,6 +12,7 @@ fn negated_nouns_exclude_their_objects() {
         ("everything that is not a mug or a bowl", &[1, 2, 4, 8]),
         ("the things that are neither mugs nor bowls", &[1, 2, 4, 8]),
         ("everything that is not a red mug", &[1]),
+        ("everything but mugs", &[1, 2, 4]),
         ("everything that is not red", &[1, 10]),
     ] {
         let answer = ask(query);
