@@ -146,6 +146,7 @@ const MATCH: &[(&str, JsonType)] = &[
     ("score", Number),
     ("doubts", List),
     ("label", TextOrNull),
+    ("answer", Text),
     ("state", Text),
     ("position_m", VectorOrNull(3)),
 ];

@@ -131,7 +131,7 @@ mod tests {
         let text = shown(&found);
         let line = |key: &str| text.lines().find(|line| line.contains(key)).unwrap();
         assert!(line("workers = 3").ends_with(&format!("# from {file}")));
-        assert!(line("known_probability_min = 0.75").ends_with("# default"));
+        assert!(line("known_probability_min = 0.5").ends_with("# default"));
         assert_eq!(line("# source"), "# source has no value");
     }
 }

@@ -12,8 +12,8 @@ use control_protocol::{
     WorldReply,
 };
 use scene_document::{
-    CategoryDocument, EventsDocument, FactsDocument, HealthDocument, ObjectDocument, SceneDocument,
-    TaskDocument, TasksDocument, WorldDocument,
+    CategoryAnswer, CategoryDocument, EventsDocument, FactsDocument, HealthDocument,
+    ObjectDocument, SceneDocument, TaskDocument, TasksDocument, WorldDocument,
 };
 use std::path::Path;
 use test_data::golden;
@@ -86,7 +86,19 @@ fn golden_replies_about_the_live_scene_are_written_and_read() {
         ("depth noise", Reply::DepthNoise(noise)),
         ("arm", Reply::Arm(arm)),
     ];
-    check("replies-about-the-scene", &examples);
+    check("replies-about-the-scene-2", &examples);
+}
+
+#[test]
+fn golden_found_objects_of_0_2_are_still_read() {
+    let file = "tests/golden/replies-about-the-scene.txt";
+    let replies = golden::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file));
+    let (_, bytes) = replies.iter().find(|(name, _)| name == "found").unwrap();
+    let Reply::Found(report) = ciborium::from_reader(bytes.as_slice()).unwrap() else {
+        panic!("another reply");
+    };
+    let found = &report.matches[0];
+    assert_eq!(found.answer.shown(found.label.as_deref()), "mug");
 }
 
 fn found() -> FindReport {
@@ -95,6 +107,7 @@ fn found() -> FindReport {
         score: 0.75,
         doubts: vec!["its side is hidden".to_owned()],
         label: Some(mug()),
+        answer: CategoryAnswer::Probably,
         state: "tracked".to_owned(),
         position_m: Some([0.1, 0.2, 0.3]),
     };

@@ -22,7 +22,7 @@ const N_NEW_PER_FALSE_NAME: f32 = 8.0;
 /// Least and greatest prior, so that neither answer is ever excluded.
 const RANGE: (f32, f32) = (0.02, 0.6);
 
-/// What a person has shown about an answer.
+/// Feedback of a person about an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Feedback {
     /// The object is of a category that was taught before.

@@ -18,7 +18,7 @@ pub struct Config {
 
 impl Config {
     /// Default of `known_probability_min`. Chosen with the risk-coverage curve of mesh categories.
-    pub const KNOWN_PROBABILITY_MIN: f32 = 0.6;
+    pub const KNOWN_PROBABILITY_MIN: f32 = 0.5;
 
     /// Validates the settings against their ranges. An object whose best category is less probable
     /// than `known_probability_min`, 0 to 1, is unknown.

@@ -1,4 +1,5 @@
 use super::*;
+use scene_document::CategoryAnswer;
 
 fn live(track_id: u64, label: Option<&str>) -> ObjectDocument {
     ObjectDocument {
@@ -14,6 +15,7 @@ fn found(track_id: u64, state: &str, doubts: &[&str]) -> FoundObjectReport {
         track_id,
         score: 0.9,
         doubts: doubts.iter().map(|&doubt| doubt.to_owned()).collect(),
+        answer: CategoryAnswer::Is,
         label: Some("mug".to_owned()),
         state: state.to_owned(),
         position_m: None,
