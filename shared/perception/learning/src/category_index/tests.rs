@@ -1,6 +1,6 @@
 use super::*;
 use crate::recognition::N_NEAREST;
-use crate::{DescriptorSymmetries, ViewTerm};
+use crate::{DescriptorSymmetries, MemoryTerm};
 use proptest::prelude::*;
 
 const DIMENSION: usize = 150;
@@ -111,8 +111,8 @@ const CALIBRATION: Calibration = Calibration {
     ridge: 0.03,
     background_distance: 2.0,
     spread_prior: 0.5,
-    score_weight: ViewTerm::constant(8.0),
-    unknown_bias: ViewTerm::constant(4.0),
+    score_weight: MemoryTerm::constant(8.0),
+    unknown_bias: MemoryTerm::constant(4.0),
     unknown_slope: 2.5,
 };
 

@@ -7,6 +7,7 @@ use super::sketch::N_QUERIES_MAX;
 use crate::nearest_categories::{NearestList, ScoredView};
 use crate::nearest_neighbours::NearestNeighbours;
 use crate::{Error, Metric, Recognition, UnknownRule, ViewId};
+use std::cell::RefCell;
 use std::sync::Arc;
 
 /// Number of nearest views kept for a side; those beyond the neighbours of the regression
@@ -41,6 +42,11 @@ const CONTRADICTION_MAX: f32 = 0.1;
 /// Number of consecutive frames of contradiction after which the earlier sides are
 /// dropped: half a second.
 const N_CONTRADICTIONS_MAX: u32 = 15;
+
+thread_local! {
+    /// Scratch memory of a thread: the view that it recognises, as it is compared.
+    static COMPARED: RefCell<[Vec<f32>; N_QUERIES_MAX]> = RefCell::default();
+}
 
 /// Use of a view in [`CategoryIndex::recognise_track`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -149,9 +155,12 @@ impl CategoryIndex {
             track.answer = self.recognise_any(queries, rule)?;
             return Ok(&track.answer);
         }
-        let queries = self.compared(queries)?;
-        self.follow_changes(track);
-        let seen = self.look(&queries, view_use, track);
+        let seen = COMPARED.with_borrow_mut(|compared| {
+            let compared = &mut compared[..queries.len()];
+            self.compare_into(queries, compared)?;
+            self.follow_changes(track);
+            Ok(self.look(compared, view_use, track))
+        })?;
         if self.is_current(track, rule) && track.n_contradictions == 0 {
             return Ok(&track.answer);
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::category_index::test_views::{clustered, id, name};
 use crate::test_noise::noise;
-use crate::{Calibration, CategoryName, DescriptorSymmetries, ViewTerm};
+use crate::{Calibration, CategoryName, DescriptorSymmetries, MemoryTerm};
 use proptest::prelude::*;
 
 const DIMENSION: usize = 90;
@@ -16,8 +16,8 @@ const CALIBRATION: Calibration = Calibration {
     ridge: 0.03,
     background_distance: 2.0,
     spread_prior: 2.0,
-    score_weight: ViewTerm::constant(8.0),
-    unknown_bias: ViewTerm::constant(4.0),
+    score_weight: MemoryTerm::constant(8.0),
+    unknown_bias: MemoryTerm::constant(4.0),
     unknown_slope: 2.5,
 };
 
