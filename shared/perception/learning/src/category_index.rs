@@ -382,12 +382,11 @@ impl CategoryIndex {
         for (descriptor, compared) in descriptors.iter().zip(compared) {
             let descriptor = descriptor.as_ref();
             self.check(descriptor)?;
-            match learned {
-                Some(learned) => (learned.map)(descriptor, compared),
-                None => {
-                    compared.clear();
-                    compared.extend_from_slice(descriptor);
-                }
+            if let Some(learned) = learned {
+                (learned.map)(descriptor, compared);
+            } else {
+                compared.clear();
+                compared.extend_from_slice(descriptor);
             }
         }
         Ok(())
