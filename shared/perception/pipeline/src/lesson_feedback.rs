@@ -1,13 +1,15 @@
 //! Feedback of lessons: what teaching and correcting show about the answers that were given.
 
 use learning::{CategoryIndex, CategoryName, Feedback};
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Reader of lessons that counts each track once for each category that it was taught as.
 #[derive(Debug, Clone, Default)]
 pub struct LessonFeedback {
-    counted: BTreeMap<u64, CategoryName>,
+    /// Categories that tracks were taught as last.
+    taught: BTreeMap<u64, CategoryName>,
+    /// Named tracks that were left as they were.
+    uncorrected: BTreeSet<u64>,
 }
 
 impl LessonFeedback {
@@ -16,22 +18,28 @@ impl LessonFeedback {
     ///
     /// A track that was taught a category is known if that category was known before, and was
     /// given a false name if it was named without that. A named track that is not corrected while
-    /// another one is was named rightly. Names that cease to exist, as by a renaming, show nothing.
+    /// another one is was named rightly. Names that a person has given the track, and those that
+    /// cease to exist, as by a renaming, show nothing.
     pub fn read(
         &mut self,
         labels: &BTreeMap<u64, Option<&CategoryName>>,
         before: &CategoryIndex,
         after: &CategoryIndex,
     ) -> Vec<Feedback> {
-        self.counted.retain(|id, _| labels.contains_key(id));
+        self.taught.retain(|id, _| labels.contains_key(id));
+        self.uncorrected.retain(|id| labels.contains_key(id));
         let mut feedback = Vec::new();
         let mut is_corrected = false;
         for (id, category) in after.taught_since(before) {
             let Some(label) = labels.get(&id) else {
                 continue;
             };
-            let is_counted = self.counted.get(&id) == Some(&category);
-            if is_counted || label.is_some_and(|label| !after.contains(label)) {
+            let earlier = self.taught.insert(id, category.clone());
+            let is_own_name = earlier.is_some() && earlier.as_ref() == *label;
+            if earlier.as_ref() == Some(&category)
+                || is_own_name
+                || label.is_some_and(|label| !after.contains(label))
+            {
                 continue;
             }
             feedback.extend(match (label, before.contains(&category)) {
@@ -39,7 +47,6 @@ impl LessonFeedback {
                 (Some(_), false) => Some(Feedback::FalseName),
                 (None, false) => None,
             });
-            self.counted.insert(id, category);
             is_corrected = true;
         }
         if is_corrected {
@@ -48,15 +55,15 @@ impl LessonFeedback {
         feedback
     }
 
-    /// Adds the named tracks that were not counted yet.
+    /// Adds the named tracks that were neither taught nor counted yet.
     fn add_uncorrected(
         &mut self,
         labels: &BTreeMap<u64, Option<&CategoryName>>,
         feedback: &mut Vec<Feedback>,
     ) {
         for (&id, label) in labels {
-            if let (Some(label), Entry::Vacant(uncounted)) = (label, self.counted.entry(id)) {
-                uncounted.insert((*label).clone());
+            let is_named = label.is_some() && !self.taught.contains_key(&id);
+            if is_named && self.uncorrected.insert(id) {
                 feedback.push(Feedback::Known);
             }
         }
@@ -103,6 +110,27 @@ mod tests {
         assert_eq!(of_lesson(None, "bowl"), [Known]);
         // A name that is no more was renamed.
         assert_eq!(of_lesson(Some("cup"), "bowl"), []);
+    }
+
+    #[test]
+    fn correcting_the_own_lesson_shows_nothing() {
+        let before = taught(&category_index(), 2, "jar");
+        let after = taught(&before, 2, "soda can");
+        let jar = name("jar");
+        let labels = BTreeMap::from([(2, Some(&jar))]);
+        let mut feedback = LessonFeedback::default();
+        assert_eq!(feedback.read(&labels, &before, &after), []);
+        // Nor where another object has the name that was wrong.
+        let untaught = taught(&category_index(), 3, "jar");
+        let before = taught(&untaught, 2, "jar");
+        let after = taught(&before, 2, "soda can");
+        let mut feedback = LessonFeedback::default();
+        let unlabelled = BTreeMap::from([(2, None)]);
+        assert_eq!(
+            feedback.read(&unlabelled, &untaught, &before),
+            [Feedback::Known]
+        );
+        assert_eq!(feedback.read(&labels, &before, &after), []);
     }
 
     #[test]
