@@ -291,7 +291,10 @@ impl FrameLoop {
     }
 
     /// Learns the prior of novelty from the lessons since the labels were read last.
-    fn learn_novelty_prior(&mut self, taught: &CategorySnapshot) {
+    fn learn_novelty_prior(&mut self, taught: &Arc<CategorySnapshot>) {
+        if Arc::ptr_eq(taught, &self.labelled_by) {
+            return;
+        }
         let tracks = self.pipeline.tracks().iter();
         let labels = tracks.map(|track| (track.id, track.recognition().label.as_ref()));
         let before = &self.labelled_by.index;

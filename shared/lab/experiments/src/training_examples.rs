@@ -38,16 +38,48 @@ struct MetricExamplesReport {
     file: String,
 }
 
-/// Writes the examples of all organised scenes of some data sets.
+/// Examples of one model of the segmentation: features and class of each.
+type LabelledFeatures<'e> = Vec<(&'e [f32], bool)>;
+
+/// Writes the examples of some data sets.
 ///
 /// # Errors
 /// When a data set cannot be read or has no examples, or the file cannot be written.
 pub fn run(arguments: &ExamplesArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let names = match arguments.model {
-        TrainedModel::EdgeNetwork => EDGE_FEATURE_NAMES.as_slice(),
-        TrainedModel::RegionMerging => FEATURE_NAMES.as_slice(),
-        TrainedModel::LearnedMetric => return write_metric_examples(arguments, output),
-    };
+    match arguments.model {
+        TrainedModel::EdgeNetwork => write_scene_examples(
+            arguments,
+            &EDGE_FEATURE_NAMES,
+            |examples| {
+                let edges = examples.edges.iter();
+                edges
+                    .map(|edge| (edge.features.as_slice(), edge.is_boundary))
+                    .collect()
+            },
+            output,
+        ),
+        TrainedModel::RegionMerging => write_scene_examples(
+            arguments,
+            &FEATURE_NAMES,
+            |examples| {
+                let pairs = examples.pairs.iter();
+                pairs
+                    .map(|pair| (pair.features.as_slice(), pair.is_one_object))
+                    .collect()
+            },
+            output,
+        ),
+        TrainedModel::LearnedMetric => write_metric_examples(arguments, output),
+    }
+}
+
+/// Writes the examples of all organised scenes of some data sets.
+fn write_scene_examples(
+    arguments: &ExamplesArguments,
+    names: &[&str],
+    labelled_features: fn(&SegmentationExamples) -> LabelledFeatures<'_>,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
     let mut report = ExamplesReport {
         file: arguments.out.display().to_string(),
         ..ExamplesReport::default()
@@ -56,7 +88,7 @@ pub fn run(arguments: &ExamplesArguments, output: &Output) -> Result<ExitCode, F
     for folder in &arguments.datasets {
         for examples in examples_of_scenes(folder, output)? {
             report.n_scenes += 1;
-            for (features, is_positive) in labelled_features(arguments.model, &examples) {
+            for (features, is_positive) in labelled_features(&examples) {
                 report.n_examples += 1;
                 report.n_positive += usize::from(is_positive);
                 let label = f32::from(u8::from(is_positive));
@@ -155,23 +187,6 @@ fn examples_of_scene(
         &mut examples,
     );
     Ok(examples)
-}
-
-/// Features and class of the examples of one model.
-fn labelled_features(
-    model: TrainedModel,
-    examples: &SegmentationExamples,
-) -> impl Iterator<Item = (&[f32], bool)> {
-    let (edges, pairs) = match model {
-        TrainedModel::EdgeNetwork => (examples.edges.as_slice(), [].as_slice()),
-        TrainedModel::RegionMerging | TrainedModel::LearnedMetric => {
-            ([].as_slice(), examples.pairs.as_slice())
-        }
-    };
-    let edges = edges.iter();
-    let edges = edges.map(|edge| (edge.features.as_slice(), edge.is_boundary));
-    let pairs = pairs.iter();
-    edges.chain(pairs.map(|pair| (pair.features.as_slice(), pair.is_one_object)))
 }
 
 /// Header of an NPY file (version 1.0) of rows of single-precision features with these names, and

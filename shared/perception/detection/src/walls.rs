@@ -3,7 +3,7 @@
 //! A wall, the back of a shelf, the side of a tote or a partition stands at the border of the
 //! surface: no part of the surface is seen behind it, and it goes on where no object of the surface
 //! can be, beneath the surface as well, is longer than any object, or spans the whole surface.
-//! What lies in such a plane or behind it is no object.
+//! Such a plane, and everything behind it, is no object.
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;

@@ -164,7 +164,7 @@ impl CategoryIndex {
     }
 
     /// Categories of the tracks whose views were stored or relabelled since an earlier state of this
-    /// index, by track-id. None when the change log does not reach back.
+    /// index, by track-id. Empty when the change log does not reach back.
     pub fn taught_since(&self, earlier: &Self) -> BTreeMap<u64, CategoryName> {
         let changes = self.changes.since(earlier.revision).into_iter().flatten();
         let taught = changes.filter_map(|view| {

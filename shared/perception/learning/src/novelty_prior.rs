@@ -48,23 +48,6 @@ impl Default for NoveltyPrior {
 }
 
 impl NoveltyPrior {
-    /// Estimate from numbers of new and of known objects, as [`counts`](Self::counts) gives them;
-    /// the initial one when they are no such numbers.
-    pub fn from_counts([n_new, n_known]: [f32; 2]) -> Self {
-        let is_count = |n: f32| (0.0..=N_COUNTED_MAX).contains(&n);
-        let is_estimate = is_count(n_new) && is_count(n_known) && n_new + n_known >= 1.0;
-        if is_estimate {
-            Self { n_new, n_known }
-        } else {
-            Self::default()
-        }
-    }
-
-    /// Numbers of new and of known objects, faded.
-    pub fn counts(&self) -> [f32; 2] {
-        [self.n_new, self.n_known]
-    }
-
     /// Learns from one object.
     pub fn learn(&mut self, feedback: Feedback) {
         let n = match feedback {
@@ -94,8 +77,13 @@ const FEW_CATEGORIES: f32 = 6.0;
 /// Prior of novelty in a memory with some categories.
 pub(crate) fn prior_with(novelty_prior: f32, n_categories: usize) -> f32 {
     let growth = 1.0 + FEW_CATEGORIES / n_categories.max(1) as f32;
-    let odds = growth * novelty_prior / (1.0 - novelty_prior).max(f32::MIN_POSITIVE);
-    odds / (1.0 + odds)
+    let grown = growth * odds(novelty_prior);
+    grown / (1.0 + grown)
+}
+
+/// Odds of a probability; finite for 1.
+fn odds(probability: f32) -> f32 {
+    probability / (1.0 - probability).max(f32::MIN_POSITIVE)
 }
 
 /// Probability of a category under another prior of novelty than the initial one, given the
@@ -105,7 +93,6 @@ pub(crate) fn prior_with(novelty_prior: f32, n_categories: usize) -> f32 {
 /// Latinne and Decaestecker, "Adjusting the outputs of a classifier to new a priori
 /// probabilities", Neural Computation 14, 2002).
 pub fn under_prior(probability: f32, known_probability: f32, novelty_prior: f32) -> f32 {
-    let odds = |prior: f32| prior / (1.0 - prior).max(f32::MIN_POSITIVE);
     let unknown = (1.0 - known_probability) * odds(novelty_prior) / odds(INITIAL);
     probability / (known_probability + unknown).max(f32::MIN_POSITIVE)
 }
@@ -161,15 +148,5 @@ mod tests {
         }
         // Eight new objects for ten known ones.
         assert!((prior.probability() - 0.44).abs() < 0.06, "{prior:?}");
-    }
-
-    #[test]
-    fn counts_that_are_none_give_the_initial_estimate() {
-        for counts in [[f32::NAN, 1.0], [-1.0, 5.0], [0.0, 0.0], [1e9, 1.0]] {
-            assert_eq!(NoveltyPrior::from_counts(counts), NoveltyPrior::default());
-        }
-        let mut prior = NoveltyPrior::default();
-        prior.learn(Feedback::FalseName);
-        assert_eq!(NoveltyPrior::from_counts(prior.counts()), prior);
     }
 }

@@ -2,7 +2,6 @@
 
 use super::CategoryIndex;
 use super::evidence::{Evidence, N_NEIGHBOURS};
-use super::pruned_search::search;
 use super::sketch::N_QUERIES_MAX;
 use crate::nearest_categories::{NearestList, ScoredView};
 use crate::nearest_neighbours::NearestNeighbours;
@@ -261,15 +260,13 @@ impl CategoryIndex {
 
     /// Side of a description: an exhaustive search.
     fn side(&self, queries: &[Vec<f32>]) -> Side {
-        let borrowed: Vec<&[f32]> = queries.iter().map(Vec::as_slice).collect();
         let mut found = NearestNeighbours::new(N_KEPT);
-        let all = 0..self.views.blocks().len();
-        search(&self.views, all, &borrowed, &mut found);
+        self.search_all(queries, &mut found);
         Side {
             revision: self.revision,
             reach: found.worst_score(),
             nearest: found.views().to_vec(),
-            evidence: self.evidence(borrowed.first().copied(), found.views()),
+            evidence: self.evidence(queries.first().map(Vec::as_slice), found.views()),
             is_partial: false,
             queries: queries.to_vec(),
         }
