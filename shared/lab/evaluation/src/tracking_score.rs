@@ -30,7 +30,7 @@ pub struct TrackingScore {
     pub n_objects: usize,
     /// Number of tracks that were output at least once.
     pub n_tracks: usize,
-    /// Number of output tracks never matched with a scored object.
+    /// Number of output tracks never matched with an object, scored or not.
     pub n_tracks_of_nothing: usize,
     /// Number of frames with at least one output track made of a person.
     pub n_frames_with_person_track: u64,
@@ -252,8 +252,8 @@ impl TrackingScorer {
         score.n_objects = self.ids_of_object.len();
         score.n_ids = self.ids_of_object.values().map(BTreeSet::len).sum();
         score.n_tracks = self.believed.len();
-        let of_objects: BTreeSet<u64> = self.ids_of_object.values().flatten().copied().collect();
-        score.n_tracks_of_nothing = self.believed.difference(&of_objects).count();
+        let is_of_nothing = |track: &&u64| !self.object_of.contains_key(track);
+        score.n_tracks_of_nothing = self.believed.iter().filter(is_of_nothing).count();
         score.n_lost = n_lost(frames, &self.object_of);
         score.removed_after_s = removed_after_s(frames, &self.object_of);
     }

@@ -3,7 +3,7 @@
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::cluster_hypothesis::{ClusterHypothesis, ClusterStatistics};
-use crate::clusters::{Clusters, TrackClaims};
+use crate::clusters::{ClusterContents, Clusters, TrackClaims};
 use crate::constraint_evaluation::BodyMask;
 use crate::input::DetectionInput;
 use crate::parallelism::{Parallelism, ScratchPool};
@@ -194,9 +194,14 @@ impl CarriedObjects {
     /// fragments of one tracked object.
     pub(crate) fn regroup_by_tracks(&mut self, on: &SurfaceFrame<'_>, shared: &mut SharedBuffers) {
         let (cloud, tracks) = (&on.frame.cloud, on.frame.priors.tracks);
+        let claims = &mut shared.track_claims;
         self.clusters
-            .split_by_tracks(cloud, tracks, &mut shared.track_claims);
+            .split_by_tracks(cloud, tracks, ClusterContents::Objects, claims);
         self.clusters.merge_by_tracks(cloud, tracks);
+        if !self.masked.is_empty() {
+            self.masked_clusters
+                .split_by_tracks(cloud, tracks, ClusterContents::Bodies, claims);
+        }
     }
 
     /// Grow the clusters down to the support plane.

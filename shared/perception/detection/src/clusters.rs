@@ -8,7 +8,7 @@ use point_cloud::Point;
 
 use connected_components::Band;
 
-pub(crate) use track_regrouping::TrackClaims;
+pub(crate) use track_regrouping::{ClusterContents, TrackClaims};
 
 /// Label of a pixel outside of all clusters.
 pub(crate) const NO_CLUSTER: u32 = u32::MAX;

@@ -45,6 +45,8 @@ pub struct ExpectedTrack {
     /// Number of points at the last observation. 0 marks a box that may be empty; no
     /// cluster is split by it.
     pub n_points: usize,
+    /// `true` while a hand moves the object and may hide any part of it.
+    pub is_handled: bool,
     /// Colours of the object; `None` when they are not known.
     pub colors: Option<ColorHistogram>,
 }
@@ -54,6 +56,7 @@ impl From<OrientedBox> for ExpectedTrack {
         Self {
             oriented_box: shape,
             n_points: 0,
+            is_handled: false,
             colors: None,
         }
     }

@@ -170,6 +170,7 @@ fn track_regrouping_splits_two_touching_tracked_objects() {
     let track = |solid: &BoxOnTable, n_points: usize| ExpectedTrack {
         oriented_box: box_in_camera(solid, [0.004, 0.003, 0.0]),
         n_points,
+        is_handled: false,
         colors: None,
     };
     let both = pair.each_ref().map(|solid| track(solid, n_points));
@@ -195,6 +196,43 @@ fn track_regrouping_splits_two_touching_tracked_objects() {
     ] {
         assert_eq!(with(&tracks).candidates.len(), 1);
     }
+}
+
+/// A hand over two boxes that touch leaves a part of each beside it, in the space of the hand.
+#[test]
+fn track_regrouping_splits_the_parts_of_two_objects_beside_a_hand() {
+    let sides = [0.08, 0.08, 0.12];
+    let pair = [box_at(-0.04, 0.0, sides), box_at(0.04, 0.0, sides)];
+    let points = render(&pair, 1.0);
+    let hand = [Capsule {
+        from: camera_from_table() * Point3::new(-0.045, 0.0, 0.06),
+        to: camera_from_table() * Point3::new(0.025, 0.0, 0.06),
+        radius_m: 0.05,
+    }];
+    let table_from_camera = camera_from_table().inverse();
+    let x_of = |pixel: &u32| (table_from_camera * points[*pixel as usize].position()).x;
+    let n_across = |is_handled: bool| {
+        let tracks = pair.each_ref().map(|solid| ExpectedTrack {
+            oriented_box: box_in_camera(solid, [0.0; 3]),
+            n_points: 100_000,
+            is_handled,
+            colors: None,
+        });
+        let surroundings = ScenePriors {
+            tracks: &tracks,
+            instructor: Some(&hand),
+            ..ScenePriors::default()
+        };
+        let detection = found(&points, surroundings, &Config::default());
+        let is_across = |candidate: &&Candidate| {
+            let pixels = detection.points_of(candidate);
+            let n_beyond = |sign: f64| pixels.iter().filter(move |pixel| sign * x_of(pixel) > 0.01);
+            [-1.0, 1.0].iter().all(|sign| n_beyond(*sign).count() > 20)
+        };
+        detection.candidates.iter().filter(is_across).count()
+    };
+    // The share of such large tracks does not count unless a hand may hide the rest.
+    assert_eq!([false, true].map(n_across), [3, 0]);
 }
 
 #[test]

@@ -192,6 +192,7 @@ fn what_a_hand_holds_stays_with_its_track() {
     let track = ExpectedTrack {
         oriented_box: oriented_box.transformed(&camera_from_table()),
         n_points: 2000,
+        is_handled: false,
         colors: None,
     };
     let bodies = bodies_after_watching(&[OBJECT, held]);
@@ -226,6 +227,7 @@ fn the_colours_tell_a_hand_from_the_object_in_the_box_of_a_track() {
         let track = ExpectedTrack {
             oriented_box: oriented_box.transformed(&camera_from_table()),
             n_points: 2000,
+            is_handled: false,
             colors,
         };
         let priors = ScenePriors {

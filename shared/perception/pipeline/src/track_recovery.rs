@@ -1,7 +1,7 @@
 //! Recovery of tracks that were moved out of their association gate.
 
 use crate::candidate_measurement::CandidateMeasurement;
-use crate::track::Track;
+use crate::track::{MOVED_AFTER_HANDLED_NS, Track};
 use tracking::{
     AssignmentBuffers, AssociationConfig, DepthView, OcclusionState, appearance_cost, assign,
 };
@@ -24,9 +24,6 @@ const CARRIED_SPEED_MIN_M_S: f64 = 0.1;
 /// Time for which free space does not end a carried track, nanoseconds. Chosen.
 const CARRIED_GRACE_NS: u64 = 300_000_000;
 
-/// Time after hand contact in which an object may have been moved, nanoseconds. Chosen.
-const HANDLED_NS: u64 = 1_000_000_000;
-
 /// Occlusion state of a track without a candidate, tested at its predicted and at its
 /// last measured box.
 pub(crate) fn occlusion_of_unmatched(
@@ -36,7 +33,7 @@ pub(crate) fn occlusion_of_unmatched(
 ) -> OcclusionState {
     let ahead = view.occlusion_of(&track.filter.box_in_world());
     let before = view.occlusion_of(&track.updated_filter.box_in_world());
-    let was_carried = track.was_handled(now_ns, HANDLED_NS)
+    let was_carried = track.was_handled(now_ns, MOVED_AFTER_HANDLED_NS)
         || (!track.measured.is_truncated
             && track.updated_filter.velocity_m_s().norm() > CARRIED_SPEED_MIN_M_S);
     match [ahead, before] {
@@ -105,7 +102,7 @@ impl TrackRecovery {
 fn is_recoverable(track: &Track, now_ns: u64) -> bool {
     match track.unmatched {
         Some(OcclusionState::Empty) => true,
-        Some(OcclusionState::Unknown) => track.was_handled(now_ns, HANDLED_NS),
+        Some(OcclusionState::Unknown) => track.was_handled(now_ns, MOVED_AFTER_HANDLED_NS),
         _ => false,
     }
 }

@@ -147,6 +147,7 @@ impl TrackTable {
             expected.push(ExpectedTrack {
                 oriented_box: track.box_in_world().transformed(&camera_from_world),
                 n_points: track.measured.n_points,
+                is_handled: track.was_handled(frame.capture_ns, MOVED_AFTER_HANDLED_NS),
                 colors: Some(track.appearance.colors),
             });
             if track.visibility() != Visibility::Visible {
@@ -154,6 +155,7 @@ impl TrackTable {
                 expected.push(ExpectedTrack {
                     oriented_box: last_seen.transformed(&camera_from_world),
                     n_points: 0,
+                    is_handled: false,
                     colors: Some(track.appearance.colors),
                 });
             }
@@ -166,6 +168,7 @@ impl TrackTable {
                     .transformed(&camera_from_world),
                 // Parts are not kept apart by what may be no object.
                 n_points: 0,
+                is_handled: false,
                 colors: Some(prospect.measured.appearance.colors),
             });
         }
@@ -210,9 +213,11 @@ impl TrackTable {
         for sighting in &mut update.sightings {
             let measurement = &mut sighting.measured.measurement;
             let is_at_rest = !self.may_be_moved(measurement.box_in_world(), detection, frame);
+            let neighbour = (!is_at_rest).then(|| self.neighbour(sighting.track_id));
             *measurement = measurement
                 .with_pose_sigma_m(pose_sigma_m(&shift_m))
-                .with_rest(is_at_rest);
+                .with_rest(is_at_rest)
+                .with_neighbour(neighbour.flatten());
         }
         let view = frame.shifted(&-shift_m).view(cloud, self.depth_noise.law());
         self.classify_unmatched(frame.capture_ns, view.as_ref());
@@ -296,6 +301,18 @@ impl TrackTable {
                 && is_near(&track.box_in_world())
         };
         detection.candidates.iter().any(is_handled) || self.tracks.iter().any(was_handled)
+    }
+
+    /// Predicted box of the visible object nearest to that of a track, world frame, if both may
+    /// touch.
+    fn neighbour(&self, track_id: u64) -> Option<OrientedBox> {
+        let of = place_of(&self.tracks, track_id)?;
+        let own = self.tracks[of].box_in_world();
+        let others = self.visible_others(of).map(Track::box_in_world);
+        let distance_m = |other: &OrientedBox| (other.centre() - own.centre()).norm();
+        others
+            .filter(|other| own.bounding_spheres_meet(other, 0.0))
+            .min_by(|a, b| distance_m(a).total_cmp(&distance_m(b)))
     }
 
     /// True if a surface is the table of a track, or none of them has one.

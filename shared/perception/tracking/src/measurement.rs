@@ -50,6 +50,8 @@ pub struct Measurement {
     pose_sigma_m: f64,
     /// `true` when nothing near the object is handled.
     is_at_rest: bool,
+    /// Predicted box of another object that may touch this one, world frame.
+    neighbour: Option<OrientedBox>,
 }
 
 impl Measurement {
@@ -72,6 +74,7 @@ impl Measurement {
                 conditions,
                 pose_sigma_m: 0.0,
                 is_at_rest: false,
+                neighbour: None,
             }),
         }
     }
@@ -96,6 +99,14 @@ impl Measurement {
     #[must_use]
     pub fn with_rest(self, is_at_rest: bool) -> Self {
         Self { is_at_rest, ..self }
+    }
+
+    /// The same measurement beside another object, given by its predicted box, world frame.
+    /// Points in that box and outside of this object's own are taken as points of the other: where
+    /// two things touch, the border between them is only as exact as the boxes that drew it.
+    #[must_use]
+    pub fn with_neighbour(self, neighbour: Option<OrientedBox>) -> Self {
+        Self { neighbour, ..self }
     }
 
     /// `true` when nothing near the object is handled.
@@ -146,7 +157,8 @@ impl Measurement {
         expected: &OrientedBox,
         context: Option<&ObservationContext<'_>>,
     ) -> OrientedBox {
-        let around_points = context.and_then(|context| context.aligned_box(expected));
+        let neighbour = self.neighbour.as_ref();
+        let around_points = context.and_then(|context| context.aligned_box(expected, neighbour));
         let Some(mut around) = around_points else {
             return nearest_equivalent_box(&self.box_in_world, expected);
         };

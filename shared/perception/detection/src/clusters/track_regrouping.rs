@@ -22,6 +22,14 @@ const N_SAMPLED_FIRST: usize = 4;
 /// Least share of a track's last points in a cluster that the track claims. Chosen.
 const CLAIM_SHARE: f64 = 0.35;
 
+/// Least number of points in a cluster that a handled track claims: a hand may hide any share of
+/// its object. Chosen.
+const N_HANDLED_CLAIM: f64 = 48.0;
+
+/// As [`COMMON_SHARE_MAX`], of a handled track: its box is predicted less well, and what it
+/// touches is moved, too. Chosen.
+const HANDLED_COMMON_SHARE_MAX: f64 = 0.6;
+
 /// Greatest share of a box's points that other boxes claim; above it, two tracks see one
 /// object. Chosen.
 const COMMON_SHARE_MAX: f64 = 0.3;
@@ -30,13 +38,46 @@ const COMMON_SHARE_MAX: f64 = 0.3;
 /// object. Chosen.
 const ELSEWHERE_M: f64 = 0.03;
 
+/// Contents of the clusters that are split.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ClusterContents {
+    /// Objects alone.
+    Objects,
+    /// A person or the robot, with parts of the objects that are held or touched.
+    Bodies,
+}
+
+impl ClusterContents {
+    /// Greatest distance of an object's points from its predicted box, metres.
+    fn reach_m(self) -> f64 {
+        match self {
+            Self::Objects => ELSEWHERE_M,
+            Self::Bodies => MARGIN_M,
+        }
+    }
+}
+
 /// Claim of a track on a cluster.
 #[derive(Debug, Clone, Copy)]
 struct TrackClaim {
     track: usize,
     /// Number of sampled points inside the box.
     n_inside: usize,
+    /// Number of sampled points inside the box and nearest to it.
     n_best: usize,
+}
+
+impl TrackClaim {
+    /// True if enough of the track's object is in the cluster, and most of it in no other box.
+    fn is_valid(&self, track: &ExpectedTrack) -> bool {
+        let (n_points_min, common_share_max) = if track.is_handled {
+            (N_HANDLED_CLAIM, HANDLED_COMMON_SHARE_MAX)
+        } else {
+            (CLAIM_SHARE * track.n_points as f64, COMMON_SHARE_MAX)
+        };
+        (self.n_best * STRIDE) as f64 >= n_points_min
+            && self.n_best as f64 >= (1.0 - common_share_max) * self.n_inside as f64
+    }
 }
 
 /// Claims of several tracks on one cluster.
@@ -65,11 +106,8 @@ impl TrackClaims {
             return;
         }
         self.count_points(points, pixels, tracks);
-        self.near.retain(|claim| {
-            let n_least = CLAIM_SHARE * tracks[claim.track].n_points as f64;
-            let is_own = claim.n_best as f64 >= (1.0 - COMMON_SHARE_MAX) * claim.n_inside as f64;
-            is_own && (claim.n_best * STRIDE) as f64 >= n_least
-        });
+        self.near
+            .retain(|claim| claim.is_valid(&tracks[claim.track]));
     }
 
     fn count_points(&mut self, points: &[Point], pixels: &[u32], tracks: &[ExpectedTrack]) {
@@ -101,6 +139,7 @@ impl Clusters {
         &mut self,
         cloud: &OrganizedCloud<'_>,
         tracks: &[ExpectedTrack],
+        contents: ClusterContents,
         claims: &mut TrackClaims,
     ) {
         if tracks.len() < 2 {
@@ -117,7 +156,7 @@ impl Clusters {
             for place in first as usize..end as usize {
                 let pixel = self.pixels[place] as usize;
                 let point = cloud.points()[pixel].position();
-                let part = claims.nearest_claim(tracks, &point);
+                let part = claims.nearest_claim(tracks, &point, contents.reach_m());
                 if part > 0 {
                     self.cluster_of[pixel] = n_clusters + part as u32 - 1;
                 }
@@ -158,27 +197,34 @@ impl Clusters {
 
 impl TrackClaims {
     /// Index of the claim nearest to a point; the number of claims when none is near.
-    fn nearest_claim(&self, tracks: &[ExpectedTrack], point: &Point3<f64>) -> usize {
+    fn nearest_claim(&self, tracks: &[ExpectedTrack], point: &Point3<f64>, reach_m: f64) -> usize {
         let outside = |claim: &TrackClaim| distance_outside_m(&tracks[claim.track], point);
         let best = (0..self.near.len())
             .map(|i| (i, outside(&self.near[i])))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         match best {
-            Some((i, distance_outside_m)) if distance_outside_m <= ELSEWHERE_M => i,
+            Some((i, distance_outside_m)) if distance_outside_m <= reach_m => i,
             _ => self.near.len(),
         }
     }
 }
 
-/// Signed Chebyshev distance of a point to the track's oriented box, metres: the largest excess
-/// over the box's axes; negative inside.
+/// Signed Chebyshev distance of a point to the track's upright box, metres: the largest excess
+/// over the box's axes; negative inside. Between the heights of its top and its base only the
+/// horizontal axes count: things that touch stand side by side, and the faces that they share are
+/// upright.
 fn distance_outside_m(track: &ExpectedTrack, point: &Point3<f64>) -> f64 {
     let place = track
         .oriented_box
         .frame_from_box
         .inverse_transform_point(point);
     let beyond = |i: usize| place[i].abs() - track.oriented_box.half_sides_m[i];
-    (0..3).map(beyond).fold(f64::NEG_INFINITY, f64::max)
+    let (horizontal_m, vertical_m) = (beyond(0).max(beyond(1)), beyond(2));
+    if vertical_m <= 0.0 {
+        horizontal_m
+    } else {
+        horizontal_m.max(vertical_m)
+    }
 }
 
 /// Least share of a cluster inside a track's box at which the cluster belongs to the track.

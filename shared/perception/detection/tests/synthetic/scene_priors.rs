@@ -13,6 +13,7 @@ pub(crate) fn tracks() -> [ExpectedTrack; 2] {
             half_sides_m: Vector3::new(0.05, 0.035, 0.06),
         },
         n_points: 3000,
+        is_handled: false,
         colors: None,
     })
 }
