@@ -49,6 +49,7 @@ pub mod segmentation_score;
 pub mod sensor_error;
 pub mod track_drift;
 pub mod track_figure;
+pub mod track_wholeness;
 pub mod tracked_frame;
 pub mod tracking_score;
 pub mod true_shape;

@@ -63,6 +63,28 @@ impl TrackState {
     }
 }
 
+/// Pixels of a track's observation in a frame, by the objects that they show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackPixels {
+    /// Track-id of the track.
+    pub track: u64,
+    /// Number of pixels of the observation.
+    pub n_pixels: usize,
+    /// Pixels of each object in the observation.
+    pub of_objects: Vec<ObjectPixels>,
+}
+
+/// Pixels of one object in a track's observation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ObjectPixels {
+    /// Object number in the scene.
+    pub object: u64,
+    /// Number of the observation's pixels that show the object.
+    pub n_pixels: usize,
+    /// Share of the object's visible pixels that the observation has, 0 to 1.
+    pub share_of_object: f64,
+}
+
 /// Ground truth and tracks of one frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TrackedFrame {
@@ -72,6 +94,8 @@ pub struct TrackedFrame {
     pub objects: Vec<GroundTruthObject>,
     /// All live tracks of the frame.
     pub tracks: Vec<TrackState>,
+    /// Pixels of the tracks that were seen in this frame; empty without an object mask.
+    pub pixels: Vec<TrackPixels>,
     /// Ids of the output tracks that are made of a person; empty where that is not known.
     pub tracks_of_people: Vec<u64>,
     /// Ids of the tracks that ended in this frame.

@@ -2,6 +2,7 @@
 
 use crate::clear_mot::{ClearMot, Correspondence, Match, ScoredPosition};
 use crate::id_f1::{IdentityCounts, IdentityScore};
+use crate::track_wholeness::TrackWholeness;
 use crate::tracked_frame::{GroundTruthObject, TrackState, TrackedFrame};
 use crate::true_shape::Symmetry;
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,6 +39,8 @@ pub struct TrackingScore {
     pub n_lost: usize,
     /// Number of distinct tracks per object, summed over objects.
     pub n_ids: usize,
+    /// Tracks of parts, and objects joined in one track.
+    pub wholeness: TrackWholeness,
     /// Delay of removal for each removed object, seconds: from the last frame in which it was
     /// visible to the end of its track; `None` if the track never ended.
     pub removed_after_s: Vec<Option<f64>>,
@@ -87,6 +90,7 @@ impl TrackingScore {
         self.n_frames_with_person_track += other.n_frames_with_person_track;
         self.n_lost += other.n_lost;
         self.n_ids += other.n_ids;
+        self.wholeness.add(&other.wholeness);
         self.removed_after_s.extend(&other.removed_after_s);
     }
 
@@ -254,6 +258,7 @@ impl TrackingScorer {
         score.n_tracks = self.believed.len();
         let is_of_nothing = |track: &&u64| !self.object_of.contains_key(track);
         score.n_tracks_of_nothing = self.believed.iter().filter(is_of_nothing).count();
+        score.wholeness = TrackWholeness::of(frames);
         score.n_lost = n_lost(frames, &self.object_of);
         score.removed_after_s = removed_after_s(frames, &self.object_of);
     }

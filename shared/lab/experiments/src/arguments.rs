@@ -244,8 +244,8 @@ pub struct DetectionArguments {
 /// Arguments of an evaluation on a data set: scenes and output folder.
 #[derive(Debug, Args)]
 pub struct TrackingArguments {
-    /// A scene file (TOML), a folder of them, or a recorded sequence with poses [default: the
-    /// scenes of this program]
+    /// A scene file (TOML), a folder of them, a recorded sequence with poses, or a kind of
+    /// simulated scene: everyday, set-table, clutter … [default: the scenes of this program]
     pub(crate) dataset: Option<PathBuf>,
     /// Folder for the figures, the page and the pictures
     #[arg(long, value_name = "DIR")]

@@ -27,8 +27,20 @@ const FRAGMENT_VOLUME_RATIO_MAX: f64 = 0.5;
 /// above it the sizes say nothing, and the older track keeps its id.
 const SIMILAR_VOLUME_RATIO_MIN: f64 = 0.5;
 
-/// Number of frames as a duplicate after which a track ends. Chosen.
+/// Number of frames as a duplicate, less those as a thing of its own, after which a track ends.
+/// Chosen.
 const N_FRAMES_DUPLICATE_MAX: u32 = 3;
+
+/// Evidence of a frame on two tracks whose boxes overlap, in ascending order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum DuplicateEvidence {
+    /// Both were seen, each as a thing of its own.
+    Against,
+    /// It says nothing of them.
+    Neither,
+    /// One of them is a fragment of the other, or hidden in it.
+    For,
+}
 
 /// Ends the tracks that were repeatedly found to be duplicates of others.
 pub(crate) fn end_duplicates(tracks: &mut [Track]) {
@@ -39,7 +51,9 @@ pub(crate) fn end_duplicates(tracks: &mut [Track]) {
             .max();
         let track = &mut tracks[i];
         track.n_frames_duplicate = match evidence {
-            Some(evidence) => track.n_frames_duplicate + evidence,
+            Some(DuplicateEvidence::For) => track.n_frames_duplicate + 1,
+            Some(DuplicateEvidence::Neither) => track.n_frames_duplicate,
+            Some(DuplicateEvidence::Against) => track.n_frames_duplicate.saturating_sub(1),
             None => 0,
         };
         if track.n_frames_duplicate >= N_FRAMES_DUPLICATE_MAX {
@@ -49,9 +63,9 @@ pub(crate) fn end_duplicates(tracks: &mut [Track]) {
     }
 }
 
-/// Evidence of a frame that the first track is a duplicate of the second: 1 or 0 while their
-/// boxes overlap, `None` when they have parted.
-fn duplicate_evidence(track: &Track, other: &Track) -> Option<u32> {
+/// Evidence of a frame that the first track is a duplicate of the second; `None` when they have
+/// parted.
+fn duplicate_evidence(track: &Track, other: &Track) -> Option<DuplicateEvidence> {
     let [own, its] = [track, other].map(Track::box_in_world);
     let (small, large) = if own.volume_m3() < its.volume_m3() {
         (&own, &its)
@@ -71,7 +85,13 @@ fn duplicate_evidence(track: &Track, other: &Track) -> Option<u32> {
     let are_fragments = is_lesser(track, other)
         && (track.unmatched.is_none() || other.unmatched.is_none())
         && (is_fragment(track) || is_fragment(other));
-    Some(u32::from(is_hidden_in || are_fragments))
+    Some(if is_hidden_in || are_fragments {
+        DuplicateEvidence::For
+    } else if track.unmatched.is_none() && other.unmatched.is_none() {
+        DuplicateEvidence::Against
+    } else {
+        DuplicateEvidence::Neither
+    })
 }
 
 /// True if the first of two duplicates is the one to end.

@@ -55,6 +55,7 @@ mod lesson_feedback;
 mod light_estimate;
 mod lost_track_gallery;
 mod object_state;
+mod scene_motion;
 mod sequential_executor;
 mod shared_shift;
 mod sighting_evidence;

@@ -38,7 +38,8 @@ pub struct Track {
     pub(crate) last_handled_ns: u64,
     /// Height of the table on which the object was last seen to stand.
     pub(crate) table: Option<TableHeight>,
-    /// Number of frames as a duplicate of another track since their boxes overlap.
+    /// Number of frames as a duplicate of another track since their boxes overlap, less those as a
+    /// thing of its own, but at least 0.
     pub(crate) n_frames_duplicate: u32,
     /// Occlusion state in the last frame, of a track without a candidate; `None` with one.
     pub(crate) unmatched: Option<OcclusionState>,

@@ -5,10 +5,9 @@ use crate::Config;
 use crate::candidate_measurement::{CandidateMeasurement, observed_candidates};
 use crate::frame_pose::FramePose;
 use crate::track::Track;
-use detection::{Candidate, Support};
 use tracking::{
-    AssociationBuffers, DepthView, Existence, ExistenceTest, MotionConfig, MotionFilter,
-    OcclusionState, PredictedTrack, Visibility, associate, fraction_inside,
+    ArrivalPrior, AssociationBuffers, DepthView, Existence, ExistenceTest, MotionConfig,
+    MotionFilter, OcclusionState, PredictedTrack, Visibility, associate, fraction_inside,
 };
 
 /// Time without a sighting after which a prospective object is dropped, nanoseconds. Chosen.
@@ -25,17 +24,6 @@ const HANDLED_MARGIN_M: f64 = 0.03;
 /// Distance from the box of a track out of view within which a candidate may be its object,
 /// metres: the largest error of the camera pose that is looked for. Chosen.
 const RETURNING_MARGIN_M: f64 = 0.10;
-
-/// Point-count ratio below which a candidate may be a part of a larger one. Chosen.
-const PART_POINTS_RATIO_MAX: f64 = 0.12;
-
-/// Largest horizontal distance of a part's centre from the box of the larger candidate,
-/// metres. Chosen.
-const PART_DISTANCE_MAX_M: f64 = 0.035;
-
-/// Largest Euclidean distance between the mean colours of a part and the larger
-/// candidate, per channel 0 to 255. Chosen.
-const PART_COLOR_DISTANCE_MAX: f32 = 45.0;
 
 /// Fraction of a candidate inside a visible track's box, or of that box inside the
 /// candidate, above which they fill the same space.
@@ -96,9 +84,12 @@ impl ProspectiveObject {
             self.existence = self.existence.missed();
         }
         let unseen_ns = capture_ns.saturating_sub(self.updated_filter.stamp_ns());
-        occlusion != OcclusionState::Empty
-            && unseen_ns < UNSEEN_TIMEOUT_NS
-            && self.existence.existence() != Existence::Rejected
+        occlusion != OcclusionState::Empty && unseen_ns < UNSEEN_TIMEOUT_NS && !self.is_rejected()
+    }
+
+    /// True if the test has found that there is no object, by any prior.
+    fn is_rejected(&self) -> bool {
+        self.existence.existence(ArrivalPrior::Even) == Existence::Rejected
     }
 
     /// Place and appearance for data association.
@@ -161,7 +152,7 @@ impl TrackInitiation {
             match found {
                 Some((candidate, measured)) => {
                     prospect.sighted(candidate, &measured, config.motion());
-                    prospect.existence.existence() != Existence::Rejected
+                    !prospect.is_rejected()
                 }
                 None => prospect.missed(frame.capture_ns, view),
             }
@@ -184,14 +175,15 @@ impl TrackInitiation {
         }
     }
 
-    /// Takes the objects that are certain and were seen in the last frame, as long as `start`
-    /// accepts them with their candidates.
+    /// Takes the objects that are certain by a prior and were seen in the last frame, as long as
+    /// `start` accepts them with their candidates.
     pub(crate) fn take_certain(
         &mut self,
+        prior: ArrivalPrior,
         mut start: impl FnMut(&ProspectiveObject, usize) -> bool,
     ) {
         self.prospects.retain(|prospect| {
-            let is_certain = prospect.existence.existence() == Existence::Accepted;
+            let is_certain = prospect.existence.existence(prior) == Existence::Accepted;
             let candidate = prospect.candidate.filter(|_| is_certain);
             !candidate.is_some_and(|candidate| start(prospect, candidate))
         });
@@ -204,18 +196,14 @@ impl TrackInitiation {
     }
 }
 
-/// True if a candidate that no track has may be a part of an object that has one, or of a larger
-/// candidate.
+/// True if a candidate that no track has may be a part of an object that has one.
 pub(crate) fn may_be_part(
-    candidate: &Candidate,
     measured: &CandidateMeasurement,
-    candidates: &[Candidate],
     (tracks, frame, config): (&[Track], &FramePose, &Config),
 ) -> bool {
     is_part_of_handled(tracks, measured, frame)
         || is_part_of_returning(tracks, measured, config)
         || is_inside_visible(tracks, measured)
-        || is_part_of_larger(candidate, candidates)
 }
 
 /// True if a candidate may be a part of a recently handled object.
@@ -262,27 +250,5 @@ fn is_inside_visible(tracks: &[Track], measured: &CandidateMeasurement) -> bool 
             let known = track.box_in_world();
             fraction_inside(seen, &known) >= SAME_SPACE_FRACTION_MIN
                 || fraction_inside(&known, seen) >= SAME_SPACE_FRACTION_MIN
-        })
-}
-
-/// True if a candidate is probably a detached part of a larger one, such as a mug's
-/// handle without depth at its joint: few points, similar colour, close, and not
-/// supported by the table.
-fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
-    let is_like = |whole: &Candidate| {
-        let pairs = part.mean_rgb.iter().zip(whole.mean_rgb);
-        let squares = pairs.map(|(a, b)| (a - b) * (a - b));
-        squares.sum::<f32>().sqrt() <= PART_COLOR_DISTANCE_MAX
-    };
-    let centre = part.oriented_box.centre();
-    part.support != Some(Support::Table)
-        && candidates.iter().any(|whole| {
-            let place = whole.oriented_box.frame_from_box.inverse() * centre;
-            let half = whole.oriented_box.half_sides_m;
-            part.n_points() as f64 <= PART_POINTS_RATIO_MAX * whole.n_points() as f64
-                && place.x.abs() <= half.x + PART_DISTANCE_MAX_M
-                && place.y.abs() <= half.y + PART_DISTANCE_MAX_M
-                && place.z.abs() <= half.z
-                && is_like(whole)
         })
 }

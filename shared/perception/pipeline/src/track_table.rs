@@ -6,6 +6,7 @@ use crate::duplicate_tracks::end_duplicates;
 use crate::frame_pose::FramePose;
 use crate::light_estimate::LightEstimate;
 use crate::lost_track_gallery::LostTrackGallery;
+use crate::scene_motion::SceneMotion;
 use crate::shared_shift::{SharedShift, pose_sigma_m};
 use crate::sighting_evidence::sighting_evidence;
 use crate::table_height::{OtherTable, TableHeight};
@@ -20,8 +21,8 @@ use learning::{CategoryIndex, TrackEvidence};
 use nalgebra::Vector3;
 use point_cloud::Point;
 use tracking::{
-    AssociationBuffers, DepthView, MotionFilter, OcclusionState, PredictedTrack, Visibility,
-    appearance_cost, associate, fraction_inside,
+    AssociationBuffers, DepthView, MotionFilter, OcclusionState, PredictedTrack, SightingEvidence,
+    Visibility, appearance_cost, associate, fraction_inside,
 };
 
 /// Distance between the spheres around two objects within which a hand that moves one may move
@@ -86,6 +87,7 @@ pub struct TrackTable {
     depth_noise: DepthNoiseEstimate,
     light: LightEstimate,
     other_table: OtherTable,
+    scene_motion: SceneMotion,
 }
 
 impl TrackTable {
@@ -103,6 +105,7 @@ impl TrackTable {
             depth_noise: DepthNoiseEstimate::default(),
             light: LightEstimate::default(),
             other_table: OtherTable::default(),
+            scene_motion: SceneMotion::default(),
         }
     }
 
@@ -131,6 +134,7 @@ impl TrackTable {
         self.depth_noise = DepthNoiseEstimate::default();
         self.light = LightEstimate::default();
         self.other_table.clear();
+        self.scene_motion.clear();
     }
 
     /// Predicts all tracks to the frame and writes their expected boxes, camera frame,
@@ -226,6 +230,9 @@ impl TrackTable {
         }
         end_duplicates(&mut self.tracks);
         self.recover_tracks(frame, update);
+        let is_another = is_elsewhere || surface.is_none();
+        self.scene_motion
+            .update(detection, frame, &self.tracks, is_another);
         self.mark_missed(frame);
         self.remove_lost_tracks(frame, update);
         self.start_tracks(detection, frame, view.as_ref(), &mut next_id, update);
@@ -613,9 +620,11 @@ impl TrackTable {
         self.initiation
             .start(measured, &self.config, |i, measured| {
                 candidates[i].verdict == Ternary::True
-                    && !may_be_part(&candidates[i], measured, candidates, known)
+                    && measured.evidence != SightingEvidence::Contrary
+                    && !may_be_part(measured, known)
             });
-        self.initiation.take_certain(|object, candidate| {
+        let prior = self.scene_motion.arrival_prior(frame.capture_ns);
+        self.initiation.take_certain(prior, |object, candidate| {
             let Some(track_id) = next_id() else {
                 return false;
             };

@@ -19,6 +19,11 @@ const ADJOINING_SIGHTED: i32 = 2;
 /// ln (0.05 / 0.22).
 const ADJOINING_MISSED: i32 = -15;
 
+/// Evidence against an arrival in a scene at rest. The frames of such a scene repeat one another,
+/// so that another cut through it lasts: odds of 1 to 100 million make it wait for three and a half
+/// seconds beside a larger cluster. Chosen.
+const AT_REST: i32 = 184;
+
 /// Evidence from which there is an object: three separate sightings in a row, or half a
 /// second beside a larger cluster. By the ratio of 20, 5 % of the clutter is accepted.
 const ACCEPTED: i32 = 30;
@@ -50,6 +55,26 @@ impl SightingEvidence {
         match self {
             Self::Separate | Self::Contrary => SEPARATE_MISSED,
             Self::Adjoining => ADJOINING_MISSED,
+        }
+    }
+}
+
+/// Prior probability of an arrival.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ArrivalPrior {
+    /// Even odds: the scene is new, or something moved a moment ago.
+    Even,
+    /// Unlikely: nothing has moved, so that what looks new is probably another cut through what was
+    /// there. 22 separate sightings in a row are an object then, and 107 beside a larger cluster.
+    SceneAtRest,
+}
+
+impl ArrivalPrior {
+    /// Evidence from which there is an object.
+    fn accepted(self) -> i32 {
+        match self {
+            Self::Even => ACCEPTED,
+            Self::SceneAtRest => ACCEPTED + AT_REST,
         }
     }
 }
@@ -99,18 +124,21 @@ impl ExistenceTest {
         }
     }
 
-    /// Decision so far.
-    pub fn existence(&self) -> Existence {
-        match self.evidence {
-            ACCEPTED.. => Existence::Accepted,
-            ..=REJECTED => Existence::Rejected,
-            _ => Existence::Undecided,
+    /// Decision so far, by the present prior.
+    pub fn existence(&self, prior: ArrivalPrior) -> Existence {
+        if self.evidence >= prior.accepted() {
+            Existence::Accepted
+        } else if self.evidence <= REJECTED {
+            Existence::Rejected
+        } else {
+            Existence::Undecided
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::ArrivalPrior::{Even, SceneAtRest};
     use super::Existence::{Accepted, Rejected, Undecided};
     use super::SightingEvidence::{Adjoining, Contrary, Separate};
     use super::*;
@@ -118,15 +146,15 @@ mod tests {
     #[test]
     fn three_separate_sightings_in_a_row_are_an_object() {
         let once = ExistenceTest::start(Separate);
-        assert_eq!(once.existence(), Undecided);
-        assert_eq!(once.missed().existence(), Undecided);
-        assert_eq!(once.missed().missed().missed().existence(), Rejected);
+        assert_eq!(once.existence(Even), Undecided);
+        assert_eq!(once.missed().existence(Even), Undecided);
+        assert_eq!(once.missed().missed().missed().existence(Even), Rejected);
         let twice = once.sighted(Separate);
-        assert_eq!(twice.existence(), Undecided);
-        assert_eq!(twice.sighted(Separate).existence(), Accepted);
+        assert_eq!(twice.existence(Even), Undecided);
+        assert_eq!(twice.sighted(Separate).existence(Even), Accepted);
         // Seen in every other frame: not an object.
         let flickering = (0..5).fold(once, |test, _| test.missed().sighted(Separate));
-        assert_eq!(flickering.missed().existence(), Rejected);
+        assert_eq!(flickering.missed().existence(Even), Rejected);
     }
 
     #[test]
@@ -134,9 +162,9 @@ mod tests {
         let at_rim = ExistenceTest::start(Separate)
             .sighted(Separate)
             .sighted(Contrary);
-        assert_eq!(at_rim.existence(), Undecided);
+        assert_eq!(at_rim.existence(Even), Undecided);
         let stays_there = at_rim.sighted(Contrary).sighted(Contrary);
-        assert_eq!(stays_there.existence(), Rejected);
+        assert_eq!(stays_there.existence(Even), Rejected);
     }
 
     #[test]
@@ -145,15 +173,15 @@ mod tests {
         for _ in 0..13 {
             part = part.sighted(Adjoining);
         }
-        assert_eq!(part.existence(), Undecided);
-        assert_eq!(part.sighted(Adjoining).existence(), Accepted);
+        assert_eq!(part.existence(Even), Undecided);
+        assert_eq!(part.sighted(Adjoining).existence(Even), Accepted);
     }
 
     #[test]
     fn part_that_is_found_in_three_of_four_frames_is_rejected() {
         let mut part = ExistenceTest::start(Adjoining);
         let mut n_frames = 0;
-        while part.existence() == Undecided && n_frames < 100 {
+        while part.existence(Even) == Undecided && n_frames < 100 {
             n_frames += 1;
             part = if n_frames % 4 == 0 {
                 part.missed()
@@ -161,6 +189,20 @@ mod tests {
                 part.sighted(Adjoining)
             };
         }
-        assert_eq!(part.existence(), Rejected, "after {n_frames} frames");
+        assert_eq!(part.existence(Even), Rejected, "after {n_frames} frames");
+    }
+
+    #[test]
+    fn arrivals_in_a_scene_at_rest_need_more_sightings() {
+        let n_sightings = |evidence: SightingEvidence| {
+            let mut test = ExistenceTest::start(evidence);
+            let mut n_sightings = 1;
+            while test.existence(SceneAtRest) == Undecided {
+                n_sightings += 1;
+                test = test.sighted(evidence);
+            }
+            n_sightings
+        };
+        assert_eq!([Separate, Adjoining].map(n_sightings), [22, 107]);
     }
 }

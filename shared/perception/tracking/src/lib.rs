@@ -67,7 +67,7 @@ pub use association::{
 };
 pub use depth_view::DepthView;
 pub use error::Error;
-pub use existence_test::{Existence, ExistenceTest, SightingEvidence};
+pub use existence_test::{ArrivalPrior, Existence, ExistenceTest, SightingEvidence};
 pub use key_view_rule::{KeyViewRule, MotionPhase};
 pub use measurement::Measurement;
 pub use motion_config::MotionConfig;

@@ -37,6 +37,7 @@ fn perfect() -> Vec<TrackedFrame> {
         time_s: f64::from(i) / 30.0,
         objects: vec![object(1, 0.0), object(2, 0.3)],
         tracks: vec![track(11, 0.0, 0.0), track(12, 0.3, 0.0)],
+        pixels: vec![],
         tracks_of_people: vec![],
         ended: vec![],
     };

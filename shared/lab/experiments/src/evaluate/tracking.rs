@@ -11,6 +11,7 @@ mod resting_truth;
 mod scenario;
 pub(super) mod simulated_sequence;
 mod small_text_file;
+mod track_pixels;
 pub(super) mod tracking_pipeline;
 mod tracking_run;
 
@@ -37,7 +38,10 @@ const PICTURES: &str = "tracks";
 pub(super) fn run(arguments: &TrackingArguments, output: &Output) -> Result<ExitCode, Failure> {
     let scenarios = match &arguments.dataset {
         None => scenario::built_in(),
-        Some(path) => scenario::of_files(path)?,
+        Some(path) => match path.to_str().and_then(scenario::generated) {
+            Some(generated) if !path.exists() => vec![generated],
+            _ => scenario::of_files(path)?,
+        },
     };
     match &arguments.dataset {
         Some(folder) if scenarios.is_empty() => run_recording(folder, arguments, output),

@@ -2,6 +2,7 @@
 
 use super::RATE_HZ;
 use super::ground_truth::{GroundTruth, LabelledDepthImage};
+use super::track_pixels::track_pixels;
 use super::tracking_pipeline::TrackingPipeline;
 use super::tracking_run::TrackedSequence;
 use crate::frame_detector::up_in_camera;
@@ -75,7 +76,12 @@ impl RecordedSequence {
             tracker.step(&seen).map_err(Failure::general)?;
             let up_in_world = self.up_in_world();
             let objects = truth.read(self, index, &points, world_from_camera, up_in_world)?;
+            let pixels = match objects.is_empty() {
+                true => Vec::new(),
+                false => track_pixels(&tracker, &truth.mask),
+            };
             let frame = TrackedFrame {
+                pixels,
                 tracks_of_people: Vec::new(),
                 time_s: index as f64 / RATE_HZ,
                 objects,

@@ -56,6 +56,10 @@ pub(super) struct Figures {
     pub(super) ids_per_object: Option<f64>,
     pub(super) n_tracks: usize,
     pub(super) tracks_of_nothing: usize,
+    pub(super) part_tracks: usize,
+    longest_part_s: f64,
+    pub(super) joined_pairs: usize,
+    object_pairs: usize,
     pub(super) frames_with_person_track: u64,
     pub(super) removed: Option<Removed>,
 }
@@ -122,6 +126,10 @@ impl Figures {
             ids_per_object: (n_objects > 0).then(|| score.n_ids as f64 / n_objects as f64),
             n_tracks: score.n_tracks,
             tracks_of_nothing: score.n_tracks_of_nothing,
+            part_tracks: score.wholeness.n_part_tracks,
+            longest_part_s: score.wholeness.longest_part_s,
+            joined_pairs: score.wholeness.n_joined_pairs,
+            object_pairs: score.wholeness.n_pairs,
             frames_with_person_track: score.n_frames_with_person_track,
             removed: Removed::of(&score.removed_after_s),
         }

@@ -59,7 +59,9 @@ fn legend() -> [String; 3] {
          the true surface seen so far, mm; at 1 m: its median there"
             .to_owned(),
         "turn: median and 95th percentile of the deviation of objects whose footprint has a \
-         direction, degrees; ids: tracks of an object; person: frames with a track made of a person"
+         direction, degrees; ids: tracks of an object; parts, joined: tracks of parts of objects and \
+         pairs of objects in one track, for more than half a second; person: frames with a track \
+         made of a person"
             .to_owned(),
     ]
 }
@@ -96,6 +98,8 @@ fn scenes(document: &TrackingReport) -> ReportTable {
             ("flips", &|(_, f)| f.flips.to_string()),
             ("lost", &|(_, f)| number(f.lost, 4)),
             ("ids", &|(_, f)| number(f.ids_per_object, 2)),
+            ("parts", &|(_, f)| f.part_tracks.to_string()),
+            ("joined", &|(_, f)| f.joined_pairs.to_string()),
             ("person", &|(_, f)| f.frames_with_person_track.to_string()),
         ],
     )

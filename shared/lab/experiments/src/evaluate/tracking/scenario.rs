@@ -2,7 +2,7 @@
 
 use super::small_text_file;
 use service::Failure;
-use simulated_world::{ModelLibrary, Scene};
+use simulated_world::{ModelLibrary, Scene, SceneKind};
 use std::path::{Path, PathBuf};
 
 /// Names and texts of scene files of this crate.
@@ -11,6 +11,10 @@ macro_rules! scene_files {
         [$(($name, include_str!(concat!("../../../scenes/tracking/", $name, ".toml")))),+]
     };
 }
+
+/// Name of the daemon's default scene, and its number of objects.
+const EVERYDAY: &str = "everyday";
+const N_EVERYDAY: usize = 5;
 
 /// Built-in tracking scenarios: name and scene file.
 const BUILT_IN: [(&str, &str); 7] = scene_files![
@@ -23,19 +27,38 @@ const BUILT_IN: [(&str, &str); 7] = scene_files![
     "removed"
 ];
 
-/// Scene file; each seed plays the same actions with other objects at other places.
+/// Scene that each seed plays with other objects at other places.
 #[derive(Debug, Clone)]
 pub(super) struct Scenario {
     pub(super) name: String,
-    text: String,
-    /// Folder to which paths in the file are relative.
-    folder: PathBuf,
+    source: SceneSource,
+}
+
+/// Source of a scene.
+#[derive(Debug, Clone)]
+enum SceneSource {
+    /// Text of a scene file, and the folder to which paths in it are relative.
+    File { text: String, folder: PathBuf },
+    /// Generated scene of a kind.
+    Generated(SceneKind),
+    /// Default scene of the daemon.
+    Everyday,
 }
 
 impl Scenario {
     pub(super) fn scene(&self, seed: u64) -> Result<(Scene, ModelLibrary), Failure> {
-        Scene::from_toml(&self.text, &self.folder, Some(seed))
-            .map_err(|error| Failure::usage(format!("{}: {error}", self.name)))
+        let mut library = ModelLibrary::generated();
+        let scene = match &self.source {
+            SceneSource::File { text, folder } => Scene::from_toml(text, folder, Some(seed)),
+            SceneSource::Generated(kind) => {
+                let n_objects = kind.default_n_objects();
+                Scene::generate(*kind, n_objects, seed, &mut library).map(|scene| (scene, library))
+            }
+            SceneSource::Everyday => {
+                Scene::everyday(N_EVERYDAY, seed, &mut library).map(|scene| (scene, library))
+            }
+        };
+        scene.map_err(|error| Failure::usage(format!("{}: {error}", self.name)))
     }
 
     fn open(path: &Path) -> Result<Self, Failure> {
@@ -43,8 +66,10 @@ impl Scenario {
         let name = path.file_stem().unwrap_or_default();
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
-            text,
-            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+            source: SceneSource::File {
+                text,
+                folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+            },
         })
     }
 }
@@ -58,10 +83,24 @@ fn unreadable(path: &Path, cause: impl std::fmt::Display) -> Failure {
 pub(super) fn built_in() -> Vec<Scenario> {
     let scenarios = BUILT_IN.iter().map(|(name, text)| Scenario {
         name: (*name).to_owned(),
-        text: (*text).to_owned(),
-        folder: PathBuf::new(),
+        source: SceneSource::File {
+            text: (*text).to_owned(),
+            folder: PathBuf::new(),
+        },
     });
     scenarios.collect()
+}
+
+/// Scenario of a kind of generated scene, or of the daemon's default scene, by its name.
+pub(super) fn generated(name: &str) -> Option<Scenario> {
+    let source = match name {
+        EVERYDAY => SceneSource::Everyday,
+        _ => SceneSource::Generated(name.parse().ok()?),
+    };
+    Some(Scenario {
+        name: name.to_owned(),
+        source,
+    })
 }
 
 /// Scenarios of a path: the file itself, or the TOML files of the folder, sorted by name.

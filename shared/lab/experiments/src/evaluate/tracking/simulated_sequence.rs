@@ -4,6 +4,7 @@ use super::RATE_HZ;
 use super::ground_truth::{GroundTruth, LabelledDepthImage};
 use super::person_tracks::tracks_of_people;
 use super::scenario::Scenario;
+use super::track_pixels::track_pixels;
 use super::tracking_pipeline::TrackingPipeline;
 use super::tracking_run::TrackedSequence;
 use crate::frame_detector::up_in_camera;
@@ -60,6 +61,7 @@ pub(super) fn play(
         sequence.frames.push(TrackedFrame {
             time_s: world.time_s(),
             objects,
+            pixels: track_pixels(&tracker, kinect.mask()),
             tracks_of_people: tracks_of_people(&kinect, &world, &tracks),
             tracks,
             ended: tracker.update().ended_tracks.clone(),

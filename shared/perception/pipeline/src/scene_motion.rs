@@ -1,0 +1,123 @@
+//! Scene motion: the time since something last moved in front of the camera, or the camera itself.
+//!
+//! What looks new in a scene at rest is probably another cut through what was there before.
+
+use crate::frame_pose::FramePose;
+use crate::track::Track;
+use detection::{Candidate, Detection};
+use geometry::RigidTransform;
+use tracking::{ArrivalPrior, OcclusionState};
+
+/// Time without motion after which the scene is at rest, nanoseconds: that of the existence test
+/// beside a larger cluster, with one frame missed. Chosen.
+const AT_REST_AFTER_NS: u64 = 600_000_000;
+
+/// Shift of the camera that counts as motion, metres. Chosen.
+const CAMERA_SHIFT_M: f64 = 0.002;
+
+/// Turn of the camera that counts as motion, radians: 2 mm at 1 m. Chosen.
+const CAMERA_TURN_RAD: f64 = 0.002;
+
+/// Time and camera pose of the last motion.
+#[derive(Debug, Clone, Copy)]
+struct LastMotion {
+    capture_ns: u64,
+    world_from_camera: RigidTransform,
+}
+
+/// Watch on motion in the scene.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SceneMotion(Option<LastMotion>);
+
+impl SceneMotion {
+    /// Takes account of a frame: its bodies, the pose of the camera, and the tracks after
+    /// association. The first frame counts as motion, and one of another scene: without the table
+    /// of the tracks.
+    pub(crate) fn update(
+        &mut self,
+        detection: &Detection,
+        frame: &FramePose,
+        tracks: &[Track],
+        is_another_scene: bool,
+    ) {
+        let is_elsewhere = self.0.is_none_or(|last| last.is_seen_from_elsewhere(frame));
+        let has_changed = is_another_scene || is_elsewhere;
+        if has_changed || has_body(detection) || tracks.iter().any(has_left) {
+            self.0 = Some(LastMotion {
+                capture_ns: frame.capture_ns,
+                world_from_camera: frame.world_from_camera,
+            });
+        }
+    }
+
+    /// Prior probability that something arrives in a frame.
+    pub(crate) fn arrival_prior(&self, now_ns: u64) -> ArrivalPrior {
+        let at_rest_ns = self
+            .0
+            .map_or(0, |last| now_ns.saturating_sub(last.capture_ns));
+        if at_rest_ns >= AT_REST_AFTER_NS {
+            ArrivalPrior::SceneAtRest
+        } else {
+            ArrivalPrior::Even
+        }
+    }
+
+    /// Begins anew: the next frame is the first of a scene.
+    pub(crate) fn clear(&mut self) {
+        self.0 = None;
+    }
+}
+
+impl LastMotion {
+    fn is_seen_from_elsewhere(&self, frame: &FramePose) -> bool {
+        let now_from_then = frame.world_from_camera.inverse() * self.world_from_camera;
+        now_from_then.translation.vector.norm() > CAMERA_SHIFT_M
+            || now_from_then.rotation.angle() > CAMERA_TURN_RAD
+    }
+}
+
+/// True if a person or the robot is over a surface, or touches an object.
+fn has_body(detection: &Detection) -> bool {
+    let is_near_body =
+        |candidate: &Candidate| candidate.is_touched() || candidate.findings.is_person_or_robot();
+    detection.candidates.iter().any(is_near_body)
+}
+
+/// True if a track's object is not in its place any more.
+fn has_left(track: &Track) -> bool {
+    track.unmatched == Some(OcclusionState::Empty)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ArrivalPrior::{Even, SceneAtRest};
+
+    const FRAME_NS: u64 = 33_333_333;
+
+    fn frame(number: u64, x_m: f64) -> FramePose {
+        FramePose {
+            capture_ns: (1 + number) * FRAME_NS,
+            world_from_camera: RigidTransform::translation(x_m, 0.0, 0.0),
+            up_in_camera: None,
+            camera: None,
+        }
+    }
+
+    #[test]
+    fn scene_is_at_rest_until_the_camera_moves_or_the_table_is_another() {
+        let mut motion = SceneMotion::default();
+        let mut prior_after = |number: u64, x_m: f64, is_another_scene: bool| {
+            let frame = frame(number, x_m);
+            motion.update(&Detection::default(), &frame, &[], is_another_scene);
+            motion.arrival_prior(frame.capture_ns)
+        };
+        assert_eq!(prior_after(0, 0.0, false), Even);
+        assert_eq!(prior_after(17, 0.001, false), Even);
+        assert_eq!(prior_after(19, 0.0, false), SceneAtRest);
+        assert_eq!(prior_after(20, 0.01, false), Even);
+        assert_eq!(prior_after(37, 0.01, false), Even);
+        assert_eq!(prior_after(39, 0.01, false), SceneAtRest);
+        assert_eq!(prior_after(40, 0.01, true), Even);
+    }
+}
