@@ -1,7 +1,7 @@
 //! Over-segmentation and under-segmentation of tracked objects: tracks of parts, and objects joined
 //! in one track.
 
-use crate::tracked_frame::{TrackPixels, TrackedFrame};
+use crate::tracked_frame::{ObjectPixels, TrackPixels, TrackedFrame};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of a track's pixels above which they show one object. Part of the metric definition.
@@ -67,7 +67,7 @@ impl TrackWholeness {
 }
 
 /// Tracks of a frame whose object has a larger one.
-fn part_tracks(tracks: &[TrackPixels]) -> impl Iterator<Item = u64> {
+fn part_tracks(tracks: &[TrackPixels]) -> Vec<u64> {
     let mut largest: BTreeMap<u64, &TrackPixels> = BTreeMap::new();
     let mut parts = Vec::new();
     for track in tracks {
@@ -85,7 +85,7 @@ fn part_tracks(tracks: &[TrackPixels]) -> impl Iterator<Item = u64> {
             Some(_) => parts.push(track.track),
         }
     }
-    parts.into_iter()
+    parts
 }
 
 /// Pairs of scored objects that a track contains.
@@ -109,9 +109,8 @@ fn pairs_of(objects: &[u64]) -> impl Iterator<Item = (u64, u64)> {
 impl TrackPixels {
     /// Object that most of the track's pixels show; `None` where no object is in the majority.
     fn object(&self) -> Option<u64> {
-        let is_main = |of: &&crate::tracked_frame::ObjectPixels| {
-            of.n_pixels as f64 > OF_OBJECT_MIN * self.n_pixels as f64
-        };
+        let is_main =
+            |of: &&ObjectPixels| of.n_pixels as f64 > OF_OBJECT_MIN * self.n_pixels as f64;
         self.of_objects.iter().find(is_main).map(|of| of.object)
     }
 }
@@ -119,7 +118,7 @@ impl TrackPixels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tracked_frame::{GroundTruthObject, ObjectPixels};
+    use crate::tracked_frame::GroundTruthObject;
     use crate::true_shape::Symmetry;
     use geometry::{OrientedBox, RigidTransform};
     use nalgebra::Vector3;
@@ -133,7 +132,7 @@ mod tests {
                 half_sides_m: Vector3::repeat(0.05),
             },
             seen_box: None,
-            symmetry: Symmetry::None,
+            symmetry: Symmetry::Round,
             range_m: 1.0,
             is_visible: true,
             counts: true,

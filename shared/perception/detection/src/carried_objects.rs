@@ -3,7 +3,7 @@
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
 use crate::cluster_hypothesis::{ClusterHypothesis, ClusterStatistics};
-use crate::clusters::{ClusterContents, Clusters, TrackClaims};
+use crate::clusters::{BODY_REACH_M, Clusters, OBJECT_REACH_M, TrackClaims};
 use crate::constraint_evaluation::BodyMask;
 use crate::input::DetectionInput;
 use crate::parallelism::{Parallelism, ScratchPool};
@@ -190,17 +190,17 @@ impl CarriedObjects {
         }
     }
 
-    /// Track-guided regrouping: split clusters shared by several tracked objects and merge
-    /// fragments of one tracked object.
+    /// Track-guided regrouping: split clusters shared by several tracked objects, those in the
+    /// space of a person or the robot as well, and merge fragments of one tracked object.
     pub(crate) fn regroup_by_tracks(&mut self, on: &SurfaceFrame<'_>, shared: &mut SharedBuffers) {
         let (cloud, tracks) = (&on.frame.cloud, on.frame.priors.tracks);
         let claims = &mut shared.track_claims;
         self.clusters
-            .split_by_tracks(cloud, tracks, ClusterContents::Objects, claims);
+            .split_by_tracks(cloud, tracks, OBJECT_REACH_M, claims);
         self.clusters.merge_by_tracks(cloud, tracks);
         if !self.masked.is_empty() {
             self.masked_clusters
-                .split_by_tracks(cloud, tracks, ClusterContents::Bodies, claims);
+                .split_by_tracks(cloud, tracks, BODY_REACH_M, claims);
         }
     }
 

@@ -8,7 +8,7 @@ use point_cloud::Point;
 
 use connected_components::Band;
 
-pub(crate) use track_regrouping::{ClusterContents, TrackClaims};
+pub(crate) use track_regrouping::{BODY_REACH_M, OBJECT_REACH_M, TrackClaims};
 
 /// Label of a pixel outside of all clusters.
 pub(crate) const NO_CLUSTER: u32 = u32::MAX;

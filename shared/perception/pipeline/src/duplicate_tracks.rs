@@ -5,7 +5,7 @@
 //! adds up over frames, because one bad measurement may shift a box.
 
 use crate::track::Track;
-use tracking::{OcclusionState, fraction_inside};
+use tracking::{ArrivalPrior, OcclusionState, fraction_inside};
 
 /// Fraction of an unmatched track's box inside another track's measurement above which the
 /// two may be duplicates. Chosen.
@@ -31,6 +31,10 @@ const SIMILAR_VOLUME_RATIO_MIN: f64 = 0.5;
 /// Chosen.
 const N_FRAMES_DUPLICATE_MAX: u32 = 3;
 
+/// As [`N_FRAMES_DUPLICATE_MAX`], in a scene at rest, whose frames repeat one another: the time
+/// that a new track takes there. Chosen.
+const N_FRAMES_DUPLICATE_MAX_AT_REST: u32 = 107;
+
 /// Evidence of a frame on two tracks whose boxes overlap, in ascending order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum DuplicateEvidence {
@@ -43,7 +47,11 @@ enum DuplicateEvidence {
 }
 
 /// Ends the tracks that were repeatedly found to be duplicates of others.
-pub(crate) fn end_duplicates(tracks: &mut [Track]) {
+pub(crate) fn end_duplicates(tracks: &mut [Track], prior: ArrivalPrior) {
+    let n_frames_max = match prior {
+        ArrivalPrior::Even => N_FRAMES_DUPLICATE_MAX,
+        ArrivalPrior::SceneAtRest => N_FRAMES_DUPLICATE_MAX_AT_REST,
+    };
     for i in 0..tracks.len() {
         let evidence = (0..tracks.len())
             .filter(|other| *other != i)
@@ -56,7 +64,7 @@ pub(crate) fn end_duplicates(tracks: &mut [Track]) {
             Some(DuplicateEvidence::Against) => track.n_frames_duplicate.saturating_sub(1),
             None => 0,
         };
-        if track.n_frames_duplicate >= N_FRAMES_DUPLICATE_MAX {
+        if track.n_frames_duplicate >= n_frames_max {
             track.lifecycle = track.lifecycle.terminated();
             track.unmatched = None;
         }

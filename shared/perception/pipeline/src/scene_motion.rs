@@ -1,4 +1,4 @@
-//! Scene motion: the time since something last moved in front of the camera, or the camera itself.
+//! Scene motion: the frames since something last moved in front of the camera, or the camera itself.
 //!
 //! What looks new in a scene at rest is probably another cut through what was there before.
 
@@ -8,9 +8,9 @@ use detection::{Candidate, Detection};
 use geometry::RigidTransform;
 use tracking::{ArrivalPrior, OcclusionState};
 
-/// Time without motion after which the scene is at rest, nanoseconds: that of the existence test
-/// beside a larger cluster, with one frame missed. Chosen.
-const AT_REST_AFTER_NS: u64 = 600_000_000;
+/// Number of frames without motion after which the scene is at rest: those of the existence test
+/// beside a larger cluster, and some more. Chosen.
+const N_FRAMES_AT_REST: u32 = 18;
 
 /// Shift of the camera that counts as motion, metres. Chosen.
 const CAMERA_SHIFT_M: f64 = 0.002;
@@ -18,10 +18,10 @@ const CAMERA_SHIFT_M: f64 = 0.002;
 /// Turn of the camera that counts as motion, radians: 2 mm at 1 m. Chosen.
 const CAMERA_TURN_RAD: f64 = 0.002;
 
-/// Time and camera pose of the last motion.
+/// Camera pose of the last motion, and the number of frames since.
 #[derive(Debug, Clone, Copy)]
 struct LastMotion {
-    capture_ns: u64,
+    n_frames_since: u32,
     world_from_camera: RigidTransform,
 }
 
@@ -44,18 +44,18 @@ impl SceneMotion {
         let has_changed = is_another_scene || is_elsewhere;
         if has_changed || has_body(detection) || tracks.iter().any(has_left) {
             self.0 = Some(LastMotion {
-                capture_ns: frame.capture_ns,
+                n_frames_since: 0,
                 world_from_camera: frame.world_from_camera,
             });
+        } else if let Some(last) = &mut self.0 {
+            last.n_frames_since = last.n_frames_since.saturating_add(1);
         }
     }
 
-    /// Prior probability that something arrives in a frame.
-    pub(crate) fn arrival_prior(&self, now_ns: u64) -> ArrivalPrior {
-        let at_rest_ns = self
-            .0
-            .map_or(0, |last| now_ns.saturating_sub(last.capture_ns));
-        if at_rest_ns >= AT_REST_AFTER_NS {
+    /// Prior probability that something arrives in the last frame.
+    pub(crate) fn arrival_prior(&self) -> ArrivalPrior {
+        let is_at_rest = |last: LastMotion| last.n_frames_since >= N_FRAMES_AT_REST;
+        if self.0.is_some_and(is_at_rest) {
             ArrivalPrior::SceneAtRest
         } else {
             ArrivalPrior::Even
@@ -93,31 +93,25 @@ mod tests {
     use super::*;
     use ArrivalPrior::{Even, SceneAtRest};
 
-    const FRAME_NS: u64 = 33_333_333;
-
-    fn frame(number: u64, x_m: f64) -> FramePose {
-        FramePose {
-            capture_ns: (1 + number) * FRAME_NS,
-            world_from_camera: RigidTransform::translation(x_m, 0.0, 0.0),
-            up_in_camera: None,
-            camera: None,
-        }
-    }
-
     #[test]
     fn scene_is_at_rest_until_the_camera_moves_or_the_table_is_another() {
         let mut motion = SceneMotion::default();
-        let mut prior_after = |number: u64, x_m: f64, is_another_scene: bool| {
-            let frame = frame(number, x_m);
-            motion.update(&Detection::default(), &frame, &[], is_another_scene);
-            motion.arrival_prior(frame.capture_ns)
+        let mut prior_after = |n_frames: u32, x_m: f64, is_another_scene: bool| {
+            let frame = FramePose {
+                capture_ns: 1,
+                world_from_camera: RigidTransform::translation(x_m, 0.0, 0.0),
+                up_in_camera: None,
+                camera: None,
+            };
+            for _ in 0..n_frames {
+                motion.update(&Detection::default(), &frame, &[], is_another_scene);
+            }
+            motion.arrival_prior()
         };
-        assert_eq!(prior_after(0, 0.0, false), Even);
-        assert_eq!(prior_after(17, 0.001, false), Even);
-        assert_eq!(prior_after(19, 0.0, false), SceneAtRest);
-        assert_eq!(prior_after(20, 0.01, false), Even);
-        assert_eq!(prior_after(37, 0.01, false), Even);
-        assert_eq!(prior_after(39, 0.01, false), SceneAtRest);
-        assert_eq!(prior_after(40, 0.01, true), Even);
+        assert_eq!(prior_after(18, 0.0, false), Even);
+        assert_eq!(prior_after(1, 0.001, false), SceneAtRest);
+        assert_eq!(prior_after(18, 0.01, false), Even);
+        assert_eq!(prior_after(1, 0.01, false), SceneAtRest);
+        assert_eq!(prior_after(1, 0.01, true), Even);
     }
 }

@@ -228,11 +228,12 @@ impl TrackTable {
         if is_elsewhere && !self.is_any_of_tracks(detection, frame) {
             self.disregard_free_space();
         }
-        end_duplicates(&mut self.tracks);
-        self.recover_tracks(frame, update);
         let is_another = is_elsewhere || surface.is_none();
         self.scene_motion
             .update(detection, frame, &self.tracks, is_another);
+        let prior = self.scene_motion.arrival_prior();
+        end_duplicates(&mut self.tracks, prior);
+        self.recover_tracks(frame, update);
         self.mark_missed(frame);
         self.remove_lost_tracks(frame, update);
         self.start_tracks(detection, frame, view.as_ref(), &mut next_id, update);
@@ -623,7 +624,7 @@ impl TrackTable {
                     && measured.evidence != SightingEvidence::Contrary
                     && !may_be_part(measured, known)
             });
-        let prior = self.scene_motion.arrival_prior(frame.capture_ns);
+        let prior = self.scene_motion.arrival_prior();
         self.initiation.take_certain(prior, |object, candidate| {
             let Some(track_id) = next_id() else {
                 return false;

@@ -34,28 +34,13 @@ const HANDLED_COMMON_SHARE_MAX: f64 = 0.6;
 /// object. Chosen.
 const COMMON_SHARE_MAX: f64 = 0.3;
 
-/// Greatest distance of a point from the claiming boxes, metres; farther points are another
-/// object. Chosen.
-const ELSEWHERE_M: f64 = 0.03;
+/// Greatest distance of an object's point from the claiming boxes, metres; farther points are
+/// another object. Chosen.
+pub(crate) const OBJECT_REACH_M: f64 = 0.03;
 
-/// Contents of the clusters that are split.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ClusterContents {
-    /// Objects alone.
-    Objects,
-    /// A person or the robot, with parts of the objects that are held or touched.
-    Bodies,
-}
-
-impl ClusterContents {
-    /// Greatest distance of an object's points from its predicted box, metres.
-    fn reach_m(self) -> f64 {
-        match self {
-            Self::Objects => ELSEWHERE_M,
-            Self::Bodies => MARGIN_M,
-        }
-    }
-}
+/// As [`OBJECT_REACH_M`], in a cluster of a person or the robot: beyond the tolerance of the boxes
+/// the points are the body's.
+pub(crate) const BODY_REACH_M: f64 = MARGIN_M;
 
 /// Claim of a track on a cluster.
 #[derive(Debug, Clone, Copy)]
@@ -132,14 +117,14 @@ impl TrackClaims {
 
 impl Clusters {
     /// Split clusters claimed by two or more tracks. Each point goes to its nearest box,
-    /// and points far from all boxes form a cluster of their own.
+    /// and points farther than `reach_m` from all boxes form a cluster of their own.
     ///
     /// Boxes are in the camera frame.
     pub(crate) fn split_by_tracks(
         &mut self,
         cloud: &OrganizedCloud<'_>,
         tracks: &[ExpectedTrack],
-        contents: ClusterContents,
+        reach_m: f64,
         claims: &mut TrackClaims,
     ) {
         if tracks.len() < 2 {
@@ -156,7 +141,7 @@ impl Clusters {
             for place in first as usize..end as usize {
                 let pixel = self.pixels[place] as usize;
                 let point = cloud.points()[pixel].position();
-                let part = claims.nearest_claim(tracks, &point, contents.reach_m());
+                let part = claims.nearest_claim(tracks, &point, reach_m);
                 if part > 0 {
                     self.cluster_of[pixel] = n_clusters + part as u32 - 1;
                 }

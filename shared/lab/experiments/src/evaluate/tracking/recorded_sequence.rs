@@ -76,9 +76,10 @@ impl RecordedSequence {
             tracker.step(&seen).map_err(Failure::general)?;
             let up_in_world = self.up_in_world();
             let objects = truth.read(self, index, &points, world_from_camera, up_in_world)?;
-            let pixels = match objects.is_empty() {
-                true => Vec::new(),
-                false => track_pixels(&tracker, &truth.mask),
+            let pixels = if objects.is_empty() {
+                Vec::new()
+            } else {
+                track_pixels(&tracker, &truth.mask)
             };
             let frame = TrackedFrame {
                 pixels,
