@@ -3,11 +3,8 @@
 use crate::arguments::SimulatorArguments;
 use serde::Deserialize;
 use service::{Configuration, Failure, KeyReference};
-use simulated_world::{ArmMount, ModelLibrary, ModelSource, Scene, SceneKind};
+use simulated_world::{ArmMount, EVERYDAY_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
 use std::path::{Path, PathBuf};
-
-/// Default number of objects of the everyday scene.
-const EVERYDAY_OBJECTS: usize = 5;
 
 /// Name of the section.
 const SECTION: &str = "simulator";

@@ -115,6 +115,11 @@ impl CandidateMeasurement {
     }
 }
 
+/// True if a candidate touches a person or the robot, or lies in their space.
+pub(crate) fn is_handled(candidate: &Candidate) -> bool {
+    candidate.is_touched() || candidate.findings.is_person_or_robot()
+}
+
 /// Candidates for data association: `None` for each that is taken.
 pub(crate) fn observed_candidates<'a>(
     measured: &'a [Option<CandidateMeasurement>],

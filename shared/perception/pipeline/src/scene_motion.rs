@@ -1,10 +1,12 @@
 //! Scene motion: the frames since something last moved in front of the camera, or the camera itself.
 //!
-//! What looks new in a scene at rest is probably another cut through what was there before.
+//! A new candidate in a scene at rest is probably another cut through the objects that were there
+//! before.
 
+use crate::candidate_measurement::is_handled;
 use crate::frame_pose::FramePose;
 use crate::track::Track;
-use detection::{Candidate, Detection};
+use detection::Detection;
 use geometry::RigidTransform;
 use tracking::{ArrivalPrior, OcclusionState};
 
@@ -42,7 +44,8 @@ impl SceneMotion {
     ) {
         let is_elsewhere = self.0.is_none_or(|last| last.is_seen_from_elsewhere(frame));
         let has_changed = is_another_scene || is_elsewhere;
-        if has_changed || has_body(detection) || tracks.iter().any(has_left) {
+        if has_changed || detection.candidates.iter().any(is_handled) || tracks.iter().any(has_left)
+        {
             self.0 = Some(LastMotion {
                 n_frames_since: 0,
                 world_from_camera: frame.world_from_camera,
@@ -74,13 +77,6 @@ impl LastMotion {
         now_from_then.translation.vector.norm() > CAMERA_SHIFT_M
             || now_from_then.rotation.angle() > CAMERA_TURN_RAD
     }
-}
-
-/// True if a person or the robot is over a surface, or touches an object.
-fn has_body(detection: &Detection) -> bool {
-    let is_near_body =
-        |candidate: &Candidate| candidate.is_touched() || candidate.findings.is_person_or_robot();
-    detection.candidates.iter().any(is_near_body)
 }
 
 /// True if a track's object is not in its place any more.

@@ -50,14 +50,20 @@ fn could_begin_track(candidate: &Candidate) -> bool {
 /// True if a candidate is in contact with a larger one, or so close that it may be a part
 /// whose joint has no depth.
 fn adjoins(part: &Candidate, whole: &Candidate) -> bool {
-    let centre = part.oriented_box.centre();
-    let place = whole.oriented_box.frame_from_box.inverse() * centre;
-    let half = whole.oriented_box.half_sides_m;
-    let is_close = place.x.abs() <= half.x + ADJOINING_DISTANCE_MAX_M
-        && place.y.abs() <= half.y + ADJOINING_DISTANCE_MAX_M
-        && place.z.abs() <= half.z;
     part.n_points() < whole.n_points()
-        && (is_close || fraction_inside(&part.oriented_box, &whole.oriented_box) > 0.0)
+        && (is_beside(part, whole, ADJOINING_DISTANCE_MAX_M)
+            || fraction_inside(&part.oriented_box, &whole.oriented_box) > 0.0)
+}
+
+/// True if the centre of a candidate is within a horizontal distance of the box of another one, at
+/// a height of that box.
+fn is_beside(candidate: &Candidate, other: &Candidate, distance_max_m: f64) -> bool {
+    let centre = candidate.oriented_box.centre();
+    let place = other.oriented_box.frame_from_box.inverse() * centre;
+    let half = other.oriented_box.half_sides_m;
+    place.x.abs() <= half.x + distance_max_m
+        && place.y.abs() <= half.y + distance_max_m
+        && place.z.abs() <= half.z
 }
 
 /// True if a candidate is probably a detached part of a larger one, such as a mug's
@@ -74,14 +80,9 @@ fn is_part_of_larger(part: &Candidate, candidates: &[Candidate]) -> bool {
         Some(Support::Occluded) => HIDDEN_PART_DISTANCE_MAX_M,
         Some(Support::Object) | None => PART_DISTANCE_MAX_M,
     };
-    let centre = part.oriented_box.centre();
     candidates.iter().any(|whole| {
-        let place = whole.oriented_box.frame_from_box.inverse() * centre;
-        let half = whole.oriented_box.half_sides_m;
         part.n_points() as f64 <= PART_POINTS_RATIO_MAX * whole.n_points() as f64
-            && place.x.abs() <= half.x + distance_max_m
-            && place.y.abs() <= half.y + distance_max_m
-            && place.z.abs() <= half.z
+            && is_beside(part, whole, distance_max_m)
             && is_like(whole)
     })
 }

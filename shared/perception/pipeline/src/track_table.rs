@@ -1,6 +1,6 @@
 //! Track table: data association and track management, once per frame.
 
-use crate::candidate_measurement::{CandidateMeasurement, observed_candidates};
+use crate::candidate_measurement::{CandidateMeasurement, is_handled, observed_candidates};
 use crate::depth_noise_estimate::DepthNoiseEstimate;
 use crate::duplicate_tracks::end_duplicates;
 use crate::frame_pose::FramePose;
@@ -300,15 +300,15 @@ impl TrackTable {
     /// object by another one, too.
     fn may_be_moved(&self, place: &OrientedBox, detection: &Detection, frame: &FramePose) -> bool {
         let is_near = |other: &OrientedBox| place.bounding_spheres_meet(other, MOVED_WITHIN_M);
-        let is_handled = |candidate: &Candidate| {
-            (candidate.is_touched() || candidate.findings.is_person_or_robot())
+        let is_handled_near = |candidate: &Candidate| {
+            is_handled(candidate)
                 && is_near(&candidate.oriented_box.transformed(&frame.world_from_camera))
         };
         let was_handled = |track: &Track| {
             track.was_handled(frame.capture_ns, MOVED_AFTER_HANDLED_NS)
                 && is_near(&track.box_in_world())
         };
-        detection.candidates.iter().any(is_handled) || self.tracks.iter().any(was_handled)
+        detection.candidates.iter().any(is_handled_near) || self.tracks.iter().any(was_handled)
     }
 
     /// Predicted box of the visible object nearest to that of a track, world frame, if both may

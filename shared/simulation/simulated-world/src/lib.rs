@@ -67,7 +67,7 @@ pub use object_model::{ModelOrigin, ObjectModel};
 pub use physics::{STEP_NS, STEPS_PER_SECOND};
 pub use random_stream::random_stream;
 pub use scene::{ObjectPlacement, ObjectPlan, Scene, SceneKind};
-pub use scene_file::MAX_OBJECTS;
+pub use scene_file::{EVERYDAY_OBJECTS, MAX_OBJECTS};
 pub use scene_object::{ObjectState, SimulatedObject};
 pub use simulated_kinect::SimulatedKinect;
 pub use world::World;

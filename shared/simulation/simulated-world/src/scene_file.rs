@@ -20,6 +20,8 @@ use std::sync::Arc;
 
 /// Greatest number of objects of a scene.
 pub const MAX_OBJECTS: usize = 60;
+/// Default number of objects of [`Scene::everyday`].
+pub const EVERYDAY_OBJECTS: usize = 5;
 /// Default pause between a person's random actions, seconds: shortest and longest. Chosen.
 const RANDOM_PAUSE_S: [f64; 2] = [6.0, 14.0];
 /// Initial categories of [`Scene::everyday`]: objects that a Kinect sees well and that look

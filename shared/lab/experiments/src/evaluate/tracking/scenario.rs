@@ -2,7 +2,7 @@
 
 use super::small_text_file;
 use service::Failure;
-use simulated_world::{ModelLibrary, Scene, SceneKind};
+use simulated_world::{EVERYDAY_OBJECTS, ModelLibrary, Scene, SceneKind};
 use std::path::{Path, PathBuf};
 
 /// Names and texts of scene files of this crate.
@@ -12,9 +12,8 @@ macro_rules! scene_files {
     };
 }
 
-/// Name of the daemon's default scene, and its number of objects.
+/// Name of the daemon's default scene.
 const EVERYDAY: &str = "everyday";
-const N_EVERYDAY: usize = 5;
 
 /// Built-in tracking scenarios: name and scene file.
 const BUILT_IN: [(&str, &str); 7] = scene_files![
@@ -55,7 +54,7 @@ impl Scenario {
                 Scene::generate(*kind, n_objects, seed, &mut library).map(|scene| (scene, library))
             }
             SceneSource::Everyday => {
-                Scene::everyday(N_EVERYDAY, seed, &mut library).map(|scene| (scene, library))
+                Scene::everyday(EVERYDAY_OBJECTS, seed, &mut library).map(|scene| (scene, library))
             }
         };
         scene.map_err(|error| Failure::usage(format!("{}: {error}", self.name)))
