@@ -220,6 +220,8 @@ fn ignored(candidate: &Candidate, world_from_camera: &RigidTransform) -> Rejecte
         verdict: candidate.verdict.code().into(),
         decisive: candidate.decisive.bits().into(),
         findings: RejectedCandidate::wire_findings(&candidate.findings),
+        surface: candidate.surface as u32,
+        reserved: 0,
     }
 }
 

@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-/// Declare the reasons with their stable codes, values and sentences.
+/// Declare the reasons with their stable codes, values and sentences. The name before them stands
+/// for the surface of the candidate.
 macro_rules! reasons {
-    ($($(#[$doc:meta])* $code:literal $reason:ident $({ $($(#[$value_doc:meta])* $value:ident),+ })?
+    ($surface:ident: $($(#[$doc:meta])* $code:literal $reason:ident $({ $($(#[$value_doc:meta])* $value:ident),+ })?
         => $sentence:literal $(, $shown:expr)*;)*) => {
         /// Reason for the value of a constraint, with the numbers that decided it. Displays
         /// as a sentence about the candidate.
@@ -44,10 +45,11 @@ macro_rules! reasons {
             }
         }
 
-        impl fmt::Display for Reason {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                match *self {
-                    $(Self::$reason $({ $($value),+ })? => write!(f, $sentence $(, $shown)*),)*
+        impl Reason {
+            /// Sentence about a candidate on or over a surface with a name, such as "the table".
+            pub fn sentence(self, $surface: &str) -> String {
+                match self {
+                    $(Self::$reason $({ $($value),+ })? => format!($sentence $(, $shown)*),)*
                 }
             }
         }
@@ -85,16 +87,16 @@ impl fmt::Display for Litres {
     }
 }
 
-reasons! {
+reasons! { surface:
     /// Constraint was not evaluated.
     0 NotEvaluated
         => "it was not evaluated";
     /// The candidate stands on the table: its lowest points are near the plane.
     1 StandsOnTable
-        => "it stands on the table";
+        => "it stands on {}", surface;
     /// The candidate rests on an object that stands on the table.
     2 RestsOnObject
-        => "it rests on an object that stands on the table";
+        => "it rests on an object that stands on {}", surface;
     /// The base of the candidate is occluded by a nearer surface.
     3 BaseOccluded
         => "a nearer surface occludes its base";
@@ -102,7 +104,7 @@ reasons! {
     4 Unsupported {
         /// Height of the lowest point above the table, metres.
         gap_m
-    } => "unsupported: its lowest point is {} above the table", Cm(gap_m);
+    } => "unsupported: its lowest point is {} above {}", Cm(gap_m), surface;
     /// The sensor has no depth below the candidate.
     5 BaseWithoutDepth
         => "its support is not visible: there is no depth below it";
@@ -110,7 +112,7 @@ reasons! {
     6 BeginsOffTable {
         /// Share of the lower border below or behind the table, 0 to 1.
         share
-    } => "it does not begin on the table: {} of its lower border goes on below or behind it", Percent(share);
+    } => "it does not begin on {}: {} of its lower border goes on below or behind it", surface, Percent(share);
     /// No track overlaps the candidate.
     10 NoOverlappingTrack {
         /// Greatest intersection over union with a track's box, 0 to 1.
@@ -193,7 +195,7 @@ reasons! {
     } => "a person touches it, so a part of it may be missing ({} of its points within {} of the body)", Percent(share), Cm(margin_m);
     /// The candidate reaches over the table from beside it, as a person's arm does.
     35 ReachesOverTable
-        => "it reaches over the table from beside it, as a person's arm does";
+        => "it reaches over {} from beside it, as a person's arm does", surface;
     /// No robot state is available.
     40 NoRobotKnown
         => "no arm state was received";
@@ -223,26 +225,26 @@ reasons! {
     } => "the robot touches it, so a part of it may be missing ({} of its points within {} of a link)", Percent(share), Cm(margin_m);
     /// The candidate stands away from the table's rim.
     50 AwayFromRim
-        => "it stands away from the table's rim";
+        => "it stands away from the rim of {}", surface;
     /// The candidate stands at the table's rim.
     51 AtRim {
         /// Share of the points near the rim, 0 to 1.
         share,
         /// Distance threshold from the rim, metres.
         distance_m
-    } => "it is at the table's rim ({} of its points nearer than {})", Percent(share), Cm(distance_m);
+    } => "it is at the rim of {} ({} of its points nearer than {})", surface, Percent(share), Cm(distance_m);
     /// The candidate reaches over the table's rim.
     52 BeyondRim {
         /// Share of the points beyond the rim, 0 to 1.
         share
-    } => "it reaches over the table's rim ({} of its points)", Percent(share);
+    } => "it reaches over the rim of {} ({} of its points)", surface, Percent(share);
     /// The table's border near the candidate is hidden or outside of the view.
     53 RimUnseen {
         /// Share of the points near the unseen border, 0 to 1.
         share,
         /// Distance threshold from the border, metres.
         distance_m
-    } => "the table's border near it is hidden or outside of the view ({} of its points nearer than {})", Percent(share), Cm(distance_m);
+    } => "the border of {} near it is hidden or outside of the view ({} of its points nearer than {})", surface, Percent(share), Cm(distance_m);
     /// The key-view decision needs the history of the track and is made later.
     60 KeyViewUndecided
         => "its track decides later whether this is a key view";
@@ -252,6 +254,13 @@ reasons! {
     /// The candidate reaches the image border.
     71 AtImageBorder
         => "it touches the image border";
+}
+
+/// Sentence about a candidate of the table.
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.sentence("the table"))
+    }
 }
 
 #[cfg(test)]
@@ -295,5 +304,19 @@ mod tests {
             arm.to_string(),
             "it is the robot's arm (87 % of its points within 3 cm of a link)"
         );
+    }
+
+    #[test]
+    fn sentence_names_the_surface_of_the_candidate() {
+        let rim = Reason::AtRim {
+            share: 0.4,
+            distance_m: 0.03,
+        };
+        let level = "the level 40 cm above the table";
+        assert_eq!(
+            rim.sentence(level),
+            "it is at the rim of the level 40 cm above the table (40 % of its points nearer than 3 cm)"
+        );
+        assert_eq!(Reason::StandsOnTable.to_string(), "it stands on the table");
     }
 }

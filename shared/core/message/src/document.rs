@@ -14,6 +14,7 @@ mod tests;
 pub use health::health;
 pub use object::{near_categories, object};
 pub use rounding::rounded;
+pub use surface::carrier;
 
 use crate::{SceneObject, SceneSummary, WirePose};
 use constraint::{Assumption, Assumptions};
@@ -53,7 +54,10 @@ pub fn scene(scene: &SceneSummary, objects: &[SceneObject], now_ns: u64) -> Scen
         up: up(scene),
         rule: scene.rule.as_str().unwrap_or_default().to_owned(),
         assumptions: assumptions.iter().map(assumption).collect(),
-        ignored: rejected.iter().map(rejected::rejected).collect(),
+        ignored: rejected
+            .iter()
+            .map(|one| rejected::rejected(scene, one))
+            .collect(),
         n_more_ignored: scene.n_rejected.saturating_sub(rejected.len() as u32),
     }
 }

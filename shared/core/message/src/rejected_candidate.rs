@@ -55,7 +55,7 @@ impl WireFinding {
 
 /// Candidate that neither started nor continued a track.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable, ZeroCopySend)]
-#[type_name("tabula.IgnoredBlob.v1")]
+#[type_name("tabula.IgnoredBlob.v2")]
 #[repr(C)]
 pub struct RejectedCandidate {
     /// Pose of the candidate's box: `world_from_box`.
@@ -70,9 +70,13 @@ pub struct RejectedCandidate {
     pub decisive: u32,
     /// Findings of all constraints, indexed by constraint number.
     pub findings: [WireFinding; Constraint::N],
+    /// Surface on or over which it was found: index among those of the scene.
+    pub surface: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
-const _: () = assert!(size_of::<WireFinding>() == 12 && size_of::<RejectedCandidate>() == 176);
+const _: () = assert!(size_of::<WireFinding>() == 12 && size_of::<RejectedCandidate>() == 184);
 
 impl RejectedCandidate {
     /// Wire form of the findings of all constraints.

@@ -120,7 +120,7 @@ pub struct SceneObject {
 
 /// Scene summary after one frame. The payload is the tracked objects, by track-id.
 #[derive(Debug, Clone, Copy, PartialEq, AnyBitPattern, ZeroCopySend)]
-#[type_name("tabula.SceneSummary.v8")]
+#[type_name("tabula.SceneSummary.v9")]
 #[repr(C)]
 pub struct SceneSummary {
     /// [`SCHEMA_VERSION`] of the sending program.
@@ -172,7 +172,7 @@ const _: () = assert!(
 );
 const _: () = assert!(
     size_of::<SceneSummary>()
-        == 312 + 136 + MAX_REJECTED_CANDIDATES * 176 + MAX_SURFACES * size_of::<WireSurface>()
+        == 312 + 136 + MAX_REJECTED_CANDIDATES * 184 + MAX_SURFACES * size_of::<WireSurface>()
 );
 
 impl Default for SceneObject {

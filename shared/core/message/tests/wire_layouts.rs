@@ -76,7 +76,7 @@ fn object_messages() -> Vec<(&'static str, String)> {
             position_covariance_m2, rotation_covariance_rad2, velocity_m_s,
             angular_velocity_rad_s, categories, stamps
         }
-        SceneSummary "tabula.SceneSummary.v8" {
+        SceneSummary "tabula.SceneSummary.v9" {
             schema_version, frame_flags, sent, session, sequence, frames_dropped, stamps,
             stale_after_ns, n_surfaces, n_objects_total, n_late, n_rejected, surfaces,
             world_from_camera, source_name, assumptions, rule, n_ignored, ignored
@@ -95,8 +95,8 @@ fn object_messages() -> Vec<(&'static str, String)> {
         WireSurface "tabula.Surface.v1" {
             plane, kind, n_samples, n_corners, corners_m, reserved
         }
-        RejectedCandidate "tabula.IgnoredBlob.v1" {
-            pose, size_m, n_points, verdict, decisive, findings
+        RejectedCandidate "tabula.IgnoredBlob.v2" {
+            pose, size_m, n_points, verdict, decisive, findings, surface, reserved
         }
         MemoryChange "tabula.MemoryChange.v1" { store_id, sequence }
     ]

@@ -1,7 +1,7 @@
 //! Documents of support surfaces, with the objects that they carry.
 
 use super::rounding::rounded;
-use crate::{SceneObject, SceneSummary, WireSurface};
+use crate::{RejectedCandidate, SceneObject, SceneSummary, SurfaceKind, WireSurface};
 use nalgebra::{Point3, Vector3};
 use scene_document::SurfaceDocument;
 
@@ -38,7 +38,7 @@ fn document(surface: &WireSurface) -> Option<SurfaceDocument> {
 
 /// Highest surface that carries objects under an object, by its number among the valid ones;
 /// `None` without one.
-fn carrier(scene: &SceneSummary, object: &SceneObject) -> Option<usize> {
+pub fn carrier(scene: &SceneSummary, object: &SceneObject) -> Option<usize> {
     let pose = object.pose.checked()?;
     let half_sides = object.size_m.map(|side| 0.5 * f64::from(side));
     let base_m = |surface: &WireSurface| {
@@ -62,4 +62,28 @@ fn carrier(scene: &SceneSummary, object: &SceneObject) -> Option<usize> {
     under
         .min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(number, _)| number)
+}
+
+/// Name of the surface of a rejected candidate in a sentence: "the table", or another level by its
+/// height over or under the table at the candidate.
+pub(super) fn name(scene: &SceneSummary, candidate: &RejectedCandidate) -> String {
+    let table = || "the table".to_owned();
+    let valid = |surface: Option<&WireSurface>| {
+        surface.and_then(|surface| Some((surface.checked_kind()?, surface.plane)))
+    };
+    let of_table = valid(scene.surfaces().first());
+    let of_candidate = valid(scene.surfaces().get(candidate.surface as usize));
+    let (Some((_, lower)), Some((kind, upper))) = (of_table, of_candidate) else {
+        return table();
+    };
+    let place = Point3::from(candidate.pose.position_m);
+    let height_m =
+        |[x, y, z, offset_m]: [f64; 4]| Vector3::new(x, y, z).dot(&place.coords) + offset_m;
+    let gap_cm = 100.0 * (height_m(lower) - height_m(upper));
+    match kind {
+        SurfaceKind::Table => table(),
+        _ if !gap_cm.is_finite() => format!("another {}", kind.word()),
+        _ if gap_cm < 0.0 => format!("the level {:.0} cm below the table", -gap_cm),
+        _ => format!("the level {gap_cm:.0} cm above the table"),
+    }
 }
