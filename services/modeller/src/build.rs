@@ -18,7 +18,7 @@ use construction::Construction;
 use control_client::TrackScope;
 use model_construction::Config;
 use model_store::ModelStore;
-use name_check::check_name;
+use name_check::{check_name, chosen_name};
 use scene_client::camera_depth_noise;
 use sensor_noise::DepthNoise;
 use service::{CommonArguments, Failure};
@@ -43,8 +43,7 @@ pub(crate) fn run(
     let track = arguments.track.as_ref();
     let track = track.map(|track| track.resolve(common, TrackScope::LOOK, None));
     let object = chosen_object(&mut receiver, track.transpose()?, &stop)?;
-    let name = arguments.name.clone().or_else(|| object.label.clone());
-    let name = name.unwrap_or_else(|| format!("track-{}", object.track));
+    let name = chosen_name(arguments.name.as_deref(), &object)?;
     if !arguments.anyway {
         check_name(common, &name, &object)?;
     }

@@ -4,7 +4,7 @@ use crate::handling::{Handling, TrackedPose};
 use crate::obstacle::Obstacle;
 use channel::{Domain, Error};
 use geometry::PinholeCamera;
-use message::SceneObject;
+use message::{CategoryAnswer, SceneObject};
 use nalgebra::{Isometry3, Point3, UnitVector3, Vector3};
 use point_cloud::Point;
 use scene_client::{SceneTopics, is_seen, is_seen_whole, table_in_world};
@@ -38,6 +38,8 @@ pub(crate) struct ReceivedView {
 pub(crate) struct TrackedObject {
     pub(crate) track: u64,
     pub(crate) label: Option<String>,
+    /// Answer about the category: certain, probable or unknown.
+    pub(crate) answer: CategoryAnswer,
     /// Probability of the best category, which is the label, 0 to 1; `None` when it is not known.
     pub(crate) probability: Option<f32>,
     /// Sides of its upright box, metres.
@@ -158,6 +160,7 @@ impl ObjectReceiver {
         let tracked = |object: &&SceneObject| TrackedObject {
             track: object.track_id,
             label: object.label().map(str::to_owned),
+            answer: object.answer(),
             probability: Some(object.probability).filter(|probability| probability.is_finite()),
             size_m: object.size_m,
             is_seen: is_seen_whole(object),

@@ -4,6 +4,7 @@
 use crate::object_receiver::TrackedObject;
 use control_client::MemoryClient;
 use control_protocol::{DocumentKind, DocumentName};
+use message::CategoryAnswer;
 use nalgebra::Vector2;
 use object_model::ObjectModel;
 use service::{CommonArguments, Failure, exit_code};
@@ -21,6 +22,35 @@ struct StandingSize {
     /// Greatest horizontal extent.
     width_m: f64,
     height_m: f64,
+}
+
+/// Name of the model of an object: the given one, its label, or its track-id.
+///
+/// # Errors
+/// If no name is given and the label is only probable.
+pub(super) fn chosen_name(given: Option<&str>, object: &TrackedObject) -> Result<String, Failure> {
+    let track = object.track;
+    match (given, &object.label) {
+        (Some(name), _) => Ok(name.to_owned()),
+        (None, None) => Ok(format!("track-{track}")),
+        (None, Some(label)) if object.answer == CategoryAnswer::Probably => {
+            let sure = sure(object);
+            let sentence = format!(
+                "object {track} is only probably {label}{sure}, so that no model {label:?} is made \
+                 of it unasked; name the model with --name, or teach the label with `tabula teach \
+                 {track} NAME`"
+            );
+            Err(Failure::new(exit_code::REFUSED, sentence))
+        }
+        (None, Some(label)) => Ok(label.clone()),
+    }
+}
+
+/// Probability of the label in brackets; empty when it is not known.
+fn sure(object: &TrackedObject) -> String {
+    object.probability.map_or_else(String::new, |probability| {
+        format!(" ({:.0} % sure)", 100.0 * probability)
+    })
 }
 
 /// Refuses a name that the object contradicts.
@@ -59,17 +89,15 @@ fn earlier_model(common: &CommonArguments, name: &str) -> Result<Option<ObjectMo
 }
 
 /// Sentence about an object with another label than the name says; `None` where one is a part of
-/// the other, as in "blue mug" for a mug.
+/// the other, as in "blue mug" for a mug, or the label is only probable.
 fn other_label(name: &str, object: &TrackedObject) -> Option<String> {
-    let label = object.label.as_deref()?;
+    let certain = (object.answer == CategoryAnswer::Is).then_some(object.label.as_deref());
+    let label = certain.flatten()?;
     let [lower_name, lower_label] = [name, label].map(str::to_lowercase);
     if lower_name.contains(&lower_label) || lower_label.contains(&lower_name) {
         return None;
     }
-    let track = object.track;
-    let sure = object.probability.map_or_else(String::new, |probability| {
-        format!(" ({:.0} % sure)", 100.0 * probability)
-    });
+    let (track, sure) = (object.track, sure(object));
     Some(format!(
         "object {track} is recognised as {label}{sure}, so that no model {name:?} is made of it; \
          leave --name out, or correct the label with `tabula correct {track} NAME`, or add \
@@ -135,6 +163,7 @@ mod tests {
         TrackedObject {
             track: 3,
             label: label.map(str::to_owned),
+            answer: CategoryAnswer::of(label.is_some(), Some(0.92)),
             probability: Some(0.92),
             size_m,
             is_seen: true,
@@ -160,6 +189,24 @@ mod tests {
         ] {
             assert!(sentence.contains(part), "{sentence}");
         }
+    }
+
+    #[test]
+    fn probable_label_neither_names_a_model_nor_contradicts_a_name() {
+        let probable = TrackedObject {
+            answer: CategoryAnswer::Probably,
+            ..object(Some("soda can"), [0.066, 0.066, 0.12])
+        };
+        assert_eq!(other_label("teapot", &probable), None);
+        assert_eq!(chosen_name(Some("teapot"), &probable).unwrap(), "teapot");
+        let refused = chosen_name(None, &probable).unwrap_err().to_string();
+        assert!(
+            refused.contains("only probably soda can (92 % sure)"),
+            "{refused}"
+        );
+        assert!(refused.contains("teach 3"), "{refused}");
+        let unknown = object(None, [0.1; 3]);
+        assert_eq!(chosen_name(None, &unknown).unwrap(), "track-3");
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use super::motion::Motion;
 use geometry::RigidTransform;
+use message::CategoryAnswer;
 use nalgebra::Vector3;
 use next_best_view::ChoiceReason;
-use scene_client::{HypothesisSource, ObjectHypothesis, Snapshot};
+use scene_client::{HypothesisSource, ObjectHypothesis, Snapshot, SnapshotObject};
 use serde::Serialize;
 use view_planning::{RatedView, ViewPlan};
 
@@ -58,6 +59,7 @@ pub(crate) struct ViewDocument {
 pub(crate) struct HypothesisDocument {
     pub(crate) track_id: u64,
     pub(crate) label: Option<String>,
+    pub(crate) answer: CategoryAnswer,
     /// `model` or `measured`.
     pub(crate) source: &'static str,
     /// Contradiction of the model's pose: 0 for a perfect fit, up to 2.
@@ -76,6 +78,7 @@ pub(crate) struct HypothesisDocument {
 pub(crate) struct PlannedObject {
     pub(crate) track_id: u64,
     pub(crate) label: Option<String>,
+    pub(crate) answer: CategoryAnswer,
     pub(crate) state: &'static str,
     /// True if there is a hypothesis of it.
     pub(crate) is_planned_for: bool,
@@ -122,8 +125,9 @@ pub(crate) fn views(
     (views.collect(), document(None, &plan.present))
 }
 
-/// Documents of the hypotheses with their visible shares.
+/// Documents of the hypotheses of a snapshot with their visible shares.
 pub(crate) fn hypotheses(
+    snapshot: &Snapshot,
     hypotheses: &[ObjectHypothesis],
     plan: &ViewPlan,
     world_from_plan: &RigidTransform,
@@ -137,6 +141,7 @@ pub(crate) fn hypotheses(
         HypothesisDocument {
             track_id: hypothesis.track,
             label: hypothesis.label.clone(),
+            answer: answer_about(snapshot, hypothesis.track),
             source,
             contradiction,
             position_m: pose.translation.vector.into(),
@@ -150,6 +155,12 @@ pub(crate) fn hypotheses(
     hypotheses.iter().zip(&plan.shares).map(document).collect()
 }
 
+fn answer_about(snapshot: &Snapshot, track: u64) -> CategoryAnswer {
+    let mut objects = snapshot.objects.iter();
+    let object = objects.find(|object| object.track == track);
+    object.map_or(CategoryAnswer::Unknown, SnapshotObject::answer)
+}
+
 /// Documents of the objects of a snapshot.
 pub(crate) fn objects(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> Vec<PlannedObject> {
     let is_planned_for = |track| hypotheses.iter().any(|h| h.track == track);
@@ -158,6 +169,7 @@ pub(crate) fn objects(snapshot: &Snapshot, hypotheses: &[ObjectHypothesis]) -> V
         .map(|object| PlannedObject {
             track_id: object.track,
             label: object.label.clone(),
+            answer: object.answer(),
             state: object.state.word(),
             is_planned_for: is_planned_for(object.track),
         })

@@ -116,7 +116,7 @@ fn hypotheses_table(hypotheses: &[HypothesisDocument], has_picture: bool) -> Str
         let fit = hypothesis.contradiction;
         let mut cells = vec![
             hypothesis.track_id.to_string(),
-            hypothesis.label.clone().unwrap_or_else(|| "unknown".into()),
+            hypothesis.answer.shown(hypothesis.label.as_deref()),
             match hypothesis.source {
                 "model" => "stored model".into(),
                 _ => "measured points".into(),

@@ -193,7 +193,7 @@ fn document(
         motion: Motion::new(present_pose, chosen_pose).in_words(target),
         present,
         views,
-        hypotheses: plan_document::hypotheses(&content.hypotheses, plan, world_from_plan),
+        hypotheses: plan_document::hypotheses(snapshot, &content.hypotheses, plan, world_from_plan),
         objects: plan_document::objects(snapshot, &content.hypotheses),
         n_background_points: content.background.len(),
         n_unknown_voxels: content

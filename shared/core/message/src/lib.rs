@@ -61,7 +61,7 @@ pub use process_registry::{Duty, ProcessKind};
 pub use rejected_candidate::{MAX_REJECTED_CANDIDATES, RejectedCandidate, WireFinding};
 pub use robot::{ArmActivity, ArmState, MAX_CAPSULES, PersonBody, WireCapsule};
 pub use scene::{ActorStamps, MAX_SCENE_OBJECTS, SceneObject, SceneSummary, StageStamps};
-pub use scene_document::{ARM_JOINTS, TrackState};
+pub use scene_document::{ARM_JOINTS, CategoryAnswer, TrackState};
 pub use scene_time::SceneTime;
 pub use sequenced_header::{PlainHeader, SequencedHeader};
 pub use stage::{Stage, StageScope};

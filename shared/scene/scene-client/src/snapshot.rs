@@ -1,7 +1,7 @@
 //! Snapshot of the table: one frame with its scene and the measured points of the seen objects.
 
 use geometry::{PinholeCamera, Plane, RigidTransform};
-use message::TrackState;
+use message::{CategoryAnswer, TrackState};
 use nalgebra::{Point3, Unit, Vector3};
 use point_cloud::Point;
 use registration::ModelCandidate;
@@ -53,6 +53,14 @@ pub struct SnapshotObject {
 }
 
 impl SnapshotObject {
+    /// Answer about the category: certain, probable or unknown.
+    pub fn answer(&self) -> CategoryAnswer {
+        let label = self.label.as_deref();
+        let mut categories = self.categories.iter();
+        let own = categories.find(|(name, _)| label == Some(name));
+        CategoryAnswer::of(label.is_some(), own.map(|(_, probability)| *probability))
+    }
+
     /// Categories whose models the object may show: its label, and the most probable others. One
     /// without a label is unknown, and shows none.
     pub fn candidates(&self) -> impl Iterator<Item = ModelCandidate<&str>> {
