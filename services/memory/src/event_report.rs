@@ -1,8 +1,8 @@
 //! Conversion of world events to their documents.
 
-use crate::world_report::word;
+use crate::world_report::{answer, word};
 use control_protocol::{Command, LearningReport};
-use scene_document::EventDocument;
+use scene_document::{CategoryAnswer, EventDocument};
 use working_memory::{Event, EventKind, Lesson, LessonKind};
 
 /// Document of a world-model event.
@@ -77,6 +77,7 @@ fn of_lesson(lesson: &Lesson) -> EventDocument {
         event: event.to_owned(),
         track_id: lesson.track_id,
         label: Some(lesson.category.clone()),
+        answer: CategoryAnswer::Is,
         author: Some(lesson.author.clone()),
         history_sequence: Some(lesson.history),
         ..EventDocument::default()
@@ -85,29 +86,38 @@ fn of_lesson(lesson: &Lesson) -> EventDocument {
 
 /// Document of an event of an object, or of the start of the memory.
 fn of_object(kind: &EventKind) -> EventDocument {
-    let about = |event: &str, track_id: u64, label: &Option<String>| EventDocument {
+    let about = |event: &str, track_id: u64, label: &Option<String>, is_probable| EventDocument {
         event: event.to_owned(),
         track_id: Some(track_id),
         label: label.clone(),
+        answer: answer(label.as_ref(), is_probable),
         ..EventDocument::default()
     };
     match kind {
         EventKind::Appeared {
             track_id,
             label,
+            is_probable,
             position_m,
         } => EventDocument {
             position_m: Some(*position_m),
-            ..about("appeared", *track_id, label)
+            ..about("appeared", *track_id, label, *is_probable)
         },
-        EventKind::Vanished { track_id, label } => about("vanished", *track_id, label),
+        EventKind::Vanished {
+            track_id,
+            label,
+            is_probable,
+        } => about("vanished", *track_id, label, *is_probable),
         EventKind::Relabelled {
             track_id,
             before,
             after,
+            before_is_probable,
+            after_is_probable,
         } => EventDocument {
             label_before: before.clone(),
-            ..about("relabelled", *track_id, after)
+            answer_before: answer(before.as_ref(), *before_is_probable),
+            ..about("relabelled", *track_id, after, *after_is_probable)
         },
         EventKind::Moved {
             track_id,
@@ -116,7 +126,7 @@ fn of_object(kind: &EventKind) -> EventDocument {
         } => EventDocument {
             from_m: Some(*from_m),
             position_m: Some(*to_m),
-            ..about("moved", *track_id, &None)
+            ..about("moved", *track_id, &None, false)
         },
         EventKind::Question {
             track_id,
@@ -124,7 +134,7 @@ fn of_object(kind: &EventKind) -> EventDocument {
             sentence,
         } => EventDocument {
             sentence: sentence.clone(),
-            ..about("question", *track_id, category)
+            ..about("question", *track_id, category, true)
         },
         _ => EventDocument {
             event: "started".to_owned(),
@@ -160,10 +170,12 @@ mod tests {
             track_id: 7,
             before: Some("cup".into()),
             after: None,
+            before_is_probable: true,
+            after_is_probable: false,
         });
         let labels = (relabelled.label_before.as_deref(), relabelled.label);
         assert_eq!(labels, (Some("cup"), None));
-        assert_eq!(relabelled.sentence, "track 7 is unknown now, was cup");
+        assert_eq!(relabelled.sentence, "track 7 is unknown now, was cup?");
         let failed = document(EventKind::ActionEnded {
             command_id: 4,
             outcome: Outcome::Failed,

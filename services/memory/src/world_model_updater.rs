@@ -9,11 +9,11 @@ use control_protocol::QuestionReport;
 use message::{
     ArmActivity, ArmState, SceneObject, SceneSummary, Span, Stage, TrackState, frame_flag,
 };
-use scene_document::ObjectDocument;
+use scene_document::{CategoryAnswer, ObjectDocument};
 use service::{Stopwatch, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use working_memory::{BoxPose, Outcome, RobotSighting, Sighting, WorldModel};
+use working_memory::{BoxPose, Outcome, RobotSighting, Sighting, SurfaceSighting, WorldModel};
 
 /// Time without arm states after which the arm counts as absent. Chosen.
 const ARM_SILENCE: Duration = Duration::from_secs(5);
@@ -27,6 +27,8 @@ pub(crate) struct WorldModelUpdater {
     scene: Option<SharedMessage<Scene>>,
     /// Objects of a scene, copied out of shared memory: what is checked is what is used.
     objects: Vec<SceneObject>,
+    /// Numbers of the surfaces of the scene in the world model; `None` before they are kept.
+    surfaces: Vec<Option<u64>>,
     asker: QuestionAsker,
 }
 
@@ -38,6 +40,7 @@ impl WorldModelUpdater {
             arm_heard: Instant::now(),
             scene: None,
             objects: Vec::new(),
+            surfaces: Vec::new(),
             asker: QuestionAsker::default(),
         })
     }
@@ -74,13 +77,18 @@ impl WorldModelUpdater {
 
     fn show(&mut self, scene: &SceneSummary) {
         let captured_ns = now_ns().saturating_sub(age_ns(scene, monotonic_ns()));
-        let seen = self
-            .objects
-            .iter()
-            .filter_map(|object| sighting(object, scene.stamps.capture_ns, captured_ns));
         let is_whole = scene.n_objects_total as usize <= self.objects.len();
-        self.world
-            .with(|model| model.observe(seen, is_whole, captured_ns));
+        let (objects, numbers) = (&self.objects, &mut self.surfaces);
+        self.world.with(|model| {
+            model.observe_surfaces(surface_sightings(scene), captured_ns, numbers);
+            let seen = objects.iter().filter_map(|object| {
+                let carrier = message::document::carrier(scene, object);
+                let surface = carrier.and_then(|index| *numbers.get(index)?);
+                let seen = sighting(object, scene.stamps.capture_ns, captured_ns)?;
+                Some(Sighting { surface, ..seen })
+            });
+            model.observe(seen, is_whole, captured_ns);
+        });
         self.ask(scene, captured_ns);
     }
 
@@ -122,6 +130,21 @@ fn age_ns(scene: &SceneSummary, monotonic_ns: u64) -> u64 {
     monotonic_ns.saturating_sub(scene.stamps.capture_ns)
 }
 
+/// Valid surfaces of a scene as observations of the model.
+fn surface_sightings(scene: &SceneSummary) -> impl Iterator<Item = SurfaceSighting<'_>> {
+    let valid = scene.surfaces().iter();
+    valid.filter_map(|surface| {
+        let kind = surface.checked_kind()?;
+        let corners_m = surface.corners_m();
+        let are_finite = corners_m.iter().flatten().all(|value| value.is_finite());
+        Some(SurfaceSighting {
+            kind: kind.word(),
+            plane: surface.plane,
+            corners_m: if are_finite { corners_m } else { &[] },
+        })
+    })
+}
+
 /// Object of a scene as an observation of the model; `None` for invalid numbers. The stamps count
 /// from `capture_ns`, which was at `captured_ns`.
 fn sighting(object: &SceneObject, capture_ns: u64, captured_ns: u64) -> Option<Sighting<'_>> {
@@ -136,11 +159,13 @@ fn sighting(object: &SceneObject, capture_ns: u64, captured_ns: u64) -> Option<S
         track_id: object.track_id,
         state: state.word(),
         label: object.label(),
+        is_probable: object.answer() == CategoryAnswer::Probably,
         place: BoxPose {
             position_m: object.pose.position_m,
             orientation_xyzw: object.pose.orientation_xyzw,
             size_m,
         },
+        surface: None,
         first_seen_ns: wall_ns(object.first_seen_ns),
         last_seen_ns: wall_ns(object.last_seen_ns),
     })

@@ -5,12 +5,12 @@ use control_protocol::{
 };
 use message::{SceneTime, TrackState};
 use scene_document::{
-    FactDocument, FactsDocument, PlaceDocument, RobotDocument, TaskDocument, WorldDocument,
-    WorldObjectDocument,
+    CategoryAnswer, FactDocument, FactsDocument, PlaceDocument, RobotDocument, TaskDocument,
+    WorldDocument, WorldObjectDocument, WorldSurfaceDocument,
 };
 use working_memory::{
     BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Outcome, Property, Region, Robot, Subject,
-    Task, TaskRefusal, TaskState, Value, Window, WorldModel,
+    SurfaceRecord, Task, TaskRefusal, TaskState, Value, Window, WorldModel,
 };
 
 /// Freshness of the newest scene at the time of a report; all `None` before the first scene.
@@ -31,9 +31,10 @@ impl SceneFreshness {
     }
 }
 
-/// Report of the current objects and of the robot.
+/// Report of the current objects, of the surfaces and of the robot.
 pub(crate) fn world(model: &WorldModel, scene: &SceneFreshness, now_ns: u64) -> WorldDocument {
     let objects = model.objects().map(|one| object(model, one));
+    let surfaces = model.surfaces().map(|one| surface(model, one));
     WorldDocument {
         now_ns,
         scene_age_s: scene.age_s,
@@ -43,6 +44,11 @@ pub(crate) fn world(model: &WorldModel, scene: &SceneFreshness, now_ns: u64) -> 
             objects.map(stale).collect()
         } else {
             objects.collect()
+        },
+        surfaces: if scene.is_stale {
+            surfaces.map(stale_surface).collect()
+        } else {
+            surfaces.collect()
         },
         robot: model.robot().map(robot),
         newest_event: model.newest_event(),
@@ -58,6 +64,23 @@ fn stale(object: WorldObjectDocument) -> WorldObjectDocument {
     }
 }
 
+/// Surface whose state is not known since it was seen last.
+fn stale_surface(surface: WorldSurfaceDocument) -> WorldSurfaceDocument {
+    WorldSurfaceDocument {
+        state: TrackState::STALE_WORD.to_owned(),
+        ..surface
+    }
+}
+
+/// Answer of a label that is certain or probable; unknown without a label.
+pub(crate) fn answer(label: Option<&String>, is_probable: bool) -> CategoryAnswer {
+    match (label, is_probable) {
+        (None, _) => CategoryAnswer::Unknown,
+        (Some(_), true) => CategoryAnswer::Probably,
+        (Some(_), false) => CategoryAnswer::Is,
+    }
+}
+
 fn object(model: &WorldModel, object: &ObjectRecord) -> WorldObjectDocument {
     let since_ns = |property| model.since_ns(Subject::Object(object.track_id), property);
     WorldObjectDocument {
@@ -65,11 +88,31 @@ fn object(model: &WorldModel, object: &ObjectRecord) -> WorldObjectDocument {
         state: object.state.clone(),
         state_since_ns: since_ns(Property::State).unwrap_or(object.first_seen_ns),
         label: object.label.clone(),
+        answer: answer(object.label.as_ref(), object.is_probable),
         label_since_ns: since_ns(Property::Label),
         place: place(&object.place),
         place_since_ns: since_ns(Property::Place).unwrap_or(object.first_seen_ns),
         first_seen_ns: object.first_seen_ns,
         last_seen_ns: object.last_seen_ns,
+    }
+}
+
+fn surface(model: &WorldModel, surface: &SurfaceRecord) -> WorldSurfaceDocument {
+    let [x, y, z, offset_m] = surface.plane;
+    let corners = surface.corners_m.iter();
+    let carried = model
+        .objects()
+        .filter(|object| object.surface == Some(surface.number));
+    WorldSurfaceDocument {
+        surface_id: surface.number,
+        kind: surface.kind.clone(),
+        state: surface.state().to_owned(),
+        normal: [x, y, z],
+        offset_m,
+        outline_m: corners.map(|corner| corner.map(f64::from)).collect(),
+        track_ids: carried.map(|object| object.track_id).collect(),
+        first_seen_ns: surface.first_seen_ns,
+        last_seen_ns: surface.last_seen_ns,
     }
 }
 
@@ -145,15 +188,26 @@ pub(crate) fn facts(page: &FactPage) -> FactsDocument {
 }
 
 fn fact(fact: &Fact) -> FactDocument {
-    let (subject, track_id, task_id) = match fact.subject {
-        Subject::Object(track_id) => ("object", Some(track_id), None),
-        Subject::Robot => ("robot", None, None),
-        Subject::Task(task) => ("task", None, Some(task)),
+    let (mut track_id, mut task_id, mut surface_id) = (None, None, None);
+    let subject = match fact.subject {
+        Subject::Object(track) => {
+            track_id = Some(track);
+            "object"
+        }
+        Subject::Robot => "robot",
+        Subject::Task(task) => {
+            task_id = Some(task);
+            "task"
+        }
+        Subject::Surface(surface) => {
+            surface_id = Some(surface);
+            "surface"
+        }
     };
     let word = |is_holding| if is_holding { "yes" } else { "no" };
     let (property, value) = match &fact.value {
         Value::State(state) => ("state", Some(state.clone())),
-        Value::Label(label) => ("label", Some(label.clone())),
+        Value::Label(label) | Value::ProbableLabel(label) => ("label", Some(label.clone())),
         Value::Place(_) => ("place", None),
         Value::Activity(activity) => ("activity", Some(activity.clone())),
         Value::Holding(is_holding) => ("holding", Some(word(*is_holding).to_owned())),
@@ -162,13 +216,20 @@ fn fact(fact: &Fact) -> FactDocument {
         Value::Place(known) => Some(place(known)),
         _ => None,
     };
+    let answer = match &fact.value {
+        Value::Label(_) => Some(CategoryAnswer::Is),
+        Value::ProbableLabel(_) => Some(CategoryAnswer::Probably),
+        _ => None,
+    };
     FactDocument {
         fact: fact.number,
         subject: subject.to_owned(),
         track_id,
         task_id,
+        surface_id,
         property: property.to_owned(),
         value,
+        answer,
         place,
         start_ns: fact.start_ns,
         end_ns: fact.end_ns,
@@ -256,6 +317,7 @@ mod tests {
             state: "tracked".into(),
             state_since_ns: 3,
             label: None,
+            answer: CategoryAnswer::Unknown,
             label_since_ns: None,
             place: PlaceDocument {
                 position_m: [0.0; 3],

@@ -8,7 +8,7 @@ use control_protocol::{FactFilter, WorldRegion, request};
 use daemon_client::DaemonClient;
 use scene_document::{
     EventDocument, EventsDocument, FactDocument, FactsDocument, RobotDocument, TaskDocument,
-    TasksDocument, WorldDocument, WorldObjectDocument,
+    TasksDocument, WorldDocument, WorldObjectDocument, WorldSurfaceDocument,
 };
 use service::{CommonArguments, Failure, wall_clock_ns};
 use std::process::ExitCode;
@@ -183,7 +183,7 @@ fn world_text(report: &WorldDocument) -> String {
     let row = |object: &WorldObjectDocument| {
         vec![
             object.track_id.to_string(),
-            object.label.clone().unwrap_or_else(|| "unknown".into()),
+            object.answer.shown(object.label.as_deref()),
             object
                 .label_since_ns
                 .map_or_else(|| "-".into(), |since_ns| ago(since_ns, now_ns)),
@@ -213,10 +213,38 @@ fn world_text(report: &WorldDocument) -> String {
         [] => "no objects".into(),
         rows => format_table(&heading, rows),
     };
+    let surfaces = report
+        .surfaces
+        .iter()
+        .map(|surface| surface_line(surface, now_ns));
     let stale = report.is_stale.then(|| stale_line(report.scene_age_s));
     let robot = report.robot.as_ref().map(|robot| robot_line(robot, now_ns));
-    let lines = std::iter::once(objects).chain(stale).chain(robot);
+    let lines = std::iter::once(objects)
+        .chain(surfaces)
+        .chain(stale)
+        .chain(robot);
     lines.collect::<Vec<_>>().join("\n")
+}
+
+fn surface_line(surface: &WorldSurfaceDocument, now_ns: u64) -> String {
+    let carried: Vec<String> = surface.track_ids.iter().map(u64::to_string).collect();
+    let carried = match carried.as_slice() {
+        [] => "carries nothing".to_owned(),
+        ids => format!("carries {}", ids.join(", ")),
+    };
+    let (id, kind, state) = (surface.surface_id, &surface.kind, &surface.state);
+    let height = match surface.outline_m.as_slice() {
+        [] => String::new(),
+        corners => {
+            let sum_m: f64 = corners.iter().map(|corner| corner[2]).sum();
+            format!(" at {:.2} m", sum_m / corners.len() as f64)
+        }
+    };
+    let (first, last) = (
+        ago(surface.first_seen_ns, now_ns),
+        ago(surface.last_seen_ns, now_ns),
+    );
+    format!("surface {id}: {kind}{height}, {carried}; {state}, first {first} ago, last {last} ago")
 }
 
 /// Line about a world that no longer shows the present.
@@ -252,9 +280,9 @@ fn robot_line(robot: &RobotDocument, now_ns: u64) -> String {
 
 fn history_text(report: &FactsDocument, now_ns: u64) -> String {
     let row = |fact: &FactDocument| {
-        let of = match (fact.track_id, fact.task_id) {
-            (Some(id), _) | (None, Some(id)) => format!("{} {id}", fact.subject),
-            (None, None) => fact.subject.clone(),
+        let of = match fact.track_id.or(fact.task_id).or(fact.surface_id) {
+            Some(id) => format!("{} {id}", fact.subject),
+            None => fact.subject.clone(),
         };
         let end = fact
             .end_ns
@@ -282,7 +310,10 @@ fn history_text(report: &FactsDocument, now_ns: u64) -> String {
 fn value_text(fact: &FactDocument) -> String {
     match (&fact.place, &fact.value) {
         (Some(place), _) => format!("({}) m", metres(place.position_m)),
-        (None, Some(value)) => value.clone(),
+        (None, Some(value)) => match fact.answer {
+            Some(answer) => answer.shown(Some(value)),
+            None => value.clone(),
+        },
         (None, None) => "-".into(),
     }
 }
@@ -370,6 +401,7 @@ mod tests {
             capture_stamp_ns: None,
             is_stale,
             objects: Vec::new(),
+            surfaces: Vec::new(),
             robot: None,
             newest_event: 0,
         };

@@ -1,5 +1,6 @@
 //! Document of an event of the world model; its sentence is made from its fields.
 
+use crate::object::CategoryAnswer;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -20,9 +21,15 @@ pub struct EventDocument {
     pub task_id: Option<u64>,
     /// Category after the event; null for none.
     pub label: Option<String>,
+    /// Answer that `label` is: `is`, `probably`, or `unknown` for none.
+    #[serde(default)]
+    pub answer: CategoryAnswer,
     /// Category before a `relabelled` event; null for none.
     #[serde(default)]
     pub label_before: Option<String>,
+    /// Answer that `label_before` is.
+    #[serde(default)]
+    pub answer_before: CategoryAnswer,
     /// Centre of the object's box after `appeared` and `moved`, world frame, metres.
     #[serde(default)]
     pub position_m: Option<[f64; 3]>,
@@ -70,7 +77,7 @@ impl EventDocument {
     fn made_sentence(&self) -> String {
         let number = |id: Option<u64>| id.map_or_else(String::new, |id| id.to_string());
         let track = format!("track {}", number(self.track_id));
-        let label = called(self.label.as_ref());
+        let label = self.answer.shown(self.label.as_deref());
         let place = |place_m: Option<[f64; 3]>| place_m.map_or_else(String::new, metres);
         let kind = self.task_kind.as_deref().unwrap_or_default();
         let task = format!("task {} ({kind})", number(self.task_id));
@@ -79,7 +86,7 @@ impl EventDocument {
             "appeared" => format!("{track} ({label}) appeared at {}", place(self.position_m)),
             "vanished" => format!("{track} ({label}) vanished"),
             "relabelled" => {
-                let before = called(self.label_before.as_ref());
+                let before = self.answer_before.shown(self.label_before.as_deref());
                 format!("{track} is {label} now, was {before}")
             }
             "moved" => {
@@ -106,7 +113,7 @@ impl EventDocument {
             did => did,
         };
         let track = self.track_id.map(|track| format!(" track {track} as"));
-        let category = called(self.label.as_ref());
+        let category = self.answer.shown(self.label.as_deref());
         format!("{author} {did}{} {category}", track.unwrap_or_default())
     }
 
@@ -120,10 +127,6 @@ impl EventDocument {
             reason => format!("{subject} {ended}: {reason}"),
         }
     }
-}
-
-fn called(label: Option<&String>) -> &str {
-    label.map_or("unknown", String::as_str)
 }
 
 fn metres([x, y, z]: [f64; 3]) -> String {
@@ -152,6 +155,10 @@ mod tests {
             reason: "out of reach".to_owned(),
             ..event("action_failed")
         };
+        let probable = EventDocument {
+            answer: CategoryAnswer::Probably,
+            ..event("vanished")
+        };
         let whole_category = EventDocument {
             track_id: None,
             ..event("forgot")
@@ -163,6 +170,7 @@ mod tests {
                 "track 7 (mug) appeared at (0.100 0.200 0.300)",
             ),
             (event("vanished"), "track 7 (mug) vanished"),
+            (probable, "track 7 (mug?) vanished"),
             (event("relabelled"), "track 7 is mug now, was unknown"),
             (
                 event("moved"),

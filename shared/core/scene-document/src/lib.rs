@@ -50,6 +50,7 @@ pub use task::{TaskDocument, TasksDocument};
 pub use track_state::TrackState;
 pub use world::{
     FactDocument, FactsDocument, PlaceDocument, RobotDocument, WorldDocument, WorldObjectDocument,
+    WorldSurfaceDocument,
 };
 
 /// Number of joints of the arm.

@@ -1,5 +1,6 @@
-//! Documents of the world model: present objects and robot, and facts with their validity.
+//! Documents of the world model: present objects, surfaces and robot, and facts with their validity.
 
+use crate::object::CategoryAnswer;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,9 @@ pub struct WorldDocument {
     pub is_stale: bool,
     /// Objects of the world model, ordered by track-id.
     pub objects: Vec<WorldObjectDocument>,
+    /// Support surfaces of the world model, in the order in which they were found.
+    #[serde(default)]
+    pub surfaces: Vec<WorldSurfaceDocument>,
     /// State of the robot; null when it never reported.
     pub robot: Option<RobotDocument>,
     /// Sequence number of the newest event.
@@ -38,8 +42,11 @@ pub struct WorldObjectDocument {
     pub state: String,
     /// Time since which the object has been in its state, nanoseconds since 1970.
     pub state_since_ns: u64,
-    /// Category name of the object; null when unknown.
+    /// Category name of the object, certain or probable; null when unknown.
     pub label: Option<String>,
+    /// Answer about the category: `is`, `probably` or `unknown`.
+    #[serde(default)]
+    pub answer: CategoryAnswer,
     /// Start of the label; null when unknown.
     pub label_since_ns: Option<u64>,
     /// Oriented bounding box of the object.
@@ -49,6 +56,32 @@ pub struct WorldObjectDocument {
     /// Time of the track's first measurement, nanoseconds since 1970.
     pub first_seen_ns: u64,
     /// Time of the object's last measurement, nanoseconds since 1970.
+    pub last_seen_ns: u64,
+}
+
+/// Support surface of the working memory: a plane that was seen for a second at least.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct WorldSurfaceDocument {
+    /// Number of the surface, never used again; a surface that was moved is another one.
+    pub surface_id: u64,
+    /// Kind of the surface, as in [`SurfaceDocument::kind`](crate::SurfaceDocument::kind).
+    pub kind: String,
+    /// State of the surface: `seen` when the newest scene shows it, `unseen`, or `stale` while the
+    /// newest scene is.
+    pub state: String,
+    /// Upward unit normal of its plane, world frame.
+    pub normal: [f64; 3],
+    /// Offset of its plane, metres: a point lies on it where its product with the normal and the
+    /// offset sum to zero.
+    pub offset_m: f64,
+    /// Corners of the convex hull of what was seen of it last, world frame, metres, in order around
+    /// it.
+    pub outline_m: Vec<[f64; 3]>,
+    /// Track-ids of the objects on and over it.
+    pub track_ids: Vec<u64>,
+    /// Time of the first observation, nanoseconds since 1970.
+    pub first_seen_ns: u64,
+    /// Time of the last observation, nanoseconds since 1970.
     pub last_seen_ns: u64,
 }
 
@@ -91,16 +124,22 @@ pub struct RobotDocument {
 pub struct FactDocument {
     /// Number of the fact, ascending in the order of observation.
     pub fact: u64,
-    /// Subject of the fact: `object`, `robot` or `task`.
+    /// Subject of the fact: `object`, `robot`, `task` or `surface`.
     pub subject: String,
     /// Track-id of the object; null for another subject.
     pub track_id: Option<u64>,
     /// Number of the task; null for another subject.
     pub task_id: Option<u64>,
+    /// Number of the surface; null for another subject.
+    #[serde(default)]
+    pub surface_id: Option<u64>,
     /// Property: `state`, `label`, `place`, `activity` or `holding`.
     pub property: String,
     /// Value as a word; `yes` or `no` for `holding`; null for a place.
     pub value: Option<String>,
+    /// Answer of a label: `is` or `probably`; null for another property.
+    #[serde(default)]
+    pub answer: Option<CategoryAnswer>,
     /// Bounding box for `place`; null for another property.
     pub place: Option<PlaceDocument>,
     /// Start of the fact's validity interval, nanoseconds since 1970.

@@ -7,7 +7,7 @@ use scene_document::{
     ColorShareDocument, CovarianceDocument, EventDocument, FactDocument, FindingDocument,
     HealthDocument, ModelDocument, ModelViewDocument, NearCategoryDocument, ObjectDocument,
     PlaceDocument, RefusedViewDocument, RejectedDocument, RobotDocument, SceneDocument,
-    SurfaceDocument, TaskDocument, WorldDocument, WorldObjectDocument,
+    SurfaceDocument, TaskDocument, WorldDocument, WorldObjectDocument, WorldSurfaceDocument,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -170,12 +170,25 @@ fn golden_scene_of_0_2_is_still_read() {
 }
 
 #[test]
+fn golden_world_of_the_first_form_is_still_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    let bytes = |name: &str| golden::read(&folder.join(name)).remove(0).1;
+    let world: WorldDocument = serde_json::from_slice(&bytes("world.txt")).unwrap();
+    assert!(world.surfaces.is_empty());
+    let fact: FactDocument = serde_json::from_slice(&bytes("fact.txt")).unwrap();
+    assert_eq!((fact.surface_id, fact.answer), (None, None));
+    let event: EventDocument = serde_json::from_slice(&bytes("event.txt")).unwrap();
+    assert_eq!(event.answer, CategoryAnswer::Unknown);
+}
+
+#[test]
 fn golden_world_and_facts_are_written_and_read() {
     let object = WorldObjectDocument {
         track_id: 7,
         state: "tracked".into(),
         state_since_ns: 1,
         label: Some("mug".into()),
+        answer: CategoryAnswer::Probably,
         label_since_ns: Some(2),
         place: place(),
         place_since_ns: 3,
@@ -193,28 +206,42 @@ fn golden_world_and_facts_are_written_and_read() {
         last_heard_ns: 4,
         is_heard: true,
     };
+    let surface = WorldSurfaceDocument {
+        surface_id: 3,
+        kind: "table".into(),
+        state: "seen".into(),
+        normal: [0.0, 0.0, 1.0],
+        offset_m: -0.75,
+        outline_m: vec![[0.0, 0.0, 0.75], [1.0, 0.0, 0.75], [1.0, 1.0, 0.75]],
+        track_ids: vec![7],
+        first_seen_ns: 1,
+        last_seen_ns: 4,
+    };
     let world = WorldDocument {
         now_ns: 5,
         scene_age_s: Some(0.5),
         capture_stamp_ns: Some(9),
         is_stale: false,
         objects: vec![object],
+        surfaces: vec![surface],
         robot: Some(robot),
         newest_event: 6,
     };
-    check("world", &[("world", world)]);
+    check("world-2", &[("world", world)]);
     let fact = FactDocument {
         fact: 4,
         subject: "object".into(),
         track_id: Some(7),
         task_id: None,
+        surface_id: None,
         property: "place".into(),
         value: None,
+        answer: None,
         place: Some(place()),
         start_ns: 5,
         end_ns: Some(6),
     };
-    check("fact", &[("place of an object", fact)]);
+    check("fact-2", &[("place of an object", fact)]);
 }
 
 #[test]
@@ -226,7 +253,9 @@ fn golden_events_and_tasks_are_written_and_read() {
         track_id: Some(7),
         task_id: Some(2),
         label: Some("mug".into()),
+        answer: CategoryAnswer::Is,
         label_before: Some("cup".into()),
+        answer_before: CategoryAnswer::Probably,
         position_m: Some([0.5; 3]),
         from_m: Some([1.5; 3]),
         command_id: Some(9),
@@ -236,7 +265,7 @@ fn golden_events_and_tasks_are_written_and_read() {
         history_sequence: Some(8),
         sentence: String::new(),
     };
-    check("event", &[("event", event.in_words())]);
+    check("event-2", &[("event", event.in_words())]);
     let task = TaskDocument {
         task_id: 2,
         kind: "clear".into(),

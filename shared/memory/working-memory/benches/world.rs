@@ -35,11 +35,13 @@ fn look(model: &mut WorldModel, step: u64) {
         track_id,
         state: "tracked",
         label: Some("mug"),
+        is_probable: false,
         place: BoxPose {
             position_m: [0.1 * track_id as f64, 0.05 * (step % 10) as f64, 0.7],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1; 3],
         },
+        surface: None,
         first_seen_ns: SECOND,
         last_seen_ns: now_ns,
     });

@@ -26,6 +26,9 @@ pub enum EventKind {
         track_id: u64,
         /// Label of the object when it appeared.
         label: Option<String>,
+        /// True if the label is only probable.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        is_probable: bool,
         /// Centre of the bounding box in the world frame, metres.
         position_m: [f64; 3],
     },
@@ -35,6 +38,9 @@ pub enum EventKind {
         track_id: u64,
         /// Label of the object when it vanished.
         label: Option<String>,
+        /// True if the label is only probable.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        is_probable: bool,
     },
     /// Change of the label of an object.
     Relabelled {
@@ -44,6 +50,12 @@ pub enum EventKind {
         before: Option<String>,
         /// Label of the object after the change.
         after: Option<String>,
+        /// True if the label before the change was only probable.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        before_is_probable: bool,
+        /// True if the label after the change is only probable.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        after_is_probable: bool,
     },
     /// Departure of an object from a place where it had rested.
     Moved {

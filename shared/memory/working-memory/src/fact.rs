@@ -15,16 +15,18 @@ pub enum Subject {
     Robot,
     /// Task as the subject, by its number.
     Task(u64),
+    /// Support surface as the subject, by its number.
+    Surface(u64),
 }
 
 /// Property of a subject in the world model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Property {
-    /// State of a track or of a task.
+    /// State of a track, a task or a surface.
     State,
     /// Label of an object; there is no such fact while the object is unknown.
     Label,
-    /// Pose and size of an object's box.
+    /// Pose and size of the box of an object or of a surface.
     Place,
     /// Activity of the robot.
     Activity,
@@ -39,6 +41,8 @@ pub enum Value {
     State(String),
     /// Value of [`Property::Label`].
     Label(String),
+    /// Value of [`Property::Label`] that is only probable.
+    ProbableLabel(String),
     /// Value of [`Property::Place`].
     #[serde(rename = "BoxPose")]
     Place(BoxPose),
@@ -53,6 +57,7 @@ pub enum Value {
 pub(crate) enum ValueRef<'a> {
     State(&'a str),
     Label(&'a str),
+    ProbableLabel(&'a str),
     Place(&'a BoxPose),
     Activity(&'a str),
     Holding(bool),
@@ -85,6 +90,14 @@ pub struct Fact {
 }
 
 impl Value {
+    /// Label, certain or probable; `None` for another property.
+    pub fn label(&self) -> Option<&str> {
+        match self {
+            Self::Label(label) | Self::ProbableLabel(label) => Some(label),
+            _ => None,
+        }
+    }
+
     /// Property to which the value belongs.
     pub fn property(&self) -> Property {
         self.as_value_ref().property()
@@ -94,6 +107,7 @@ impl Value {
         match self {
             Self::State(state) => ValueRef::State(state),
             Self::Label(label) => ValueRef::Label(label),
+            Self::ProbableLabel(label) => ValueRef::ProbableLabel(label),
             Self::Place(place) => ValueRef::Place(place),
             Self::Activity(activity) => ValueRef::Activity(activity),
             Self::Holding(is_holding) => ValueRef::Holding(*is_holding),
@@ -105,7 +119,7 @@ impl ValueRef<'_> {
     pub(crate) fn property(self) -> Property {
         match self {
             Self::State(_) => Property::State,
-            Self::Label(_) => Property::Label,
+            Self::Label(_) | Self::ProbableLabel(_) => Property::Label,
             Self::Place(_) => Property::Place,
             Self::Activity(_) => Property::Activity,
             Self::Holding(_) => Property::Holding,
@@ -116,18 +130,21 @@ impl ValueRef<'_> {
         match self {
             Self::State(state) => Value::State(state.to_owned()),
             Self::Label(label) => Value::Label(label.to_owned()),
+            Self::ProbableLabel(label) => Value::ProbableLabel(label.to_owned()),
             Self::Place(place) => Value::Place(*place),
             Self::Activity(activity) => Value::Activity(activity.to_owned()),
             Self::Holding(is_holding) => Value::Holding(is_holding),
         }
     }
 
-    /// `true` if the value equals the known one within the thresholds of the configuration.
+    /// `true` if the value equals the known one within the thresholds of the configuration. A
+    /// label that was certain and is probable now is the same.
     pub(crate) fn matches_value(self, value: &Value, config: &WorldConfig) -> bool {
         match (self, value) {
             (Self::Place(place), Value::Place(known)) => {
                 !place.has_moved_from(known, config) && !place.has_other_size_than(known, config)
             }
+            (Self::ProbableLabel(label), Value::Label(known)) => label == known,
             _ => self == value.as_value_ref(),
         }
     }

@@ -1,4 +1,4 @@
-//! Working memory: a temporal world model of objects, robot, events and tasks.
+//! Working memory: a temporal world model of objects, surfaces, robot, events and tasks.
 //!
 //! A [`WorldModel`] holds everything in memory and answers all queries; it does no I/O and reads no
 //! clock. [`WorkingMemory`] is its copy on disk, and a [`WorldThread`] writes the changes, at most
@@ -30,11 +30,13 @@
 //!     track_id: 7,
 //!     state: "tracked",
 //!     label: Some("mug"),
+//!     is_probable: false,
 //!     place: BoxPose {
 //!         position_m: [x_m, 0.0, 0.7],
 //!         orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
 //!         size_m: [0.1; 3],
 //!     },
+//!     surface: None,
 //!     first_seen_ns: SECOND,
 //!     last_seen_ns: now_ns,
 //! };
@@ -67,6 +69,8 @@ mod record_key;
 mod robot;
 mod robot_update;
 mod scene_update;
+mod surface;
+mod surface_update;
 mod task;
 mod task_table;
 mod task_update;
@@ -85,6 +89,7 @@ pub use fact::{BoxPose, Fact, Property, Subject, Value};
 pub use object::{ObjectRecord, Sighting};
 pub use query::{FactPage, FactQuery, Region, Window};
 pub use robot::{Robot, RobotSighting};
+pub use surface::{SurfaceRecord, SurfaceSighting};
 pub use task::{NewTask, Task, TaskEnd, TaskRefusal, TaskState};
 pub use working_memory::{WorkingMemory, WorldCondition, WorldReport};
 pub use world_config::WorldConfig;

@@ -13,8 +13,12 @@ pub struct Sighting<'a> {
     pub state: &'a str,
     /// Label of the object; `None` when unknown.
     pub label: Option<&'a str>,
+    /// True if the label is only probable.
+    pub is_probable: bool,
     /// Pose and size in the world frame.
     pub place: BoxPose,
+    /// Number of the surface that carries the object; `None` without one.
+    pub surface: Option<u64>,
     /// Start of the track, nanoseconds since 1970.
     pub first_seen_ns: u64,
     /// Time of the last measurement, nanoseconds since 1970.
@@ -30,6 +34,9 @@ pub struct ObjectRecord {
     pub state: String,
     /// Last label; `None` for an unknown object.
     pub label: Option<String>,
+    /// True if the last label is only probable.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_probable: bool,
     /// Last pose and size in the world frame; small changes make no new fact.
     pub place: BoxPose,
     /// Start of the track, nanoseconds since 1970.
@@ -38,6 +45,9 @@ pub struct ObjectRecord {
     pub last_seen_ns: u64,
     /// Time of the disappearance; `None` for a present object.
     pub gone_ns: Option<u64>,
+    /// Number of the surface that carried the object in its last scene.
+    #[serde(skip)]
+    pub surface: Option<u64>,
     /// Number of the last scene that contained the object.
     #[serde(skip)]
     pub(crate) scene: u64,
@@ -52,10 +62,12 @@ impl ObjectRecord {
             track_id: sighting.track_id,
             state: sighting.state.to_owned(),
             label: sighting.label.map(str::to_owned),
+            is_probable: sighting.is_probable,
             place: sighting.place,
             first_seen_ns: sighting.first_seen_ns,
             last_seen_ns: sighting.last_seen_ns,
             gone_ns: None,
+            surface: sighting.surface,
             scene: 0,
             noted_seen_ns: sighting.last_seen_ns,
         }
@@ -69,6 +81,8 @@ impl ObjectRecord {
         if self.label.as_deref() != sighting.label {
             self.label = sighting.label.map(str::to_owned);
         }
+        self.is_probable = sighting.is_probable;
+        self.surface = sighting.surface;
         self.place = sighting.place;
         self.last_seen_ns = sighting.last_seen_ns;
     }

@@ -137,7 +137,7 @@ fn wanted_intervals(table: &FactTable, query: &FactQuery, subject: Subject) -> V
         )
     };
     if let Some(label) = &query.label {
-        let is_called = |value: &Value| matches!(value, Value::Label(known) if known == label);
+        let is_called = |value: &Value| value.label() == Some(label);
         wanted = common(&wanted, &when(&is_called));
     }
     if let Some(region) = &query.region {

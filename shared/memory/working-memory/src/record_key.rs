@@ -16,6 +16,8 @@ pub(crate) enum RecordKey {
     Event(u64),
     /// Task record: `t`, number.
     Task(u64),
+    /// Surface record: `s`, number.
+    Surface(u64),
 }
 
 impl RecordKey {
@@ -27,6 +29,7 @@ impl RecordKey {
             Self::Fact(number) => (b'f', number),
             Self::Event(number) => (b'e', number),
             Self::Task(number) => (b't', number),
+            Self::Surface(number) => (b's', number),
         };
         let mut key = vec![table];
         key.extend(number.to_be_bytes());
@@ -49,6 +52,7 @@ impl RecordKey {
             b'f' => Some(Self::Fact(number)),
             b'e' => Some(Self::Event(number)),
             b't' => Some(Self::Task(number)),
+            b's' => Some(Self::Surface(number)),
             _ => None,
         }
     }
@@ -70,7 +74,7 @@ mod tests {
     proptest! {
         #[test]
         fn keys_keep_content_and_order(a in any::<u64>(), b in any::<u64>()) {
-            for entry in [RecordKey::Object(a), RecordKey::Fact(a), RecordKey::Event(a), RecordKey::Task(a)] {
+            for entry in [RecordKey::Object(a), RecordKey::Fact(a), RecordKey::Event(a), RecordKey::Task(a), RecordKey::Surface(a)] {
                 prop_assert_eq!(RecordKey::of(&entry.key()), Some(entry));
             }
             prop_assert_eq!(RecordKey::Fact(a).key().cmp(&RecordKey::Fact(b).key()), a.cmp(&b));

@@ -47,7 +47,12 @@ impl WorldModel {
         );
         match sighting.label {
             Some(label) => {
-                facts.assert_fact(subject, ValueRef::Label(label), now_ns, config, dirty);
+                let label = if sighting.is_probable {
+                    ValueRef::ProbableLabel(label)
+                } else {
+                    ValueRef::Label(label)
+                };
+                facts.assert_fact(subject, label, now_ns, config, dirty);
             }
             None => facts.retract(subject, Property::Label, now_ns, dirty),
         }
@@ -80,6 +85,7 @@ impl WorldModel {
         let appeared = EventKind::Appeared {
             track_id,
             label: sighting.label.map(str::to_owned),
+            is_probable: sighting.is_probable,
             position_m: sighting.place.position_m,
         };
         self.events.add(appeared, now_ns, &mut self.dirty);
@@ -98,6 +104,8 @@ impl WorldModel {
                 track_id,
                 before: object.label.clone(),
                 after: sighting.label.map(str::to_owned),
+                before_is_probable: object.is_probable,
+                after_is_probable: sighting.is_probable,
             };
             self.events.add(relabelled, now_ns, &mut self.dirty);
         }
@@ -128,8 +136,12 @@ impl WorldModel {
         let is_missed = |track: &u64| self.objects[track].scene != self.n_scenes;
         let missed: Vec<u64> = self.present.iter().copied().filter(is_missed).collect();
         for track_id in missed {
-            let label = self.objects[&track_id].label.clone();
-            let vanished = EventKind::Vanished { track_id, label };
+            let object = &self.objects[&track_id];
+            let vanished = EventKind::Vanished {
+                track_id,
+                label: object.label.clone(),
+                is_probable: object.is_probable,
+            };
             self.events.add(vanished, now_ns, &mut self.dirty);
             self.end_object(track_id, now_ns);
         }

@@ -50,7 +50,9 @@ pub(crate) fn sighting(
         track_id,
         state: STATES[state],
         label: LABELS[label],
+        is_probable: false,
         place: place(x),
+        surface: None,
         first_seen_ns: now_ns,
         last_seen_ns: now_ns,
     }
@@ -421,12 +423,15 @@ fn object_life_cycle_makes_events() {
         EventKind::Appeared {
             track_id: 7,
             label: None,
+            is_probable: false,
             position_m: place(1).position_m,
         },
         EventKind::Relabelled {
             track_id: 7,
             before: None,
             after: mug(),
+            before_is_probable: false,
+            after_is_probable: false,
         },
         EventKind::Moved {
             track_id: 7,
@@ -436,10 +441,116 @@ fn object_life_cycle_makes_events() {
         EventKind::Vanished {
             track_id: 7,
             label: mug(),
+            is_probable: false,
         },
     ];
     assert_eq!(kinds(&model, 0), expected);
     assert_eq!(model.objects().count(), 0);
+}
+
+#[test]
+fn label_becomes_certain_once_and_is_found_when_it_is_only_probable() {
+    let mut model = WorldModel::new(CONFIG);
+    for (second, is_probable) in [(1, true), (2, true), (3, false), (4, true)] {
+        let seen = Sighting {
+            is_probable,
+            ..sighting(&(7, 0, 1, 1), second * SECOND)
+        };
+        model.observe([seen], true, second * SECOND);
+    }
+    assert!(model.objects().all(|object| object.is_probable));
+    let of_mugs = model.facts(&FactQuery {
+        subject: None,
+        label: Some("mug".to_owned()),
+        region: None,
+        window: None,
+        before: None,
+        n_most: 10,
+    });
+    let labels = of_mugs.facts.iter().rev();
+    let labels: Vec<_> = labels
+        .filter(|fact| fact.value.property() == Property::Label)
+        .map(|fact| (fact.value.clone(), fact.start_ns / SECOND))
+        .collect();
+    let mug = || "mug".to_owned();
+    let expected = [(Value::ProbableLabel(mug()), 1), (Value::Label(mug()), 3)];
+    assert_eq!(labels, expected);
+    // Doubt about a label that stays is no event.
+    assert_eq!(kinds(&model, 0).len(), 1);
+}
+
+/// Level surface of a metre by a metre at a height.
+fn surface(height_m: f32) -> (f64, [[f32; 3]; 4]) {
+    let corner = |x, y| [x, y, height_m];
+    let corners = [
+        corner(0., 0.),
+        corner(1., 0.),
+        corner(1., 1.),
+        corner(0., 1.),
+    ];
+    (-f64::from(height_m), corners)
+}
+
+/// Numbers of the level surfaces at some heights, seen in one scene.
+fn see_surfaces(model: &mut WorldModel, heights_m: &[f32], now_ns: u64) -> Vec<Option<u64>> {
+    let seen: Vec<_> = heights_m
+        .iter()
+        .map(|height_m| surface(*height_m))
+        .collect();
+    let sightings = seen.iter().map(|(offset_m, corners_m)| SurfaceSighting {
+        kind: "table",
+        plane: [0.0, 0.0, 1.0, *offset_m],
+        corners_m,
+    });
+    let mut numbers = Vec::new();
+    model.observe_surfaces(sightings, now_ns, &mut numbers);
+    numbers
+}
+
+#[test]
+fn surface_is_kept_after_a_second_and_a_moved_one_is_another() {
+    let mut model = WorldModel::new(CONFIG);
+    assert_eq!(see_surfaces(&mut model, &[0.7], SECOND), [None]);
+    assert_eq!(see_surfaces(&mut model, &[0.71], SECOND + 1), [None]);
+    assert_eq!(model.surfaces().count(), 0);
+    assert_eq!(
+        see_surfaces(&mut model, &[0.7, 1.1], 2 * SECOND),
+        [Some(1), None]
+    );
+    // One that is seen once is forgotten.
+    assert_eq!(see_surfaces(&mut model, &[0.7], 3 * SECOND), [Some(1)]);
+    assert_eq!(see_surfaces(&mut model, &[1.1], 4 * SECOND), [None]);
+    assert_eq!(see_surfaces(&mut model, &[1.1], 5 * SECOND), [Some(2)]);
+    let states: Vec<_> = model
+        .surfaces()
+        .map(|one| (one.number, one.state()))
+        .collect();
+    assert_eq!(states, [(1, "unseen"), (2, "seen")]);
+    see_surfaces(&mut model, &[1.1], 63 * SECOND);
+    assert_eq!(
+        model.surfaces().map(|one| one.number).collect::<Vec<_>>(),
+        [2]
+    );
+    let facts = model.facts(&FactQuery {
+        subject: Some(Subject::Surface(1)),
+        label: None,
+        region: None,
+        window: None,
+        before: None,
+        n_most: 10,
+    });
+    let place = facts.facts.iter().find_map(|fact| match &fact.value {
+        Value::Place(place) => Some((*place, fact.end_ns)),
+        _ => None,
+    });
+    let (place, end_ns) = place.unwrap();
+    assert_eq!(end_ns, Some(3 * SECOND));
+    for (found, expected) in place.position_m.iter().zip([0.5, 0.5, 0.7]) {
+        assert!((found - expected).abs() < 1e-6, "{place:?}");
+    }
+    for (found, expected) in place.size_m.iter().zip([1.0, 1.0, 0.0]) {
+        assert!((found - expected).abs() < 1e-6, "{place:?}");
+    }
 }
 
 #[test]

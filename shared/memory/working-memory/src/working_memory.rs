@@ -16,7 +16,7 @@ use crate::world_config::WorldConfig;
 use crate::world_model::WorldModel;
 
 /// Newest schema version that this program reads.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 /// Maximum number of records in a write batch, which bounds the memory of a full write. Chosen.
 const BATCH_RECORDS: usize = 2048;
 
@@ -27,6 +27,12 @@ pub(crate) struct WorkingMeta {
     pub(crate) newest_fact: u64,
     pub(crate) newest_event: u64,
     pub(crate) newest_task: u64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(crate) newest_surface: u64,
+}
+
+fn is_zero(number: &u64) -> bool {
+    *number == 0
 }
 
 /// Database of the working memory, open in one process. After an error it is closed and opened
@@ -264,6 +270,7 @@ impl ModelLoader {
             RecordKey::Fact(_) => self.model.facts.insert(unseal(key, record)?),
             RecordKey::Event(_) => self.model.events.insert(unseal(key, record)?),
             RecordKey::Task(_) => self.model.tasks.insert(unseal(key, record)?),
+            RecordKey::Surface(_) => self.model.surfaces.push(unseal(key, record)?),
         }
         Ok(())
     }
@@ -293,6 +300,8 @@ impl ModelLoader {
                 model.facts.newest = model.facts.newest.max(meta.newest_fact);
                 model.events.newest = model.events.newest.max(meta.newest_event);
                 model.tasks.newest = model.tasks.newest.max(meta.newest_task);
+                let newest_surface = model.surfaces.iter().map(|surface| surface.number).max();
+                model.newest_surface = newest_surface.unwrap_or(0).max(meta.newest_surface);
                 Ok(Some(model))
             }
         }
@@ -321,6 +330,7 @@ impl WorldModel {
                     newest_fact: self.facts.newest,
                     newest_event: self.events.newest,
                     newest_task: self.tasks.newest,
+                    newest_surface: self.newest_surface,
                 };
                 Some(seal(key, &meta))
             }
@@ -329,6 +339,7 @@ impl WorldModel {
             RecordKey::Fact(number) => self.facts.get(number).map(|fact| seal(key, fact)),
             RecordKey::Event(sequence) => self.events.get(sequence).map(|event| seal(key, event)),
             RecordKey::Task(number) => self.tasks.get(number).map(|task| seal(key, task)),
+            RecordKey::Surface(number) => self.surface(number).map(|surface| seal(key, surface)),
         }
     }
 
@@ -349,12 +360,14 @@ impl WorldModel {
             .all()
             .map(|event| RecordKey::Event(event.sequence));
         let tasks = self.tasks.all().map(|task| RecordKey::Task(task.number));
+        let surfaces = self.surfaces().map(|one| RecordKey::Surface(one.number));
         let single = [RecordKey::Meta, RecordKey::Robot].into_iter();
         single
             .chain(objects)
             .chain(facts)
             .chain(events)
             .chain(tasks)
+            .chain(surfaces)
     }
 }
 

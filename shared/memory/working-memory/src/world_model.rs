@@ -1,4 +1,4 @@
-//! World model: objects, robot, facts, events and tasks, with their updates.
+//! World model: objects, surfaces, robot, facts, events and tasks, with their updates.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,6 +12,7 @@ use crate::object::ObjectRecord;
 use crate::query::{self, FactPage, FactQuery};
 use crate::record_key::RecordKey;
 use crate::robot::Robot;
+use crate::surface::SurfaceRecord;
 use crate::task::{Task, TaskState};
 use crate::task_table::TaskTable;
 use crate::world_config::WorldConfig;
@@ -38,6 +39,10 @@ pub struct WorldModel {
     /// Track-ids of the present objects.
     pub(crate) present: BTreeSet<u64>,
     pub(crate) gone: ExpiryQueue,
+    /// Support surfaces of the present, also those that are not kept yet.
+    pub(crate) surfaces: Vec<SurfaceRecord>,
+    /// Number of the newest kept surface; zero before the first.
+    pub(crate) newest_surface: u64,
     pub(crate) n_scenes: u64,
 }
 
@@ -54,6 +59,8 @@ impl WorldModel {
             dirty: DirtySet::default(),
             present: BTreeSet::new(),
             gone: ExpiryQueue::default(),
+            surfaces: Vec::new(),
+            newest_surface: 0,
             n_scenes: 0,
         }
     }
@@ -160,11 +167,15 @@ impl WorldModel {
         !self.dirty.is_empty()
     }
 
-    /// Marks present objects and the robot as dirty, so that their last-seen times are written
+    /// Marks present objects, surfaces and the robot as dirty, so that their last-seen times are written
     /// before the end.
     pub(crate) fn mark_present_dirty(&mut self) {
         for track_id in &self.present {
             self.dirty.add(RecordKey::Object(*track_id));
+        }
+        let kept = self.surfaces.iter().filter(|surface| surface.number > 0);
+        for surface in kept {
+            self.dirty.add(RecordKey::Surface(surface.number));
         }
         if self.robot.is_some() {
             self.dirty.add(RecordKey::Robot);
@@ -178,12 +189,15 @@ impl WorldModel {
         for track_id in left {
             self.end_object(track_id, self.objects[&track_id].last_seen_ns);
         }
+        for index in (0..self.surfaces.len()).rev() {
+            self.end_surface(index);
+        }
         self.lose_robot();
         let open: Vec<_> = self.facts.open().collect();
         for (subject, property) in open {
             let is_task = |task| self.tasks.get(task).is_some_and(is_running);
             if !matches!(subject, Subject::Task(task) if is_task(task)) {
-                // The object or task was not written in time: the fact ends at its start.
+                // The object, surface or task was not written in time: the fact ends at its start.
                 self.facts.retract(subject, property, 0, &mut self.dirty);
             }
         }

@@ -20,11 +20,13 @@ fn sighting(track_id: u64, wobble_m: f64, now_ns: u64) -> Sighting<'static> {
         track_id,
         state: "tracked",
         label: Some("mug"),
+        is_probable: false,
         place: BoxPose {
             position_m: [track_id as f64 + wobble_m, 0.0, 0.7],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1; 3],
         },
+        surface: None,
         first_seen_ns: 0,
         last_seen_ns: now_ns,
     }

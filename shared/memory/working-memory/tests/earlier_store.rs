@@ -29,11 +29,13 @@ fn sighting(track_id: u64, label: Option<&'static str>, x_m: f64, now_s: u64) ->
         track_id,
         state: "tracked",
         label,
+        is_probable: false,
         place: BoxPose {
             position_m: [x_m, 0.0, 0.7],
             orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
             size_m: [0.1; 3],
         },
+        surface: None,
         first_seen_ns: SECOND,
         last_seen_ns: now_s * SECOND,
     }

@@ -13,6 +13,7 @@ use crate::fact::{BoxPose, Fact, Subject, Value};
 use crate::object::ObjectRecord;
 use crate::record_key::RecordKey;
 use crate::robot::Robot;
+use crate::surface::SurfaceRecord;
 use crate::task::{Task, TaskState};
 use crate::working_memory::WorkingMeta;
 
@@ -82,6 +83,7 @@ fn scene_events() -> Vec<(&'static str, EventKind)> {
             EventKind::Appeared {
                 track_id: 7,
                 label: None,
+                is_probable: false,
                 position_m: [0.5, 1.5, 2.5],
             },
         ),
@@ -90,6 +92,7 @@ fn scene_events() -> Vec<(&'static str, EventKind)> {
             EventKind::Vanished {
                 track_id: 7,
                 label: Some(word()),
+                is_probable: false,
             },
         ),
         (
@@ -98,6 +101,8 @@ fn scene_events() -> Vec<(&'static str, EventKind)> {
                 track_id: 7,
                 before: None,
                 after: Some(word()),
+                before_is_probable: false,
+                after_is_probable: false,
             },
         ),
         (
@@ -189,10 +194,12 @@ fn golden_records_of_subjects_are_written_and_read() {
         track_id: 7,
         state: "tracked".to_owned(),
         label: Some("mug".to_owned()),
+        is_probable: false,
         place: place(),
         first_seen_ns: 1,
         last_seen_ns: 2,
         gone_ns: Some(3),
+        surface: None,
         scene: 0,
         noted_seen_ns: 0,
     };
@@ -237,6 +244,76 @@ fn golden_records_of_subjects_are_written_and_read() {
         newest_fact: 2,
         newest_event: 3,
         newest_task: 4,
+        newest_surface: 0,
     };
     check("meta", RecordKey::Meta, &[("meta", meta)]);
+}
+
+#[test]
+fn golden_records_of_surfaces_and_probable_labels_are_written_and_read() {
+    let surface = SurfaceRecord {
+        number: 3,
+        kind: "table".to_owned(),
+        plane: [0.0, 0.0, 1.0, -0.75],
+        corners_m: vec![[0.0, 0.0, 0.75], [1.0, 0.0, 0.75], [1.0, 1.0, 0.75]],
+        first_seen_ns: 1,
+        last_seen_ns: 2,
+        is_seen: false,
+        noted_seen_ns: 0,
+    };
+    check("surface", RecordKey::Surface(3), &[("surface", surface)]);
+    let meta = WorkingMeta {
+        schema: 2,
+        newest_fact: 2,
+        newest_event: 3,
+        newest_task: 4,
+        newest_surface: 5,
+    };
+    check("meta-2", RecordKey::Meta, &[("meta", meta)]);
+    let object = ObjectRecord {
+        track_id: 7,
+        state: "tracked".to_owned(),
+        label: Some("mug".to_owned()),
+        is_probable: true,
+        place: place(),
+        first_seen_ns: 1,
+        last_seen_ns: 2,
+        gone_ns: Some(3),
+        surface: None,
+        scene: 0,
+        noted_seen_ns: 0,
+    };
+    check("object-2", RecordKey::Object(7), &[("probable", object)]);
+    let fact = |subject, value| Fact {
+        number: 4,
+        subject,
+        value,
+        start_ns: 5,
+        end_ns: None,
+    };
+    let label = Value::ProbableLabel("word".to_owned());
+    let facts = [
+        (
+            "probable label of an object",
+            fact(Subject::Object(7), label),
+        ),
+        (
+            "state of a surface",
+            fact(Subject::Surface(3), Value::State("seen".to_owned())),
+        ),
+    ];
+    check("fact-2", RecordKey::Fact(4), &facts);
+    let kind = EventKind::Relabelled {
+        track_id: 7,
+        before: Some("word".to_owned()),
+        after: Some("word".to_owned()),
+        before_is_probable: true,
+        after_is_probable: true,
+    };
+    let event = Event {
+        sequence: 4,
+        wall_ns: 5,
+        kind,
+    };
+    check("event-2", RecordKey::Event(4), &[("relabelled", event)]);
 }

@@ -150,6 +150,7 @@ fn newer_schema_is_refused_and_left_unchanged() {
         newest_fact: 0,
         newest_event: 0,
         newest_task: 0,
+        newest_surface: 0,
     };
     let key = RecordKey::Meta.key();
     let record = Some(seal(&key, &meta));
