@@ -3,6 +3,7 @@
 
 mod adjacency;
 mod boundary;
+mod continuation;
 mod decision_tree;
 mod pair_features;
 mod region;

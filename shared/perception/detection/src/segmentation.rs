@@ -5,6 +5,7 @@
 //! two neighbouring cells as a boundary of objects; a watershed over these edges gives regions;
 //! and adjacent regions are merged while trained trees find them to be one object.
 
+mod amodal_completion;
 mod bends;
 mod cell_image;
 mod edge_features;
@@ -27,6 +28,7 @@ use crate::parallelism::Parallelism;
 use crate::region_merging::RegionAdjacency;
 use crate::split_gate::may_be_several_objects;
 use crate::table_reference::TableReference;
+use amodal_completion::{AmodalCompletion, RegionImage};
 use cell_image::MARGIN;
 use pixel_labels::CellLabels;
 use point_cloud::OrganizedCloud;
@@ -75,6 +77,7 @@ pub(crate) struct Segmentation {
     parents: Vec<u32>,
     /// Per region: the new cluster.
     cluster_of: Vec<u32>,
+    amodal_completion: AmodalCompletion,
     undivided: UndividedClusters,
     labels: CellLabels,
 }
@@ -90,7 +93,8 @@ impl Segmentation {
         if clusters.len() > 0 {
             self.find_regions(input, clusters, parallelism);
             self.claim_regions(input);
-            self.merge_regions(input.joins_clusters, clusters.len());
+            self.merge_regions(input);
+            self.unite_pieces(clusters.len());
             let n_clusters = self.number_clusters(clusters.len());
             self.labels
                 .relabel(clusters, n_clusters, &input.cloud, &self.image);
@@ -172,16 +176,30 @@ impl Segmentation {
         self.adjacency.claim(claims);
     }
 
-    fn merge_regions(&mut self, joins_clusters: bool, n_clusters: usize) {
+    fn merge_regions(&mut self, input: &SegmentationInput<'_>) {
         let parents = &mut self.parents;
         parents.clear();
         parents.extend(0..self.watershed.regions.len() as u32);
-        self.adjacency.merge_regions(joins_clusters, |a, b| {
+        self.adjacency.merge_regions(input.joins_clusters, |a, b| {
             union(parents, a, b);
         });
+        if input.joins_clusters {
+            let image = RegionImage {
+                cloud: &input.cloud,
+                cells: &self.image,
+                region_of: &self.watershed.region_of,
+                noise: &input.table.noise,
+            };
+            self.amodal_completion
+                .unite_parts(&image, &self.adjacency, parents);
+        }
+    }
+
+    fn unite_pieces(&mut self, n_clusters: usize) {
         let n_pixels_min = CELLS_MIN * (self.image.stride_px * self.image.stride_px) as u32;
         let regions = (&self.watershed.regions[..], n_pixels_min);
-        self.undivided.unite_pieces(n_clusters, regions, parents);
+        self.undivided
+            .unite_pieces(n_clusters, regions, &mut self.parents);
     }
 
     /// Number the merged regions, give each cell and undivided cluster its number, and return how

@@ -1,6 +1,7 @@
 //! Region adjacency graph and greedy merging.
 
 use super::boundary::{BoundaryImage, BoundaryPair, RegionBoundary};
+use super::continuation::{are_alike, are_in_a_row};
 use super::decision_tree::{FeatureLanes, LANES};
 use super::pair_features::{LOG_FOOTPRINT_RATIO, PairContext, PairFeatures, pair_features};
 use super::region::{Region, RegionSums, YawAxes};
@@ -173,6 +174,29 @@ impl RegionAdjacency {
         }
     }
 
+    /// True if two merged regions, by their roots, may be the parts of one body on both sides of an
+    /// occluder, and no two tracks claim them.
+    pub(crate) fn may_continue(&self, a: u32, b: u32) -> bool {
+        let [a, b] = [a as usize, b as usize];
+        let are_two_tracks = match [self.claims[a], self.claims[b]] {
+            [NO_TRACK, _] | [_, NO_TRACK] => false,
+            [one, other] => one != other,
+        };
+        if are_two_tracks {
+            return false;
+        }
+        let [one, other] = [&self.regions[a], &self.regions[b]];
+        are_alike(one, other, &self.noise)
+            && are_in_a_row(one, other, &self.together(&self.sums, a, b))
+    }
+
+    /// Description of two regions or clusters together.
+    fn together(&self, sums: &[RegionSums], a: usize, b: usize) -> Region {
+        let mut both = sums[a];
+        both.merge(&sums[b]);
+        both.describe(&self.camera)
+    }
+
     /// Training examples: merge regions of one object greedily, those with the weakest boundary
     /// first, and add each edge when it is new or changed (learned agglomeration;
     /// Nunez-Iglesias et al. 2013).
@@ -269,20 +293,15 @@ impl RegionAdjacency {
     fn features(&self, edge: usize) -> PairFeatures {
         let boundary = &self.edges[edge].boundary;
         let [a, b] = boundary.regions.map(|region| region as usize);
-        let together = |sums: &[RegionSums], a: usize, b: usize| {
-            let mut both = sums[a];
-            both.merge(&sums[b]);
-            both.describe(&self.camera)
-        };
         let clusters = [a, b].map(|region| self.cluster_of[region] as usize);
         let is_one_cluster = clusters[0] == clusters[1];
         let cluster = if is_one_cluster {
             self.clusters[clusters[0]]
         } else {
-            together(&self.cluster_sums, clusters[0], clusters[1])
+            self.together(&self.cluster_sums, clusters[0], clusters[1])
         };
         let context = PairContext {
-            both: &together(&self.sums, a, b),
+            both: &self.together(&self.sums, a, b),
             cluster: &cluster,
             is_one_cluster,
             noise: &self.noise,

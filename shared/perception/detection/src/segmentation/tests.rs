@@ -171,3 +171,50 @@ fn regions_are_claimed_by_the_track_with_the_smallest_box_around_them() {
     );
     assert!(without.iter().all(|&claim| claim == NO_TRACK));
 }
+
+/// A box that a higher bar crosses, so that its two ends are seen, at these depths.
+fn crossed_box(ends_m: [f32; 2], has_bar: bool) -> Vec<Point> {
+    image(|column, row| {
+        if has_bar && (145..175).contains(&column) && (20..220).contains(&row) {
+            return Some((0.75, [40, 60, 190]));
+        }
+        let is_end = |columns: std::ops::Range<usize>| columns.contains(&column);
+        let is_along = (100..140).contains(&row);
+        if is_along && is_end(90..146) {
+            Some((ends_m[0], [200, 60, 50]))
+        } else if is_along && is_end(174..230) {
+            Some((ends_m[1], [200, 120, 50]))
+        } else {
+            None
+        }
+    })
+}
+
+fn n_objects(points: &[Point], input: &SegmentationInput<'_>) -> usize {
+    let mut clusters = clusters_above_table(points);
+    Segmentation::default().segment(input, &mut clusters, &Sequential);
+    clusters.len()
+}
+
+#[test]
+fn amodal_completion_unites_the_ends_of_a_box_behind_an_occluder() {
+    let points = crossed_box([0.9; 2], true);
+    assert_eq!(n_objects(&points, &input(&points, &[])), 2);
+    let parts_apart = SegmentationInput {
+        joins_clusters: false,
+        ..input(&points, &[])
+    };
+    assert_eq!(n_objects(&points, &parts_apart), 3);
+    // Two tracks have them.
+    let ends = [[85.0, 147.0], [173.0, 235.0]];
+    let tracks = ends.map(|columns| track(columns, [95.0, 145.0], [0.88, 1.0]));
+    assert_eq!(n_objects(&points, &input(&points, &tracks)), 3);
+}
+
+#[test]
+fn amodal_completion_keeps_boxes_of_two_heights_and_those_with_a_gap_apart() {
+    let other_height = crossed_box([0.9, 0.86], true);
+    assert_eq!(n_objects(&other_height, &input(&other_height, &[])), 3);
+    let gap = crossed_box([0.9; 2], false);
+    assert_eq!(n_objects(&gap, &input(&gap, &[])), 2);
+}
