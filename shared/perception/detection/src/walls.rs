@@ -7,6 +7,7 @@
 
 use crate::RawConfig;
 use crate::affine_form::AffineForm;
+use crate::pixel_bounds::PixelBounds;
 use crate::plane_ransac::{hypothesis_draws, least_squares_plane};
 use crate::samples::Samples;
 use crate::table::Table;
@@ -72,6 +73,9 @@ const SPAN_MIN_M: f64 = 0.3;
 /// image. Chosen.
 const OUTSIDE_SHARE_MIN: f64 = 0.2;
 
+/// Greatest distance from the border of a sample at it, samples. Chosen.
+const BORDER_SAMPLES: usize = 1;
+
 /// Least share of the samples of an image on a wall. Chosen.
 const SHARE_MIN: f64 = 0.006;
 
@@ -132,6 +136,8 @@ struct WallSearch<'a> {
     axes: [AffineForm; 3],
     config: &'a RawConfig,
     n_min: usize,
+    /// Columns and rows of samples with depth: registered depth leaves empty margins.
+    bounds: PixelBounds,
 }
 
 impl Walls {
@@ -151,6 +157,7 @@ impl Walls {
             axes: AffineForm::coordinates_of(&table.table_from_camera),
             config,
             n_min: ((SHARE_MIN * samples.len() as f64) as usize).max(3),
+            bounds: bounds_of_depth(samples),
         };
         self.planes.clear();
         self.pool.clear();
@@ -193,6 +200,15 @@ impl Walls {
             });
         }
     }
+}
+
+/// Bounding rectangle of the samples with depth.
+fn bounds_of_depth(samples: &Samples) -> PixelBounds {
+    let mut bounds = PixelBounds::default();
+    for sample in (0..samples.len()).filter(|&sample| samples.depth(sample) > 0.0) {
+        bounds.add(sample % samples.width(), sample / samples.width());
+    }
+    bounds
 }
 
 /// Half width of the band of a wall at a depth, metres.
@@ -348,13 +364,15 @@ impl WallSearch<'_> {
         (n_beneath, filled.into_iter().filter(|&part| part).count())
     }
 
-    /// `true` when a sample is outside of the space of objects, or at the border of the image.
+    /// `true` when a sample is outside of the space of objects, or at the border of the image with
+    /// depth.
     fn is_outside(&self, sample: usize) -> bool {
         let [u, v, height_m] = [0, 1, 2].map(|i| self.samples.coordinate(&self.axes[i], sample));
-        let (width, height) = (self.samples.width(), self.samples.height());
-        let [column, row] = [sample % width, sample / width];
-        let is_at_border = column <= 1 || row <= 1 || column + 2 >= width || row + 2 >= height;
-        is_at_border || height_m > self.config.height_max_m as f32 || !self.cells.is_near(u, v)
+        let mut place = PixelBounds::default();
+        place.add(sample % self.samples.width(), sample / self.samples.width());
+        self.bounds.is_touched_by(&place, BORDER_SAMPLES)
+            || height_m > self.config.height_max_m as f32
+            || !self.cells.is_near(u, v)
     }
 }
 
@@ -376,5 +394,39 @@ impl Interval {
 
     fn length(&self) -> f64 {
         (self.0[1] - self.0[0]).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use point_cloud::{Point, Rgba};
+
+    #[test]
+    fn border_of_the_image_is_that_of_its_depth() {
+        let (width, height) = (64, 48);
+        let point = |i: usize| {
+            let (column, row) = (i % width, i / width);
+            if (8..48).contains(&column) && (12..48).contains(&row) {
+                let [x, y] = [column, row].map(|at| 0.01 * at as f32);
+                let color = Rgba::default();
+                Point {
+                    x,
+                    y,
+                    z: 1.0,
+                    color,
+                }
+            } else {
+                Point::without_depth(Rgba::default())
+            }
+        };
+        let points: Vec<Point> = (0..width * height).map(point).collect();
+        let cloud = OrganizedCloud::new(&points, width, height).unwrap();
+        let mut samples = Samples::default();
+        samples.refill(&cloud, &RawConfig::default());
+        let stride = samples.stride();
+        let bounds = bounds_of_depth(&samples);
+        assert_eq!(bounds.columns, [8 / stride, 48 / stride - 1]);
+        assert_eq!(bounds.rows, [12 / stride, 48 / stride - 1]);
     }
 }
