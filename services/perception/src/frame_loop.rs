@@ -55,7 +55,7 @@ pub(crate) struct FrameLoop {
     /// Taught views that the labels of all tracks were read against.
     labelled_by: Arc<CategorySnapshot>,
     lesson_feedback: LessonFeedback,
-    novelty_prior: NoveltyPrior,
+    novelty_prior: watch::Sender<NoveltyPrior>,
     config: pipeline::Config,
     latest_scene: Arc<LatestScene>,
     health: Arc<HealthCounters>,
@@ -81,6 +81,7 @@ pub(crate) struct FrameLoopParts {
     pub(crate) outbox: Outbox,
     pub(crate) sync_barrier: SyncBarrier,
     pub(crate) categories: SharedCategories,
+    pub(crate) novelty_prior: watch::Sender<NoveltyPrior>,
     pub(crate) latest_scene: Arc<LatestScene>,
     pub(crate) health: Arc<HealthCounters>,
 }
@@ -103,7 +104,7 @@ impl FrameLoop {
         let detector = detector.with_fault(config.fault.frame);
         let rule = detector.config().rule().to_string();
         tracing::info!("a candidate becomes an object when {rule}");
-        Ok(Self {
+        let mut frames = Self {
             settings,
             frame_receiver: FrameReceiver::new(domain)?,
             camera_watch: CameraWatch::new(parts.health.clone()),
@@ -130,14 +131,16 @@ impl FrameLoop {
             categories: parts.categories,
             labelled_by: Arc::default(),
             lesson_feedback: LessonFeedback::default(),
-            novelty_prior: NoveltyPrior::default(),
+            novelty_prior: parts.novelty_prior,
             config: config.pipeline,
             latest_scene: parts.latest_scene,
             health: parts.health,
             publishers,
             objects: Vec::new(),
             last_finished: None,
-        })
+        };
+        frames.set_pipeline_config(config.pipeline);
+        Ok(frames)
     }
 
     /// Processes frames as they arrive, until the future is dropped or shared memory
@@ -304,10 +307,10 @@ impl FrameLoop {
         if feedback.is_empty() {
             return;
         }
-        for feedback in feedback {
-            self.novelty_prior.learn(feedback);
-        }
-        let prior = self.novelty_prior.probability();
+        self.novelty_prior.send_modify(|prior| {
+            feedback.into_iter().for_each(|one| prior.learn(one));
+        });
+        let prior = self.novelty_prior.borrow().probability();
         tracing::info!(
             "after these lessons one object in {:.0} is taken to be new",
             prior.recip()
@@ -317,7 +320,7 @@ impl FrameLoop {
 
     /// Sets the configuration of tracking and recognition, with the learned prior of novelty.
     fn set_pipeline_config(&mut self, config: pipeline::Config) {
-        self.config = config.with_novelty_prior(self.novelty_prior);
+        self.config = config.with_novelty_prior(*self.novelty_prior.borrow());
         self.pipeline.set_config(self.config);
         self.live.actors.set_pipeline_config(self.config);
     }

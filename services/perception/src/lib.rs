@@ -25,6 +25,7 @@ mod log_once;
 mod memory_replica;
 mod newest_view;
 mod noise_log;
+mod novelty_prior_file;
 mod object_actor;
 mod object_actors;
 mod outbox;

@@ -7,6 +7,7 @@ use crate::frame_loop::{FrameLoop, FrameLoopParts};
 use crate::latest_scene::LatestScene;
 use crate::liveness_probe::LivenessProbe;
 use crate::memory_replica::{MemoryReplica, SharedCategories};
+use crate::novelty_prior_file;
 use crate::object_actor::ObjectActor;
 use crate::object_actors::ObjectActors;
 use crate::outbox::outbox;
@@ -54,6 +55,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     let (replica, sync_barrier) = MemoryReplica::new(domain, memory.clone(), categories.clone())?;
     let handler = control::handler(latest_scene.clone(), sync_barrier.clone(), health.clone());
     let server = Server::bind(domain, ProcessKind::PERCEPTION, handler)?;
+    let (novelty_prior, prior_writer) = novelty_prior_file::open(&context.home);
     let parts = FrameLoopParts {
         pool: pool.clone(),
         actors: actors(&config, supervisor, backoff),
@@ -61,6 +63,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
         outbox,
         sync_barrier,
         categories,
+        novelty_prior,
         latest_scene,
         health: health.clone(),
     };
@@ -69,6 +72,7 @@ pub(crate) async fn run(context: Context, live: LiveConfig<Config>) -> Result<()
     tasks.spawn("the control server", server.run());
     tasks.spawn("the replica of the memory", replica.run());
     tasks.spawn("the sender of key views", outbox_sender.run());
+    tasks.spawn("the writer of the prior of novelty", prior_writer.run());
     tasks.spawn("the lease of track-ids", ids.clone().keep(memory.clone()));
     let liveness_probe = LivenessProbe::new(pool.clone(), health.clone());
     let work = async {

@@ -48,6 +48,19 @@ impl Default for NoveltyPrior {
 }
 
 impl NoveltyPrior {
+    /// Prior of counts of new and of known objects, as [`counts`](Self::counts) gives them; `None`
+    /// for counts that no feedback gives.
+    pub fn from_counts([n_new, n_known]: [f32; 2]) -> Option<Self> {
+        let are_counts = [n_new, n_known].iter().all(|n| *n >= 0.0);
+        let n = n_new + n_known;
+        (are_counts && n > 0.0 && n <= N_COUNTED_MAX + 1.0).then_some(Self { n_new, n_known })
+    }
+
+    /// Counts of new and of known objects, with those of the initial prior.
+    pub fn counts(&self) -> [f32; 2] {
+        [self.n_new, self.n_known]
+    }
+
     /// Learns from one object.
     pub fn learn(&mut self, feedback: Feedback) {
         let n = match feedback {
@@ -120,6 +133,22 @@ mod tests {
     #[test]
     fn begins_with_one_new_object_in_four() {
         assert_eq!(NoveltyPrior::default().probability(), 0.25);
+    }
+
+    #[test]
+    fn counts_give_the_prior_again() {
+        let mut prior = NoveltyPrior::default();
+        for i in 0..100 {
+            assert_eq!(NoveltyPrior::from_counts(prior.counts()), Some(prior));
+            prior.learn(if i % 7 == 0 {
+                Feedback::FalseName
+            } else {
+                Feedback::Known
+            });
+        }
+        for wrong in [[f32::NAN, 1.0], [-1.0, 3.0], [0.0; 2], [1e9, 1.0]] {
+            assert_eq!(NoveltyPrior::from_counts(wrong), None, "{wrong:?}");
+        }
     }
 
     #[test]
