@@ -105,6 +105,7 @@ const HYPOTHESIS: &[(&str, JsonType)] = &[
     ("track_id", Count),
     ("label", TextOrNull),
     ("source", Text),
+    ("answer", Text),
     ("contradiction", NumberOrNull),
     ("position_m", Vector(3)),
     ("orientation_xyzw", Vector(4)),
@@ -116,6 +117,7 @@ const HYPOTHESIS: &[(&str, JsonType)] = &[
 const SCENE_OBJECT: &[(&str, JsonType)] = &[
     ("track_id", Count),
     ("label", TextOrNull),
+    ("answer", Text),
     ("state", Text),
     ("is_planned_for", Truth),
 ];

@@ -123,6 +123,7 @@ fn facts_are_queried_by_label_position_and_time() {
     let tracks = |facts: &[Value]| {
         let mut tracks: Vec<String> = facts
             .iter()
+            .filter(|fact| fact["subject"] == "object")
             .map(|fact| fact["track_id"].to_string())
             .collect();
         tracks.sort();
