@@ -308,7 +308,9 @@ impl FrameLoop {
             return;
         }
         self.novelty_prior.send_modify(|prior| {
-            feedback.into_iter().for_each(|one| prior.learn(one));
+            for one in feedback {
+                prior.learn(one);
+            }
         });
         let prior = self.novelty_prior.borrow().probability();
         tracing::info!(

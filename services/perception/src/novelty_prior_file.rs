@@ -51,7 +51,7 @@ impl NoveltyPriorWriter {
                 );
             }
         }
-        std::future::pending().await
+        std::future::pending::<()>().await;
     }
 }
 

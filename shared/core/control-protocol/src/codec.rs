@@ -241,28 +241,32 @@ mod tests {
         assert_eq!(decode_reply(&bytes), Reply::Objects(Box::new(report)));
     }
 
-    /// The longest pages of the working memory fit, too.
-    #[test]
-    fn the_longest_pages_of_the_world_fit() {
-        let name = "x".repeat(128);
+    fn longest_fact(name: &str) -> FactDocument {
         let place = PlaceDocument {
             position_m: [0.123_456_789; 3],
             orientation_xyzw: [0.123_456_789; 4],
             size_m: [0.123_456_789; 3],
         };
-        let fact = FactDocument {
+        FactDocument {
             fact: u64::MAX,
             subject: "object".into(),
             track_id: Some(u64::MAX),
             task_id: None,
             surface_id: None,
             property: "activity".into(),
-            value: Some(name.clone()),
+            value: Some(name.to_owned()),
             answer: None,
             place: Some(place),
             start_ns: u64::MAX,
             end_ns: Some(u64::MAX),
-        };
+        }
+    }
+
+    /// The longest pages of the working memory fit, too.
+    #[test]
+    fn the_longest_pages_of_the_world_fit() {
+        let name = "x".repeat(128);
+        let fact = longest_fact(&name);
         let event = EventDocument {
             sequence: u64::MAX,
             wall_ns: u64::MAX,
