@@ -41,15 +41,34 @@ fn place() -> BoxPose {
     }
 }
 
-#[test]
-fn golden_facts_are_written_and_read() {
-    let fact = |subject, value| Fact {
+fn fact(subject: Subject, value: Value) -> Fact {
+    Fact {
         number: 4,
         subject,
         value,
         start_ns: 5,
         end_ns: None,
-    };
+    }
+}
+
+fn object(is_probable: bool) -> ObjectRecord {
+    ObjectRecord {
+        track_id: 7,
+        state: "tracked".to_owned(),
+        label: Some("mug".to_owned()),
+        is_probable,
+        place: place(),
+        first_seen_ns: 1,
+        last_seen_ns: 2,
+        gone_ns: Some(3),
+        surface: None,
+        scene: 0,
+        noted_seen_ns: 0,
+    }
+}
+
+#[test]
+fn golden_facts_are_written_and_read() {
     let object = Subject::Object(7);
     let word = || "word".to_owned();
     let ended = Fact {
@@ -190,19 +209,7 @@ fn golden_events_are_written_and_read() {
 
 #[test]
 fn golden_records_of_subjects_are_written_and_read() {
-    let object = ObjectRecord {
-        track_id: 7,
-        state: "tracked".to_owned(),
-        label: Some("mug".to_owned()),
-        is_probable: false,
-        place: place(),
-        first_seen_ns: 1,
-        last_seen_ns: 2,
-        gone_ns: Some(3),
-        surface: None,
-        scene: 0,
-        noted_seen_ns: 0,
-    };
+    let object = object(false);
     check("object", RecordKey::Object(7), &[("object", object)]);
     let robot = Robot {
         activity: "moving".to_owned(),
@@ -279,31 +286,9 @@ fn golden_records_of_surfaces_are_written_and_read() {
     );
 }
 
-fn fact(subject: Subject, value: Value) -> Fact {
-    Fact {
-        number: 4,
-        subject,
-        value,
-        start_ns: 5,
-        end_ns: None,
-    }
-}
-
 #[test]
 fn golden_records_with_probable_labels_are_written_and_read() {
-    let object = ObjectRecord {
-        track_id: 7,
-        state: "tracked".to_owned(),
-        label: Some("mug".to_owned()),
-        is_probable: true,
-        place: place(),
-        first_seen_ns: 1,
-        last_seen_ns: 2,
-        gone_ns: Some(3),
-        surface: None,
-        scene: 0,
-        noted_seen_ns: 0,
-    };
+    let object = object(true);
     check("object-2", RecordKey::Object(7), &[("probable", object)]);
     let label = Value::ProbableLabel("word".to_owned());
     let fact = fact(Subject::Object(7), label);
