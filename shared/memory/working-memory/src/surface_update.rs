@@ -18,7 +18,7 @@ impl SurfaceRecord {
     }
 
     /// True if it was seen for long enough to have a number.
-    fn is_kept(&self) -> bool {
+    pub(crate) fn is_kept(&self) -> bool {
         self.number > 0
     }
 }

@@ -167,14 +167,13 @@ impl WorldModel {
         !self.dirty.is_empty()
     }
 
-    /// Marks present objects, surfaces and the robot as dirty, so that their last-seen times are written
-    /// before the end.
+    /// Marks present objects, surfaces and the robot as dirty, so that their last-seen times are
+    /// written before the end.
     pub(crate) fn mark_present_dirty(&mut self) {
         for track_id in &self.present {
             self.dirty.add(RecordKey::Object(*track_id));
         }
-        let kept = self.surfaces.iter().filter(|surface| surface.number > 0);
-        for surface in kept {
+        for surface in self.surfaces.iter().filter(|surface| surface.is_kept()) {
             self.dirty.add(RecordKey::Surface(surface.number));
         }
         if self.robot.is_some() {
