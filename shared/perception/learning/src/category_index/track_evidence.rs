@@ -27,8 +27,9 @@ const CHANGE_MIN: f32 = 0.45;
 /// Number of nearest views that are compared with a changed description.
 const N_COMPARED: usize = 8;
 
-/// Number of frames between two searches for a description that keeps changing. Chosen:
-/// six searches a second.
+/// Number of consecutive frames that show none of the known sides after which another side counts.
+/// Chosen: six searches a second for a description that keeps changing, and none for one frame in
+/// which detection cuts the object otherwise.
 const SEARCH_PERIOD: u32 = 5;
 
 /// Number of frames for which a side that is none of the lasting ones counts after it was last
@@ -67,7 +68,8 @@ pub struct TrackEvidence {
     sides: Vec<Arc<Side>>,
     /// Another side, in view now or half a second ago.
     current: Option<Arc<Side>>,
-    n_frames_since_search: u32,
+    /// Number of consecutive frames that show none of the sides.
+    n_frames_of_others: u32,
     /// Number of frames since the current side was seen.
     n_frames_unseen: u32,
     n_contradictions: u32,
@@ -97,7 +99,7 @@ impl Default for TrackEvidence {
         Self {
             sides: Vec::new(),
             current: None,
-            n_frames_since_search: 0,
+            n_frames_of_others: 0,
             n_frames_unseen: 0,
             n_contradictions: 0,
             answer: Recognition::of_nothing(),
@@ -134,8 +136,8 @@ impl CategoryIndex {
     ///
     /// The answer is that of an exhaustive search for the descriptions of the sides, at a
     /// cost independent of the index size while the object shows the same side: after a
-    /// change of the index only the changed views are compared. A description that keeps
-    /// changing is searched for in every fifth frame.
+    /// change of the index only the changed views are compared. A side that was never seen counts
+    /// after five frames; so a description that keeps changing is searched for in every fifth.
     ///
     /// A side that contradicts the answer of the others for half a second replaces them.
     /// Metrics without calibration are searched exhaustively, frame by frame.
@@ -280,10 +282,11 @@ impl CategoryIndex {
         view_use: ViewUse,
         track: &mut TrackEvidence,
     ) -> Option<usize> {
-        track.n_frames_since_search = track.n_frames_since_search.saturating_add(1);
+        track.n_frames_of_others = track.n_frames_of_others.saturating_add(1);
         track.n_frames_unseen = track.n_frames_unseen.saturating_add(1);
         let is_shown = |side: &Arc<Side>| self.is_same_side(side, queries);
         if let Some(place) = track.sides.iter().position(is_shown) {
+            track.n_frames_of_others = 0;
             let is_outdated =
                 |side: &mut Arc<Side>| side.is_partial || track.n_frames_unseen >= N_FRAMES_HELD;
             if track.current.take_if(is_outdated).is_some() {
@@ -291,24 +294,24 @@ impl CategoryIndex {
             }
             return Some(place);
         }
-        let is_first = track.n_sides() == 0;
         let is_current = track.current.as_ref().is_some_and(is_shown);
+        if is_current {
+            track.n_frames_of_others = 0;
+            track.n_frames_unseen = 0;
+        }
+        let is_first = track.n_sides() == 0;
         // Parts count only as long as the whole was never seen.
         let has_part = track.current.as_ref().is_some_and(|side| side.is_partial);
         let is_partial = view_use == ViewUse::Partial;
         let is_wanted = !is_partial || (has_part && track.sides.is_empty());
         let is_urgent = view_use == ViewUse::KeyView || (has_part && !is_partial);
-        let n_frames = track.n_frames_since_search.min(track.n_frames_unseen);
-        let is_due = n_frames >= SEARCH_PERIOD || is_urgent;
-        if is_current {
-            track.n_frames_unseen = 0;
-        }
+        let is_due = track.n_frames_of_others >= SEARCH_PERIOD || is_urgent;
         if is_first || (!is_current && is_wanted && is_due) {
             track.current = Some(Arc::new(Side {
                 is_partial,
                 ..self.side(queries)
             }));
-            track.n_frames_since_search = 0;
+            track.n_frames_of_others = 0;
             track.n_frames_unseen = 0;
             track.read_with = None;
         }
