@@ -28,7 +28,7 @@ pub enum MotionState {
     Closing,
     /// Gripper fingers are opening.
     Opening,
-    /// Arm stopped by a command; the next command moves the arm again.
+    /// Arm brakes or stands after a stop; the next command moves the arm again.
     Stopped,
     /// Arm controller after a failed command; the next one may succeed.
     Failed(Error),
@@ -68,9 +68,9 @@ enum Activity {
 /// appends, [`retarget`](Self::retarget) replaces all commands and continues smoothly from the
 /// current velocity. A failed command cancels the ones behind it, since they assumed its result.
 ///
-/// [`Command::Stop`] is an emergency stop and acts at once: from the moment it is submitted all
-/// velocities are zero, without a braking ramp (a kinematic arm has no inertia), and the queue is
-/// empty.
+/// [`Command::Stop`] is an emergency stop: from the next step on each joint brakes as hard as its
+/// [greatest acceleration](crate::Joint::max_acceleration_rad_s2) allows, the fingers stand, and the
+/// queue is empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmController {
     arm: Arm,
@@ -130,6 +130,14 @@ impl ArmController {
     pub fn body_poses(&self) -> BodyPoses {
         self.arm
             .body_poses(&self.joints.angles_rad, self.gripper.opening_m())
+    }
+
+    /// Poses of all bodies of the arm where it stands if it brakes now, base frame.
+    pub fn stopped_body_poses(&self) -> BodyPoses {
+        let chain = self.arm.chain();
+        let stopped = JointTrajectory::braking(chain, &self.joints).sample(f64::INFINITY);
+        let angles_rad = chain.clamped(&stopped.angles_rad);
+        self.arm.body_poses(&angles_rad, self.gripper.opening_m())
     }
 
     /// Appends a command to the queue. [`Command::Stop`] acts at once instead, whatever its
@@ -202,7 +210,9 @@ impl ArmController {
 
     fn stop(&mut self) {
         self.cancel_all();
-        self.joints.velocities_rad_s.fill(0.0);
+        if !self.joints.is_at_rest() {
+            self.brake(None);
+        }
         self.state = MotionState::Stopped;
     }
 

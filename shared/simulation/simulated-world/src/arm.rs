@@ -15,6 +15,8 @@ use geometry::{Capsule, RigidTransform};
 use rapier3d::prelude::SharedShape;
 use std::sync::Arc;
 
+/// Time of a step, seconds.
+const STEP_S: f64 = 1.0 / STEPS_PER_SECOND as f64;
 /// Speed of ordinary motion, as a share of the maximum joint velocities. Chosen.
 const SPEED: f64 = 1.0;
 /// Speed of straight-line motion, which leads to objects, as a share of the maximum joint
@@ -39,7 +41,7 @@ pub enum ArmCommand {
     Open,
     /// Closes the gripper until the fingers hold an object or meet.
     Close,
-    /// Stops all motion of the arm at once.
+    /// Brakes all joints at once and lets the fingers stand.
     Stop,
 }
 
@@ -173,8 +175,7 @@ impl SimulatedArm {
         let touched = self.touched_by_both_fingers(physics);
         // The physics has no contacts with a held object, since it follows the hand.
         let is_stopped = touched.is_some() || self.grasped.is_some();
-        self.controller
-            .step(1.0 / f64::from(STEPS_PER_SECOND), is_stopped);
+        self.controller.step(STEP_S, is_stopped);
         self.record_failure();
         if self.controller.state() == MotionState::Opening {
             self.release(physics, objects);
@@ -185,6 +186,7 @@ impl SimulatedArm {
         if let Some(sentence) = self.collision_message(&before, physics, objects) {
             self.controller = before;
             self.halt(sentence);
+            self.controller.step(STEP_S, is_stopped);
         }
         self.move_bodies(physics);
     }

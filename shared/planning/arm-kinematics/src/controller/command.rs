@@ -46,7 +46,7 @@ pub enum Command {
     },
     /// Closes until both pads touch an object or each other.
     Close,
-    /// Emergency stop: all velocities become zero at once and all commands are cancelled.
+    /// Emergency stop: all joints brake at once, and all commands are cancelled.
     Stop,
 }
 

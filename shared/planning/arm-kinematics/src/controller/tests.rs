@@ -113,7 +113,7 @@ fn progress_rises_from_0_to_1() {
 }
 
 #[test]
-fn stop_acts_at_once_and_empties_the_queue() {
+fn stop_brakes_at_once_and_empties_the_queue() {
     let mut motion = arm_at_home();
     motion
         .submit(1, move_to(downward(0.4, 0.0, 0.2), PathKind::Joint))
@@ -123,13 +123,22 @@ fn stop_acts_at_once_and_empties_the_queue() {
         motion.step(DT_S, false);
     }
     assert!(!motion.joints().is_at_rest());
+    let end = motion.stopped_body_poses();
     motion.submit(3, Command::Stop).unwrap();
-    let stopped = *motion.joints();
-    assert!(stopped.is_at_rest());
+    let mut before = *motion.joints();
     for _ in 0..50 {
+        assert_eq!(motion.state(), MotionState::Stopped);
         motion.step(DT_S, false);
-        assert_eq!(*motion.joints(), stopped);
+        let now = *motion.joints();
+        for (i, joint) in motion.arm().chain().joints.iter().enumerate() {
+            let [v0, v1] = [before, now].map(|state| state.velocities_rad_s[i]);
+            assert!(v1.abs() <= v0.abs() && v0 * v1 >= 0.0, "{v0} {v1}");
+            assert!((v0 - v1).abs() <= joint.max_acceleration_rad_s2 * DT_S + 1e-9);
+        }
+        before = now;
     }
+    assert!(before.is_at_rest());
+    assert_eq!(motion.body_poses(), end);
     assert_eq!(motion.state(), MotionState::Stopped);
     assert_eq!(motion.command_state(1), Some(CommandState::Stopped));
     assert_eq!(motion.command_state(2), Some(CommandState::Stopped));
