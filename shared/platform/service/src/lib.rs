@@ -35,6 +35,7 @@ mod manuals;
 mod option_use;
 mod processor;
 mod program_arguments;
+mod real_time;
 mod reload;
 mod run;
 mod service_manager;
@@ -61,6 +62,7 @@ pub use home::{Home, set_private_umask};
 pub use log::start_log;
 pub use option_use::{GivenOptions, OptionUse};
 pub use program_arguments::parse_arguments;
+pub use real_time::set_real_time_priority;
 pub use reload::{
     LiveConfig, ReloadPlan, ReloadRecordPublisher, last_reloads, log_reload, reload_processes,
 };
