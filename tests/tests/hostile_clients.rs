@@ -3,7 +3,7 @@
 use crate::bad_input::framed;
 use crate::daemon::{Sandbox, WATCHDOG};
 use crate::simulation::{CARTON, scene_file};
-use control_protocol::{ArmCommand, Command, Request, WorldCommand, request};
+use control_protocol::{ArmCommand, ArmLease, ArmMotion, Command, Request, WorldCommand, request};
 use daemon_client::DaemonClient;
 use std::io::{Read, Write};
 use std::os::unix::net::UnixStream;
@@ -72,7 +72,13 @@ fn ask_all_the_time(stream: &mut UnixStream) -> std::io::Result<()> {
 }
 
 fn command_the_arm(stream: &mut UnixStream) -> std::io::Result<()> {
-    stream.write_all(&message(Command::Arm(ArmCommand::Home)))?;
+    static N_LEASES: AtomicU64 = AtomicU64::new(1);
+    let lease = ArmLease {
+        id: N_LEASES.fetch_add(1, Ordering::Relaxed),
+        holder: "a hostile client".to_owned(),
+    };
+    let motion = ArmMotion::Home;
+    stream.write_all(&message(Command::Arm(ArmCommand::Move { lease, motion })))?;
     say_nothing(stream)
 }
 

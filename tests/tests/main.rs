@@ -7,6 +7,7 @@ mod daemon;
 /// Recorder of all messages of a topic.
 mod recorder;
 
+mod arm_stop;
 /// Invalid input is refused with a sentence.
 mod bad_input;
 /// Batch learning of a folder of labelled views.

@@ -13,6 +13,7 @@ use rustix::process::Signal;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::process::Stdio;
 use tempfile::TempDir;
 
 /// Number of scored frames, after the warm-up in which tracks are initiated.
@@ -431,12 +432,17 @@ fn candidate_rule_with_an_unknown_constraint_is_refused_at_the_start() {
 }
 
 #[test]
-fn stop_acts_at_once() {
+fn stop_brakes_at_once() {
     let sandbox = Sandbox::new();
     let states = Recorder::<ArmStates>::start(&sandbox);
     let (_folder, source) = scene_file(CARTON);
     let daemon = sandbox.start(&["--source", &source]);
-    arm(&daemon, &["move", "-0.15", "-0.05", "1.12", "--no-wait"]);
+    let moving = sandbox
+        .command("tabula")
+        .args(["arm", "move", "-0.15", "-0.05", "1.12"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     let is_moving = |state: &RecordedMessage<ArmStates>| {
         state.header.activity == ArmActivity::Moving.code()
             && state
@@ -451,26 +457,26 @@ fn stop_acts_at_once() {
     let n_before = states.len();
     states.wait_for("the arm says how it stands", |s| s.len() > n_before + 30);
     let (states, _) = states.stop();
+    let moving = moving.wait_with_output().unwrap();
+    let sentence = String::from_utf8(moving.stderr).unwrap();
+    assert_eq!(moving.status.code(), Some(REFUSED), "{sentence}");
+    assert!(sentence.contains("was stopped"), "{sentence}");
     daemon.stop();
     // States from before the answer may still have been under way; from the first one that says so
-    // on, the arm stands, where the answer says.
+    // on, the arm brakes, and then stands.
     let is_stopped =
         |state: &RecordedMessage<ArmStates>| state.header.activity == ArmActivity::Stopped.code();
     let stop = states.iter().position(is_stopped).unwrap();
-    let angles = |state: &RecordedMessage<ArmStates>| state.header.joint_angles_rad;
     let last = states.last().unwrap();
     assert_eq!(last.header.activity, ArmActivity::Stopped.code());
-    for state in &states[stop..] {
-        assert_eq!(
-            angles(state),
-            angles(last),
-            "it moved on: {:?}",
-            state.header
-        );
-    }
-    let answered = stopped["joint_angles_rad"].as_array().unwrap();
-    for (answered, standing) in answered.iter().zip(angles(last)) {
-        assert!((answered.as_f64().unwrap() - standing).abs() < 1e-12);
+    assert_eq!(last.header.joint_velocities_rad_s, [0.0; 6]);
+    for pair in states[stop..].windows(2) {
+        let speeds =
+            |state: &RecordedMessage<ArmStates>| state.header.joint_velocities_rad_s.map(f64::abs);
+        let (before, after) = (speeds(&pair[0]), speeds(&pair[1]));
+        for (before, after) in before.iter().zip(after) {
+            assert!(after <= *before, "it moves on: {:?}", pair[1].header);
+        }
     }
     assert!(!last.items.is_empty(), "the links have capsules");
 }

@@ -1,7 +1,7 @@
 //! `tabula-gateway`: serves the control socket, and passes each request to its owner.
 //!
-//! It has no store, and opens no file while it serves but to reload its configuration: a process that is dead, stopped or hung
-//! costs only the requests that it owns.
+//! It has no store, and opens no file on a disk while it serves, but to reload its configuration: a
+//! process that is dead, stopped or hung costs only the requests that it owns.
 
 mod absent_arm;
 mod config;

@@ -2,11 +2,13 @@
 
 use crate::absent_arm::{arm_refusal, is_without_arm};
 use crate::process_table::ProcessTable;
+use arm_interface::{StopButton, StopWordError};
 use channel::Domain;
 use channel::control::Client;
 use control_protocol::{ArmCommand, Command, Refusal, RefusalKind, Reply};
 use daemon_client::CallError;
 use message::ProcessKind;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::Mutex;
@@ -21,6 +23,8 @@ const RETRY_PERIOD: Duration = Duration::from_millis(5);
 
 /// Answers of the urgent commands.
 pub(crate) struct UrgentCommands {
+    /// Folder of the domain, with the arm's stop word.
+    folder: PathBuf,
     arm: Client,
     processes: Arc<ProcessTable>,
     last_stop: Mutex<Option<Stop>>,
@@ -36,6 +40,7 @@ impl UrgentCommands {
     /// Answers of the urgent commands in a domain.
     pub(crate) fn new(domain: &Domain, processes: Arc<ProcessTable>) -> Self {
         Self {
+            folder: domain.folder().to_owned(),
             arm: Client::new(domain, ProcessKind::SIMULATOR),
             processes,
             last_stop: Mutex::new(None),
@@ -54,16 +59,22 @@ impl UrgentCommands {
         }
     }
 
-    /// Stops the arm. Requests that arrive while another stop is under way share the next one, so
-    /// that a thousand of them wait for two answers of the arm at most.
+    /// Stops the arm by its word in shared memory, and asks for its state. Requests that arrive
+    /// while another one waits for that share the next answer, so that a thousand of them wait for
+    /// two answers of the arm at most.
     async fn stop(&self) -> Reply {
+        let pressed = StopButton::open(&self.folder).and_then(|button| button.press());
+        if let Err(error @ StopWordError::File { .. }) = pressed {
+            let sentence = format!("the arm was not stopped: {error}");
+            return Reply::Refused(Refusal::new(RefusalKind::Unavailable, sentence));
+        }
         let arrived = Instant::now();
         let mut last = self.last_stop.lock().await;
         if let Some(stop) = last.as_ref().filter(|stop| stop.sent >= arrived) {
             return stop.reply.clone();
         }
         let sent = Instant::now();
-        let reply = self.send_stop().await;
+        let reply = self.state().await;
         let reply =
             reply.unwrap_or_else(|error| Reply::Refused(arm_refusal(&error, &self.processes)));
         *last = Some(Stop {
@@ -73,9 +84,9 @@ impl UrgentCommands {
         reply
     }
 
-    /// Sends a stop until the arm answers; one that was lost is repeated, since a stop may be
-    /// carried out twice.
-    async fn send_stop(&self) -> Result<Reply, CallError> {
+    /// State of the arm after a stop. An arm that begins anew may not have had its word yet: it gets
+    /// the stop as a request.
+    async fn state(&self) -> Result<Reply, CallError> {
         let begin = Instant::now();
         loop {
             let reply = self.arm.call(Command::Arm(ArmCommand::Stop), DEADLINE);

@@ -19,6 +19,7 @@ struct RawConfig {
     models: Option<PathBuf>,
     rate_hz: Option<f64>,
     lockstep: bool,
+    real_time: Option<bool>,
 }
 
 /// Scene of the simulation: generated or from a file.
@@ -41,6 +42,8 @@ pub(crate) struct Config {
     models: ModelSource,
     pub(crate) rate_hz: f64,
     pub(crate) lockstep: bool,
+    /// True if the arm's loop is to have real-time priority.
+    pub(crate) real_time: bool,
 }
 
 impl Config {
@@ -72,6 +75,7 @@ impl Config {
                 .map_or(ModelSource::Generated, ModelSource::Folder),
             rate_hz: given.rate.or(raw.rate_hz).unwrap_or(30.0),
             lockstep: given.lockstep || raw.lockstep,
+            real_time: raw.real_time.unwrap_or(true),
         };
         config
             .check_objects()

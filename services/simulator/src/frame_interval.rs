@@ -6,6 +6,7 @@
 
 use geometry::Capsule;
 use simulated_world::{ArmCommand, ArmStatus, STEP_NS, STEPS_PER_SECOND, World};
+use std::sync::Arc;
 
 /// Arm state at the end of a step.
 #[derive(Debug, Clone)]
@@ -19,8 +20,9 @@ pub(crate) struct ArmSample {
 pub(crate) struct FrameInterval {
     /// Snapshot of the world at the beginning, for rollback; kept only for scenes with an
     /// arm.
-    start: Option<World>,
-    world: World,
+    start: Option<Arc<World>>,
+    /// World at the end, shared with whoever renders it.
+    world: Arc<World>,
     rate_hz: f64,
     frame: u64,
     /// Commands of this interval, each with the step before which it acts.
@@ -32,7 +34,7 @@ impl FrameInterval {
     pub(crate) fn new(world: World, rate_hz: f64) -> Self {
         Self {
             start: None,
-            world,
+            world: Arc::new(world),
             rate_hz,
             frame: 0,
             commands: Vec::new(),
@@ -41,17 +43,28 @@ impl FrameInterval {
     }
 
     /// Simulated world at the end of the frame interval.
-    pub(crate) fn world(&self) -> &World {
-        &self.world
+    pub(crate) fn shared_world(&self) -> Arc<World> {
+        Arc::clone(&self.world)
     }
 
-    pub(crate) fn world_mut(&mut self) -> &mut World {
-        &mut self.world
+    /// Takes the accumulated messages of the world.
+    pub(crate) fn take_notes(&mut self) -> Vec<String> {
+        Arc::make_mut(&mut self.world).take_notes()
     }
 
     /// Number of frames completed so far.
     pub(crate) fn frame(&self) -> u64 {
         self.frame
+    }
+
+    /// Time that was simulated before this interval's end, nanoseconds.
+    pub(crate) fn elapsed_ns(&self) -> u64 {
+        self.n_steps_until(self.frame) * STEP_NS
+    }
+
+    /// Duration of this interval, nanoseconds.
+    pub(crate) fn duration_ns(&self) -> u64 {
+        self.n_steps() as u64 * STEP_NS
     }
 
     /// Arm state at the end of each step; empty without an arm.
@@ -67,7 +80,7 @@ impl FrameInterval {
     /// Advances the simulation to the next frame.
     pub(crate) fn advance(&mut self) {
         let has_arm = self.world.scene().arm.is_some();
-        self.start = has_arm.then(|| self.world.clone());
+        self.start = has_arm.then(|| Arc::clone(&self.world));
         self.commands.clear();
         self.frame += 1;
         self.run(self.n_steps());
@@ -90,13 +103,12 @@ impl FrameInterval {
         let earliest = self.commands.last().map_or(fixed, |(step, _)| *step);
         let step = self.step_at(before_end_ns).max(earliest).max(fixed);
         self.commands.push((step, *command));
-        if step >= n_steps {
-            return self.world.command_arm(command).map(|_| false);
-        }
-        let Some(start) = &self.start else {
-            return self.world.command_arm(command).map(|_| false);
+        let start = self.start.as_ref().filter(|_| step < n_steps);
+        let Some(start) = start else {
+            let world = Arc::make_mut(&mut self.world);
+            return world.command_arm(command).map(|_| false);
         };
-        self.world = start.clone();
+        self.world = Arc::clone(start);
         let answer = self.run(n_steps);
         answer.map_or(Ok(true), |answer| answer.map(|_| true))
     }
@@ -110,36 +122,40 @@ impl FrameInterval {
 
     /// Index of the step that begins at a time.
     fn step_at(&self, before_end_ns: u64) -> usize {
-        let n_after = (before_end_ns / STEP_NS) as usize;
+        let n_after = usize::try_from(before_end_ns / STEP_NS).unwrap_or(usize::MAX);
         self.samples.len().saturating_sub(n_after)
     }
 
     /// Number of steps of this interval; frames are evenly spaced in the long run.
     fn n_steps(&self) -> usize {
-        let steps_at =
-            |frame: u64| (frame as f64 * f64::from(STEPS_PER_SECOND) / self.rate_hz).round() as u64;
-        (steps_at(self.frame) - steps_at(self.frame - 1)) as usize
+        (self.n_steps_until(self.frame) - self.n_steps_until(self.frame - 1)) as usize
+    }
+
+    /// Number of steps of the first `n_frames` intervals.
+    fn n_steps_until(&self, n_frames: u64) -> u64 {
+        (n_frames as f64 * f64::from(STEPS_PER_SECOND) / self.rate_hz).round() as u64
     }
 
     /// Runs the steps; returns the arm's answer to the last command.
     fn run(&mut self, n_steps: usize) -> Option<Result<u64, String>> {
         self.samples.clear();
+        let world = Arc::make_mut(&mut self.world);
         let mut answer = None;
         for step in 0..n_steps {
             for (_, command) in self.commands.iter().filter(|(at, _)| *at == step) {
-                answer = Some(self.world.command_arm(command));
+                answer = Some(world.command_arm(command));
             }
-            self.world.step();
-            if let Some(status) = self.world.arm_status() {
+            world.step();
+            if let Some(status) = world.arm_status() {
                 self.samples.push(ArmSample {
                     status,
-                    capsules: self.world.arm_capsules(),
+                    capsules: world.arm_capsules(),
                 });
             }
         }
         // Commands after the last step act in the next interval.
         for (_, command) in self.commands.iter().filter(|(at, _)| *at >= n_steps) {
-            answer = Some(self.world.command_arm(command));
+            answer = Some(world.command_arm(command));
         }
         answer
     }

@@ -1,10 +1,16 @@
 //! Simulator service: the simulation thread and the control server.
 
-use crate::arm_command_queue::{ArmCommandQueue, arm_command_queue};
+use crate::arm_log::ArmLog;
+use crate::arm_loop::ArmLoop;
+use crate::arm_orders::OrderSender;
+use crate::arm_requests::{ArmRequests, arm_requests};
 use crate::config::Config;
-use crate::simulator_source::SimulatorSource;
+use crate::frame_interval::FrameInterval;
+use crate::simulator_source::{SimulatorSource, warm_camera};
 use crate::world_publishers::WorldPublishers;
+use arm_interface::StopWord;
 use capture::{CaptureEnd, CaptureLoop, FramePace};
+use channel::Publisher;
 use channel::control::Server;
 use message::ProcessKind;
 use service::{Context, Failure, TaskGroup};
@@ -17,7 +23,7 @@ use tokio::sync::oneshot;
 /// # Errors
 /// When the scene cannot be set up, or shared memory fails.
 pub(crate) async fn run(context: Context, config: Config) -> Result<(), Failure> {
-    let (handler, requests) = arm_command_queue();
+    let (handler, requests) = arm_requests(context.domain.folder());
     let server = Server::bind(&context.domain, ProcessKind::SIMULATOR, handler)?;
     let (sender, ended) = oneshot::channel();
     let runtime = Handle::current();
@@ -51,7 +57,7 @@ fn outcome(ended: Result<CaptureEnd, Failure>) -> Result<(), Failure> {
 fn play(
     context: Context,
     config: &Config,
-    requests: ArmCommandQueue,
+    requests: ArmRequests,
     runtime: Handle,
 ) -> Result<CaptureEnd, Failure> {
     let (scene, library) = config.scene().map_err(Failure::usage)?;
@@ -72,16 +78,31 @@ fn play(
     tracing::info!("on the table: {}", names.join(", "));
     let entered = runtime.enter();
     let world_publishers = WorldPublishers::new(&context.domain)?;
+    let publisher = Publisher::new(&context.domain)?;
     drop(entered);
-    let shared_bytes = world_publishers.reserved_bytes();
+    let shared_bytes = world_publishers.reserved_bytes() + publisher.reservation().bytes();
+    let kinect = warm_camera(&world).map_err(Failure::usage)?;
+    let has_arm = world.scene().arm.is_some();
+    let word = has_arm.then(|| StopWord::create(context.domain.folder()));
+    let word = word.transpose().map_err(Failure::general)?;
+    let arm_loop = ArmLoop {
+        interval: FrameInterval::new(world, config.rate_hz),
+        requests,
+        publisher,
+        word,
+        is_lockstep: config.lockstep,
+        is_real_time: config.real_time && has_arm,
+        log: ArmLog::start().map_err(|error| not_started(&error))?,
+    };
+    let arm_loop = OrderSender::start(move |orders| arm_loop.run(&orders))
+        .map_err(|error| not_started(&error))?;
     let source = SimulatorSource::new(
         config.name(),
         config.rate_hz,
-        world,
-        requests,
+        kinect,
+        arm_loop,
         world_publishers,
-    )
-    .map_err(Failure::usage)?;
+    );
     let health = context.health.clone();
     let pace = if config.lockstep {
         FramePace::Lockstep
@@ -93,6 +114,10 @@ fn play(
         .shared_memory_bytes
         .fetch_add(shared_bytes, std::sync::atomic::Ordering::Relaxed);
     capture.run()
+}
+
+fn not_started(error: &std::io::Error) -> Failure {
+    Failure::general(format!("could not start the arm's loop: {error}"))
 }
 
 #[cfg(test)]

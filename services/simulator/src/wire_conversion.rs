@@ -1,6 +1,6 @@
 //! Conversion between the simulation's types and wire messages.
 
-use control_protocol::{ArmCommand as WireCommand, ArmReport};
+use control_protocol::{ArmMotion, ArmReport};
 use message::{
     ArmActivity, ArmState, Text, TrueObject as WireObject, TrueState, WireCapsule, WirePose,
 };
@@ -10,14 +10,13 @@ use simulated_world::{ArmCommand, ArmStatus, MotionState, ObjectState, ObjectTru
 /// Tolerance of a quaternion's norm. Chosen.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
-/// Arm command of a wire command; `None` for a query of the state.
+/// Arm command of a motion on the wire.
 ///
 /// # Errors
 /// A sentence when its numbers are no pose.
-pub(crate) fn command(command: &WireCommand) -> Result<Option<ArmCommand>, String> {
-    Ok(Some(match *command {
-        WireCommand::State => return Ok(None),
-        WireCommand::MoveTo {
+pub(crate) fn command(motion: &ArmMotion) -> Result<ArmCommand, String> {
+    Ok(match *motion {
+        ArmMotion::MoveTo {
             position_m,
             orientation_xyzw,
             straight,
@@ -25,12 +24,19 @@ pub(crate) fn command(command: &WireCommand) -> Result<Option<ArmCommand>, Strin
             world_from_gripper: pose(position_m, orientation_xyzw)?,
             is_straight: straight,
         },
-        WireCommand::MoveJoints { angles_rad } => ArmCommand::MoveJoints(angles_rad),
-        WireCommand::Home => ArmCommand::Home,
-        WireCommand::Open => ArmCommand::Open,
-        WireCommand::Close => ArmCommand::Close,
-        WireCommand::Stop => ArmCommand::Stop,
-    }))
+        ArmMotion::MoveJoints { angles_rad } => ArmCommand::MoveJoints(angles_rad),
+        ArmMotion::Home => ArmCommand::Home,
+        ArmMotion::Open => ArmCommand::Open,
+        ArmMotion::Close => ArmCommand::Close,
+    })
+}
+
+/// True while the arm or its fingers move for a command.
+pub(crate) fn is_busy(status: &ArmStatus) -> bool {
+    matches!(
+        status.motion,
+        MotionState::Moving | MotionState::Opening | MotionState::Closing
+    )
 }
 
 fn pose(position_m: [f64; 3], [x, y, z, w]: [f64; 4]) -> Result<Isometry3<f64>, String> {
@@ -75,6 +81,7 @@ pub(crate) fn report(status: &ArmStatus) -> ArmReport {
         position_m: pose.translation.vector.into(),
         orientation_xyzw: pose.rotation.coords.into(),
         is_holding: status.holds.is_some(),
+        commander: None,
     }
 }
 

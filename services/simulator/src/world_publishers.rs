@@ -1,15 +1,13 @@
-//! Publishers of the simulated arm, person and ground truth.
+//! Publishers of the simulated person and the ground truth.
 
-use crate::frame_interval::ArmSample;
 use crate::wire_conversion;
-use channel::topic::{ArmStates, PersonBodies, TrueMasks, TrueObjects};
+use channel::topic::{PersonBodies, TrueMasks, TrueObjects};
 use channel::{Domain, Error, Publisher};
 use message::{FrameHeader, MaskPixel, PersonBody, TruthHeader};
 use simulated_world::{ObjectTruth, World};
 
-/// Publishers of all topics but the point cloud.
+/// Publishers of all topics but the point cloud and the state of the arm.
 pub(crate) struct WorldPublishers {
-    arm: Publisher<ArmStates>,
     person: Publisher<PersonBodies>,
     objects: Publisher<TrueObjects>,
     mask: Publisher<TrueMasks>,
@@ -18,7 +16,6 @@ pub(crate) struct WorldPublishers {
 impl WorldPublishers {
     pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
-            arm: Publisher::new(domain)?,
             person: Publisher::new(domain)?,
             objects: Publisher::new(domain)?,
             mask: Publisher::new(domain)?,
@@ -27,18 +24,9 @@ impl WorldPublishers {
 
     /// Shared memory reserved by the publishers, bytes.
     pub(crate) fn reserved_bytes(&self) -> u64 {
-        self.arm.reservation().bytes()
-            + self.person.reservation().bytes()
+        self.person.reservation().bytes()
             + self.objects.reservation().bytes()
             + self.mask.reservation().bytes()
-    }
-
-    pub(crate) fn arm(&mut self, sample: &ArmSample, stamp_ns: u64) -> Result<(), Error> {
-        let capsules = wire_conversion::capsules(&sample.capsules);
-        self.arm.send_copy(
-            wire_conversion::arm_state(&sample.status, stamp_ns),
-            &capsules,
-        )
     }
 
     /// Publishes the people's bodies of a frame.

@@ -223,7 +223,7 @@ pub(crate) struct LabArguments {
     pub(crate) words: Vec<OsString>,
 }
 
-/// Commands of the arm. Each waits for the end of its motion, unless `--no-wait` is given.
+/// Commands of the arm. Each holds the lease of the arm, and waits for the end of its motion.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ArmVerb {
     /// Show the state of the arm
@@ -231,11 +231,11 @@ pub(crate) enum ArmVerb {
     /// Move the gripper to a pose
     Move(ArmMove),
     /// Fold the arm outside of the camera's view
-    Home(ArmWait),
+    Home,
     /// Open the fingers and release the object
-    Open(ArmWait),
+    Open,
     /// Close the fingers until they grip an object
-    Close(ArmWait),
+    Close,
     /// Stop the arm at once
     Stop,
 }
@@ -271,16 +271,6 @@ pub(crate) struct ArmMove {
     /// Move the gripper on a straight line
     #[arg(long)]
     pub(crate) straight: bool,
-    #[command(flatten)]
-    pub(crate) wait: ArmWait,
-}
-
-/// Waiting option `--no-wait` of an arm command.
-#[derive(Debug, Args)]
-pub(crate) struct ArmWait {
-    /// Return without waiting for the end of the motion
-    #[arg(long)]
-    pub(crate) no_wait: bool,
 }
 
 /// Arguments of `tabula ask`.

@@ -1,17 +1,22 @@
 //! `tabula arm`: commands and state of the robot arm.
 
 use crate::arguments::{ArmMove, ArmVerb};
+use arm_interface::{StopButton, StopRecord};
 use command_line::Output;
 use control_client::ask_once;
-use control_protocol::{ArmReport, TypedRequest, request};
+use control_protocol::{ArmLease, ArmMotion, ArmReport, request};
+use daemon_client::RunFolder;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use service::{CommonArguments, Failure, exit_code};
 use std::f64::consts::PI;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Polling period of a command's progress. Chosen.
+/// Period in which the lease is renewed, and the progress of a command looked at. Chosen: a tenth of
+/// the silence after which a lease ends.
 const POLL_PERIOD: Duration = Duration::from_millis(50);
+/// Time limit for the arm's loop to act on its stop word, which it reads 120 times a second. Chosen.
+const STOP_LIMIT: Duration = Duration::from_secs(1);
 
 /// Sends a command to the arm, waits until it is done, and prints the state of the arm.
 pub(crate) fn run(
@@ -19,41 +24,102 @@ pub(crate) fn run(
     verb: &ArmVerb,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    let (request, waits) = match verb {
-        ArmVerb::State => (request::arm(), false),
-        ArmVerb::Move(to) => (move_to(to)?, !to.wait.no_wait),
-        ArmVerb::Home(wait) => (request::home_arm(), !wait.no_wait),
-        ArmVerb::Open(wait) => (request::open_gripper(), !wait.no_wait),
-        ArmVerb::Close(wait) => (request::close_gripper(), !wait.no_wait),
-        ArmVerb::Stop => (request::stop_arm(), false),
+    let motion = match verb {
+        ArmVerb::State => {
+            let report = ask_once(common, &request::arm())?;
+            output.answer(&report, || text(&report));
+            return Ok(ExitCode::SUCCESS);
+        }
+        ArmVerb::Stop => return stop(common, output),
+        ArmVerb::Move(to) => move_to(to)?,
+        ArmVerb::Home => ArmMotion::Home,
+        ArmVerb::Open => ArmMotion::Open,
+        ArmVerb::Close => ArmMotion::Close,
     };
-    let mut report = ask_once(common, &request)?;
-    let id = report.command_id;
-    while waits && report.command_id == id && is_busy(&report) {
-        std::thread::sleep(POLL_PERIOD);
-        report = ask_once(common, &request::arm())?;
-    }
+    let lease = lease()?;
+    let report = carry_out(common, &lease, motion);
+    // It ends by itself, too.
+    let _ = ask_once(common, &request::release_arm(lease.id));
+    let report = ArmReport {
+        commander: None,
+        ..report?
+    };
     output.answer(&report, || text(&report));
-    let is_replaced = report.command_id != id;
-    if waits && (is_replaced || report.activity == "stopped") {
-        let sentence = "the command was not carried out to its end: another one replaced it, the \
-                        arm was stopped, or the simulation began anew";
-        return Err(Failure::new(exit_code::REFUSED, sentence));
-    }
-    Ok(if waits && report.activity == "failed" {
+    Ok(if report.activity == "failed" {
         ExitCode::from(exit_code::REFUSED)
     } else {
         ExitCode::SUCCESS
     })
 }
 
+/// Lease of this process.
+fn lease() -> Result<ArmLease, Failure> {
+    let id = getrandom::u64()
+        .map_err(|error| Failure::general(format!("the system has no random numbers: {error}")))?;
+    let holder = format!("`tabula arm`, process {}", std::process::id());
+    Ok(ArmLease { id, holder })
+}
+
+/// Begins a motion, and renews the lease until its end.
+fn carry_out(
+    common: &CommonArguments,
+    lease: &ArmLease,
+    motion: ArmMotion,
+) -> Result<ArmReport, Failure> {
+    let mut report = ask_once(common, &request::move_arm(lease.clone(), motion))?;
+    let id = report.command_id;
+    while report.command_id == id && is_busy(&report) {
+        std::thread::sleep(POLL_PERIOD);
+        report = ask_once(common, &request::hold_arm(lease.clone()))?;
+    }
+    if report.command_id != id {
+        let sentence = "the command was not carried out to its end, since the simulator began anew";
+        return Err(Failure::new(exit_code::REFUSED, sentence));
+    }
+    Ok(report)
+}
+
+/// Stops the arm by its word in shared memory, which needs no other process than that of the arm;
+/// by a request where the word belongs to another user.
+fn stop(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
+    let folders = RunFolder::candidates();
+    let mut buttons = folders
+        .iter()
+        .filter_map(|folder| StopButton::open(&folder.domain_folder(&common.domain)).ok());
+    let Some(button) = buttons.next() else {
+        let report = ask_once(common, &request::stop_arm())?;
+        output.answer(&report, || text(&report));
+        return Ok(ExitCode::SUCCESS);
+    };
+    let word = button.press().map_err(Failure::general)?;
+    let taken = button.wait_until_taken(word, STOP_LIMIT);
+    let Some(taken) = taken.map_err(Failure::general)? else {
+        let sentence = "the stop is written, but the arm's loop has not acted on it within 1 s; it \
+                        may hang, so switch the arm off; see `tabula status`";
+        return Err(Failure::new(exit_code::TIMED_OUT, sentence));
+    };
+    match ask_once(common, &request::arm()) {
+        Ok(report) => output.answer(&report, || text(&report)),
+        Err(unknown) => output.answer(&None::<ArmReport>, || stopped_text(word, &taken, &unknown)),
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn stopped_text(word: u64, taken: &StopRecord, unknown: &Failure) -> String {
+    let delay_ms = taken.braking_ns.saturating_sub(word) as f64 * 1e-6;
+    format!(
+        "the arm is stopped: it brakes since {delay_ms:.1} ms after the stop; more is not known: \
+         {unknown}"
+    )
+}
+
 fn is_busy(report: &ArmReport) -> bool {
     ["moving", "opening", "closing"].contains(&&*report.activity)
 }
 
-/// Request of a pose: fingers down and closing along x, then tilted forward and turned about the
+/// Motion to a pose: fingers down and closing along x, then tilted forward and turned about the
 /// vertical.
-fn move_to(to: &ArmMove) -> Result<TypedRequest<ArmReport>, Failure> {
+fn move_to(to: &ArmMove) -> Result<ArmMotion, Failure> {
     let position_m = [to.x, to.y, to.z];
     let numbers = position_m.iter().chain([&to.tilt, &to.yaw]);
     if !numbers.copied().all(f64::is_finite) {
@@ -65,11 +131,11 @@ fn move_to(to: &ArmMove) -> Result<TypedRequest<ArmReport>, Failure> {
     let tilt = Rotation3::from_axis_angle(&Vector3::x_axis(), PI + to.tilt.to_radians());
     let orientation = UnitQuaternion::from_rotation_matrix(&(yaw * tilt));
     let orientation_xyzw = orientation.coords.into();
-    Ok(request::move_gripper(
+    Ok(ArmMotion::MoveTo {
         position_m,
         orientation_xyzw,
-        to.straight,
-    ))
+        straight: to.straight,
+    })
 }
 
 fn text(report: &ArmReport) -> String {
@@ -84,8 +150,12 @@ fn text(report: &ArmReport) -> String {
     } else {
         format!(": {}", report.note)
     };
+    let commander = match &report.commander {
+        Some(commander) => format!(", commanded by {commander}"),
+        None => String::new(),
+    };
     format!(
-        "the arm is {}{note}\n\
+        "the arm is {}{note}{commander}\n\
          gripper at {x:.3} {y:.3} {z:.3} m, open {:.0} mm, {}\n\
          joints {} degrees",
         report.activity,
@@ -102,8 +172,6 @@ fn text(report: &ArmReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arguments::ArmWait;
-    use control_protocol::{ArmCommand, Command};
 
     fn gripper_axes(tilt: f64, yaw: f64) -> [Vector3<f64>; 2] {
         let to = ArmMove {
@@ -113,13 +181,11 @@ mod tests {
             tilt,
             yaw,
             straight: false,
-            wait: ArmWait { no_wait: false },
         };
-        let request = move_to(&to).unwrap();
-        let Command::Arm(ArmCommand::MoveTo {
+        let ArmMotion::MoveTo {
             orientation_xyzw: [x, y, z, w],
             ..
-        }) = *request.command()
+        } = move_to(&to).unwrap()
         else {
             panic!("no pose");
         };

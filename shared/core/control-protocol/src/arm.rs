@@ -1,15 +1,46 @@
-//! Arm commands and state reports.
+//! Arm commands, leases and state reports.
 
 use scene_document::ARM_JOINTS;
 use serde::{Deserialize, Serialize};
 
-/// Command to the arm. Poses are those of the gripper: origin between the finger tips, z
-/// forward along the fingers, x along the closing direction.
+/// Command to the arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ArmCommand {
     /// Report the state of the arm.
     State,
+    /// Begin or renew a lease of the arm.
+    Hold(ArmLease),
+    /// End a lease of the arm.
+    Release {
+        /// Number of the lease.
+        lease: u64,
+    },
+    /// Begin or renew a lease, and carry out a motion in place of the present one.
+    Move {
+        /// Lease of the commander.
+        lease: ArmLease,
+        /// Motion to carry out.
+        motion: ArmMotion,
+    },
+    /// Stop the arm immediately, and end the lease of its commander.
+    Stop,
+}
+
+/// Lease of the arm: its one commander renews it at least every half second, else the arm brakes.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ArmLease {
+    /// Random number of the lease; one that has ended never begins again.
+    pub id: u64,
+    /// Name of the commander, which those who are refused get to read.
+    pub holder: String,
+}
+
+/// Motion of the arm. Poses are those of the gripper: origin between the finger tips, z
+/// forward along the fingers, x along the closing direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ArmMotion {
     /// Move the gripper to a pose, on a straight line or by the fastest joint motion.
     MoveTo {
         /// Target position of the gripper, world frame, metres.
@@ -30,8 +61,6 @@ pub enum ArmCommand {
     Open,
     /// Close the fingers until they grip an object or meet.
     Close,
-    /// Stop the arm immediately and discard pending motion.
-    Stop,
 }
 
 /// State report of the arm.
@@ -53,4 +82,7 @@ pub struct ArmReport {
     pub orientation_xyzw: [f64; 4],
     /// True if the fingers hold an object.
     pub is_holding: bool,
+    /// Name of the commander that holds the lease of the arm.
+    #[serde(default)]
+    pub commander: Option<String>,
 }

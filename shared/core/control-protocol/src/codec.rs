@@ -140,8 +140,14 @@ mod tests {
                 category: "mug".into(),
             },
             Command::World(WorldCommand::Facts(FactFilter::default())),
-            Command::Arm(crate::ArmCommand::MoveJoints {
-                angles_rad: [0.5; 6],
+            Command::Arm(crate::ArmCommand::Move {
+                lease: crate::ArmLease {
+                    id: u64::MAX,
+                    holder: "anna".into(),
+                },
+                motion: crate::ArmMotion::MoveJoints {
+                    angles_rad: [0.5; 6],
+                },
             }),
             Command::Job(crate::JobCommand::Write {
                 job: 1,

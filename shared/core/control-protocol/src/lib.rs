@@ -31,7 +31,7 @@ pub mod request;
 mod user_role;
 mod world;
 
-pub use arm::{ArmCommand, ArmReport};
+pub use arm::{ArmCommand, ArmLease, ArmMotion, ArmReport};
 pub use descriptor_bytes::{DescriptorBytes, InvalidDescriptor};
 pub use document::{
     ContentDigest, DOCUMENT_PAGE_BYTES, DocumentKind, DocumentName, DocumentPage, DocumentReport,

@@ -6,17 +6,17 @@
 //! row does not compile.
 
 use crate::{
-    ArmCommand, ArmReport, ChangesPage, Command, DepthNoiseReport, DocumentName, DocumentPage,
-    DocumentReport, DocumentVersionReport, FactFilter, FindQuery, FindReport, HistoryReport,
-    ImportCompletion, JobCommand, JobKind, JobReport, Labelling, LearningReport, MemoryAnswer,
-    MemoryQuery, MemoryStats, MutationId, PageRequest, QuestionsReport, Refusal, RefusalKind,
-    ReloadReport, Reply, Revision, SnapshotCursor, SnapshotPage, StoredView, TaskOutcome, UserRole,
-    ViewId, ViewReport, WorldCommand, WorldReply,
+    ArmCommand, ArmLease, ArmMotion, ArmReport, ChangesPage, Command, DepthNoiseReport,
+    DocumentName, DocumentPage, DocumentReport, DocumentVersionReport, FactFilter, FindQuery,
+    FindReport, HistoryReport, ImportCompletion, JobCommand, JobKind, JobReport, Labelling,
+    LearningReport, MemoryAnswer, MemoryQuery, MemoryStats, MutationId, PageRequest,
+    QuestionsReport, Refusal, RefusalKind, ReloadReport, Reply, Revision, SnapshotCursor,
+    SnapshotPage, StoredView, TaskOutcome, UserRole, ViewId, ViewReport, WorldCommand, WorldReply,
 };
 use process_registry::ProcessKind;
 use scene_document::{
-    ARM_JOINTS, CategoryDocument, EventsDocument, FactsDocument, HealthDocument, ObjectDocument,
-    SceneDocument, TaskDocument, TasksDocument, WorldDocument,
+    CategoryDocument, EventsDocument, FactsDocument, HealthDocument, ObjectDocument, SceneDocument,
+    TaskDocument, TasksDocument, WorldDocument,
 };
 use serde_bytes::ByteBuf;
 
@@ -254,31 +254,19 @@ requests! {
         = [Command::Arm(ArmCommand::State)] => [Reply::Arm(report) => report];
 
     SIMULATOR, Teacher:
-    /// Moves the gripper to a pose, on a straight line or by the fastest joint motion.
-    move_gripper(position_m: [f64; 3], orientation_xyzw: [f64; 4], straight: bool) -> ArmReport
-        = [Command::Arm(ArmCommand::MoveTo { position_m, orientation_xyzw, straight })]
-        => [Reply::Arm(report) => report];
+    /// Begins or renews a lease of the arm.
+    hold_arm(lease: ArmLease) -> ArmReport
+        = [Command::Arm(ArmCommand::Hold(lease))] => [Reply::Arm(report) => report];
 
     SIMULATOR, Teacher:
-    /// Moves the joints of the arm.
-    move_joints(angles_rad: [f64; ARM_JOINTS]) -> ArmReport
-        = [Command::Arm(ArmCommand::MoveJoints { angles_rad })]
-        => [Reply::Arm(report) => report];
+    /// Ends a lease of the arm.
+    release_arm(lease: u64) -> ArmReport
+        = [Command::Arm(ArmCommand::Release { lease })] => [Reply::Arm(report) => report];
 
     SIMULATOR, Teacher:
-    /// Moves the arm to its home pose.
-    home_arm() -> ArmReport
-        = [Command::Arm(ArmCommand::Home)] => [Reply::Arm(report) => report];
-
-    SIMULATOR, Teacher:
-    /// Opens the fingers.
-    open_gripper() -> ArmReport
-        = [Command::Arm(ArmCommand::Open)] => [Reply::Arm(report) => report];
-
-    SIMULATOR, Teacher:
-    /// Closes the fingers.
-    close_gripper() -> ArmReport
-        = [Command::Arm(ArmCommand::Close)] => [Reply::Arm(report) => report];
+    /// Begins or renews a lease, and moves the arm.
+    move_arm(lease: ArmLease, motion: ArmMotion) -> ArmReport
+        = [Command::Arm(ArmCommand::Move { lease, motion })] => [Reply::Arm(report) => report];
 
     SIMULATOR, Reader:
     /// Stops the arm immediately; open to everybody.

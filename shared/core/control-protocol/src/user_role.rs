@@ -59,7 +59,10 @@ mod tests {
         for (command, role) in [
             (Command::Objects, UserRole::Reader),
             (Command::Arm(ArmCommand::Stop), UserRole::Reader),
-            (Command::Arm(ArmCommand::Home), UserRole::Teacher),
+            (
+                Command::Arm(ArmCommand::Release { lease: 1 }),
+                UserRole::Teacher,
+            ),
             (Command::Teach(lesson), UserRole::Teacher),
             (
                 revise(RevisionChange::Undo { sequence: None }),

@@ -68,6 +68,18 @@ fn golden_replies_about_the_live_scene_are_written_and_read() {
         ratio: Some(1.5),
         table_depth_m: None,
     };
+    let examples = [
+        ("objects", Reply::Objects(Box::new(scene))),
+        ("object", Reply::Object(Box::new(object()))),
+        ("question", Reply::Question(questions)),
+        ("found", Reply::Found(Box::new(found()))),
+        ("depth noise", Reply::DepthNoise(noise)),
+    ];
+    check("replies-about-the-scene-2", &examples);
+}
+
+#[test]
+fn golden_reply_of_the_arm_is_written_and_read() {
     let arm = ArmReport {
         command_id: 4,
         activity: "moving".to_owned(),
@@ -77,16 +89,20 @@ fn golden_replies_about_the_live_scene_are_written_and_read() {
         position_m: [0.1, 0.2, 0.3],
         orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
         is_holding: true,
+        commander: Some("anna".to_owned()),
     };
-    let examples = [
-        ("objects", Reply::Objects(Box::new(scene))),
-        ("object", Reply::Object(Box::new(object()))),
-        ("question", Reply::Question(questions)),
-        ("found", Reply::Found(Box::new(found()))),
-        ("depth noise", Reply::DepthNoise(noise)),
-        ("arm", Reply::Arm(arm)),
-    ];
-    check("replies-about-the-scene-2", &examples);
+    check("replies-of-the-arm", &[("arm", Reply::Arm(arm))]);
+}
+
+#[test]
+fn golden_reply_of_an_arm_without_leases_is_still_read() {
+    let file = "tests/golden/replies-about-the-scene.txt";
+    let replies = golden::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file));
+    let (_, bytes) = replies.iter().find(|(name, _)| name == "arm").unwrap();
+    let Reply::Arm(report) = ciborium::from_reader(bytes.as_slice()).unwrap() else {
+        panic!("another reply");
+    };
+    assert_eq!((report.command_id, report.commander), (4, None));
 }
 
 #[test]

@@ -3,10 +3,10 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use control_protocol::{
-    ArmCommand, Command, ContentDigest, DescriptorBytes, DocumentKind, DocumentName, FactFilter,
-    FindQuery, ImportCompletion, JobCommand, JobKind, Labelling, MemoryQuery, MutationId,
-    PageRequest, Peer, Request, Revision, RevisionChange, SnapshotCursor, StoredView, TaskOutcome,
-    UserRole, ViewId, WorldCommand, WorldRegion,
+    ArmCommand, ArmLease, ArmMotion, Command, ContentDigest, DescriptorBytes, DocumentKind,
+    DocumentName, FactFilter, FindQuery, ImportCompletion, JobCommand, JobKind, Labelling,
+    MemoryQuery, MutationId, PageRequest, Peer, Request, Revision, RevisionChange, SnapshotCursor,
+    StoredView, TaskOutcome, UserRole, ViewId, WorldCommand, WorldRegion,
 };
 
 use std::path::Path;
@@ -172,7 +172,7 @@ fn golden_queries_of_the_memory_are_written_and_read() {
 }
 
 #[test]
-fn golden_requests_of_jobs_and_of_the_arm_are_written_and_read() {
+fn golden_requests_of_jobs_are_written_and_read() {
     let import = JobCommand::Import(ImportCompletion {
         job: 1,
         id: ID,
@@ -203,26 +203,44 @@ fn golden_requests_of_jobs_and_of_the_arm_are_written_and_read() {
         ("write", write),
         ("import", import),
     ];
-    let move_to = ArmCommand::MoveTo {
+    let jobs = jobs.map(|(name, job)| (name, Command::Job(job)));
+    check("requests-of-jobs", jobs.into_iter().collect());
+}
+
+#[test]
+fn golden_requests_of_the_arm_are_written_and_read() {
+    let lease = || ArmLease {
+        id: 5,
+        holder: anna(),
+    };
+    let move_to = ArmMotion::MoveTo {
         position_m: [0.5, 1.5, 2.5],
         orientation_xyzw: [0.0, 0.0, 0.0, 1.0],
         straight: true,
     };
-    let move_joints = ArmCommand::MoveJoints {
+    let move_joints = ArmMotion::MoveJoints {
         angles_rad: [0.5; 6],
     };
-    let arm = [
-        ("arm state", ArmCommand::State),
+    let motions = [
         ("arm move", move_to),
         ("arm joints", move_joints),
-        ("arm home", ArmCommand::Home),
-        ("arm open", ArmCommand::Open),
-        ("arm close", ArmCommand::Close),
+        ("arm home", ArmMotion::Home),
+        ("arm open", ArmMotion::Open),
+        ("arm close", ArmMotion::Close),
+    ];
+    let motions = motions.map(|(name, motion)| {
+        let lease = lease();
+        (name, ArmCommand::Move { lease, motion })
+    });
+    let others = [
+        ("arm state", ArmCommand::State),
+        ("arm hold", ArmCommand::Hold(lease())),
+        ("arm release", ArmCommand::Release { lease: 5 }),
         ("arm stop", ArmCommand::Stop),
     ];
-    let jobs = jobs.map(|(name, job)| (name, Command::Job(job)));
-    let arm = arm.map(|(name, command)| (name, Command::Arm(command)));
-    check("requests-of-jobs", jobs.into_iter().chain(arm).collect());
+    let all = others.into_iter().chain(motions);
+    let all = all.map(|(name, command)| (name, Command::Arm(command)));
+    check("requests-of-the-arm", all.collect());
 }
 
 #[test]
