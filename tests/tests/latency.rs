@@ -390,3 +390,38 @@ fn processes_with(word: &str) -> Vec<u32> {
         .filter(has_word)
         .collect()
 }
+
+/// Longest time from a stop to braking, ms: the one time that a test asserts.
+const BRAKING_LIMIT_MS: f64 = 250.0;
+
+#[test]
+fn arm_brakes_in_time_under_every_condition() {
+    let sandbox = Sandbox::new();
+    let out = tempfile::tempdir().unwrap();
+    let mut command = sandbox.command("tabula");
+    command.args(["latency", "stop", "--json", "--stops", "3", "--out"]);
+    let output = command.arg(out.path()).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let document = document(&output);
+    println!("{document:#}");
+    let conditions = document["conditions"].as_array().unwrap();
+    assert_eq!(conditions.len(), 10);
+    for row in conditions {
+        if let Some(reason) = row["skipped"].as_str() {
+            eprintln!("SKIPPED: stops with {}: {reason}", row["condition"]);
+            continue;
+        }
+        assert!(row["n_stops"].as_u64().unwrap() > 0, "{row}");
+        assert_eq!(row["n_lost"], 0, "{row}");
+        assert!(
+            row["braking_ms"]["max"].as_f64().unwrap() < BRAKING_LIMIT_MS,
+            "{row}"
+        );
+        let [braking, rest] =
+            ["braking_ms", "rest_ms"].map(|key| row[key]["p50"].as_f64().unwrap());
+        assert!(rest > braking, "{row}");
+    }
+    for file in ["stop.json", "stop.svg"] {
+        assert!(out.path().join(file).is_file(), "{file}");
+    }
+}

@@ -1,5 +1,6 @@
 //! Command-line arguments of `tabula-latency`.
 
+use crate::stop::StopCondition;
 use crate::sweep_axis::SweepAxis;
 use clap::{Args, Parser, Subcommand};
 use service::{CommonArguments, Failure, OptionUse, parse_arguments};
@@ -61,6 +62,9 @@ pub(crate) enum LatencyCommand {
     },
     /// Soak test: run for a long time with objects that come and go, and report growth
     Soak(SoakArguments),
+    /// Measure the time from a stop to the braking of the simulated arm, under conditions, each with
+    /// a daemon of its own
+    Stop(StopArguments),
     /// Sweep one parameter, with a daemon of its own for each value
     Sweep(SweepArguments),
     /// Compare two reports: what is faster, slower, or undecided
@@ -132,6 +136,26 @@ pub(crate) struct SweepArguments {
     pub(crate) out: Option<PathBuf>,
 }
 
+/// Options of the measurement of stops.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct StopArguments {
+    /// Number of stops under each condition
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) stops: u32,
+
+    /// Conditions to measure, separated by commas [default: all]
+    #[arg(long, value_enum, value_name = "NAME,NAME", value_delimiter = ',')]
+    pub(crate) conditions: Vec<StopCondition>,
+
+    /// Let the arm's loop run without real-time priority
+    #[arg(long)]
+    pub(crate) without_real_time: bool,
+
+    /// Folder for the table and the plot
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+}
+
 /// Options of a soak test.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct SoakArguments {
@@ -192,7 +216,9 @@ impl LatencyArguments {
         match &self.command {
             None if self.measure.source.is_given() => OptionUse::Configuration,
             None => OptionUse::Everything,
-            Some(LatencyCommand::Soak(_) | LatencyCommand::Sweep(_)) => OptionUse::Configuration,
+            Some(LatencyCommand::Soak(_) | LatencyCommand::Sweep(_) | LatencyCommand::Stop(_)) => {
+                OptionUse::Configuration
+            }
             Some(
                 LatencyCommand::Machine { .. }
                 | LatencyCommand::Peers { .. }

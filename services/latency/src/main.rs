@@ -13,6 +13,7 @@ mod process_usage;
 mod report_text;
 mod results;
 mod soak;
+mod stop;
 mod sweep;
 mod sweep_axis;
 mod trace_reader;
@@ -41,6 +42,7 @@ fn execute(arguments: &LatencyArguments, output: &Output) -> Result<ExitCode, Fa
             None => transport_peers::run(*short, output),
         },
         Some(LatencyCommand::Soak(soak)) => soak::run(&arguments.common, soak, output),
+        Some(LatencyCommand::Stop(stop)) => stop::run(&arguments.common, stop, output),
         Some(LatencyCommand::Sweep(sweep)) => sweep::run(&arguments.common, sweep, output),
         Some(LatencyCommand::Compare { before, now }) => compare::run(before, now, output),
         Some(LatencyCommand::Merge { files, out }) => merge::run(files, out.as_deref(), output),

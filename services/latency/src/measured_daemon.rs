@@ -62,6 +62,11 @@ impl MeasuredDaemon {
         &self.domain
     }
 
+    /// Process id of its `tabula run`.
+    pub(crate) fn process_id(&self) -> u32 {
+        self.spawned.process_id()
+    }
+
     /// Start-up failure with the end of the log, and with the daemon's exit code if it has ended.
     fn not_ready(&mut self) -> Failure {
         let end = self.spawned.log_end();

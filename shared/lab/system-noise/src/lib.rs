@@ -33,6 +33,7 @@ mod process_counters;
 pub mod report;
 mod system_files;
 mod timer_latency;
+mod wake_up_delay;
 mod warning;
 
 pub use bandwidth::Bandwidth;
@@ -43,4 +44,5 @@ pub use measurement::{MachineReport, MeasurementPlan, NotMeasured, measure};
 pub use privilege::ResourceLimit;
 pub use process_counters::ProcessCounters;
 pub use timer_latency::{ThreadSetting, TimerTrial};
+pub use wake_up_delay::{WakeUpDelay, WakeUpDelayMonitor};
 pub use warning::{Warning, warnings};

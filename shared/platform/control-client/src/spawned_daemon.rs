@@ -54,6 +54,11 @@ impl SpawnedDaemon {
         Ok(Self { child, folder })
     }
 
+    /// Process id of `tabula run`.
+    pub fn process_id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Standard output of the daemon, once, when it was started with a pipe.
     pub fn take_stdout(&mut self) -> Option<ChildStdout> {
         self.child.stdout.take()
