@@ -208,18 +208,18 @@ fn a_description_that_keeps_changing_is_searched_in_every_fifth_frame() {
 fn side_that_comes_and_goes_counts_until_it_was_not_seen_for_half_a_second() {
     let (index, mut track) = (index(), TrackEvidence::default());
     look(&index, &seen(77, 0.02, 0), ViewUse::KeyView, &mut track);
-    let mut n_sides = Vec::new();
-    for frame in 0..60 {
-        let number = if frame % 7 == 5 { 85 } else { 77 };
-        look(
-            &index,
-            &seen(number, 0.02, frame),
-            ViewUse::Whole,
-            &mut track,
-        );
-        n_sides.push(track.n_sides());
-    }
-    assert_eq!((&n_sides[..5], &n_sides[5..]), (&[1; 5][..], &[2; 55][..]));
+    let mut n_sides = |numbers: &dyn Fn(u64) -> u64, n_frames: u64| -> Vec<usize> {
+        let mut looked = |frame| {
+            let view = seen(numbers(frame), 0.02, frame);
+            look(&index, &view, ViewUse::Whole, &mut track);
+            track.n_sides()
+        };
+        (0..n_frames).map(&mut looked).collect()
+    };
+    let at_times = |frame| if frame % 7 == 5 { 85 } else { 77 };
+    assert_eq!(n_sides(&at_times, 60), [1; 60], "one frame is none");
+    assert_eq!(n_sides(&|_| 85, 5), [1, 1, 1, 1, 2]);
+    assert_eq!(n_sides(&at_times, 60), [2; 60]);
     let n_held = (0..60).take_while(|&frame| {
         look(&index, &seen(77, 0.02, frame), ViewUse::Whole, &mut track);
         track.n_sides() == 2
