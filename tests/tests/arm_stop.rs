@@ -236,7 +236,7 @@ fn arm_is_stopped_when_somebody_removes_its_stop_word() {
     anna.begin_to_turn(TURN_RAD);
     std::fs::remove_file(folder(&sandbox).join("arm-stop")).unwrap();
     eventually("the arm is stopped", || anna.state().activity == "stopped");
-    assert!(daemon.log().contains("stop word"), "{}", daemon.log());
+    eventually("the log tells it", || daemon.log().contains("stop word"));
     // The next stop works.
     let again = Commander::new(&sandbox, 2, "anna");
     again.begin_to_turn(-TURN_RAD);

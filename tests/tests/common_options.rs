@@ -91,9 +91,10 @@ const ALONE: [&str; 28] = [
 ];
 
 /// Commands that start a daemon of their own, with a configuration.
-const OWN_DAEMON: [&str; 4] = [
+const OWN_DAEMON: [&str; 5] = [
     "tabula-latency --source synthetic:0",
     "tabula-latency soak",
+    "tabula-latency stop",
     "tabula-latency sweep rate",
     "tabula-recorder replay a.mcap --lockstep --events e",
 ];

@@ -23,7 +23,7 @@ const CALLS: [&str; 14] = [
 ];
 
 /// Sources that may use these calls, each with its reason.
-const OWNERS: [(&str, &str); 14] = [
+const OWNERS: [(&str, &str); 15] = [
     (
         "shared/core/file-access/src/output_file.rs",
         "the one writer of the files that users name",
@@ -51,6 +51,10 @@ const OWNERS: [(&str, &str); 14] = [
     (
         "shared/platform/control-client/src/spawned_daemon.rs",
         "log in a temporary folder of its own",
+    ),
+    (
+        "shared/platform/arm-interface/src/stop_word.rs",
+        "stop word in the run folder",
     ),
     (
         "shared/platform/channel/src/trusted_folder.rs",

@@ -140,10 +140,14 @@ fn start(
     let scene = write("scene.toml", SCENE)?;
     let real_time = !arguments.without_real_time;
     let own = format!("{PATIENT}[simulator]\nreal_time = {real_time}\n");
+    // A copy: one of the conditions breaks it.
     let config = match &common.config {
-        Some(config) => config.clone(),
-        None => write("stop.toml", &own)?,
+        Some(config) => std::fs::read_to_string(config).map_err(|error| {
+            Failure::usage(format!("{} cannot be read: {error}", config.display()))
+        })?,
+        None => own,
     };
+    let config = write("stop.toml", &config)?;
     let words = [
         format!("--source=simulation:{}", scene.display()),
         format!("--config={}", config.display()),

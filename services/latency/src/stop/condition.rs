@@ -1,6 +1,7 @@
 //! Conditions under which the arm is stopped: dead and hung processes, clients, a busy machine.
 
 use super::moving_arm::MovingArm;
+use crate::results::not_written;
 use channel::{DomainState, RunFolder};
 use clap::ValueEnum;
 use control_protocol::request;
@@ -23,8 +24,6 @@ use tempfile::TempDir;
 const N_CLIENTS: usize = 1000;
 /// Number of kills after which the memory is in back-off.
 const N_KILLS: usize = 9;
-/// Size of the disk that is frozen, bytes.
-const DISK_BYTES: u64 = 256 << 20;
 /// Stack of a client's thread, bytes.
 const STACK_BYTES: usize = 128 * 1024;
 /// Time that a hostile client waits for an answer.
@@ -136,7 +135,8 @@ pub(crate) struct ConditionGuard {
 }
 
 impl ConditionGuard {
-    /// Brings the condition about. `config` is the file of the daemon's configuration.
+    /// Brings the condition about. `config` is the daemon's own configuration file, which may be
+    /// broken.
     pub(crate) fn begin(
         condition: StopCondition,
         arm: &MovingArm,
@@ -167,9 +167,7 @@ impl ConditionGuard {
                 }
             }
             StopCondition::BrokenConfiguration => {
-                std::fs::write(config, "[[[").map_err(|error| {
-                    Failure::general(format!("{} was not broken: {error}", config.display()))
-                })?;
+                dataset::write_atomic(config, "[[[").map_err(not_written)?;
                 let _ = arm.ask(&request::reload_configuration());
             }
             StopCondition::IdleClients => {
@@ -322,8 +320,7 @@ impl FreezableDisk {
         let image = image_folder.path().join("disk.img");
         let folder = home.join("perceptual-memory");
         std::fs::create_dir_all(&folder).map_err(here)?;
-        let file = std::fs::File::create(&image).map_err(here)?;
-        file.set_len(DISK_BYTES).map_err(here)?;
+        run_tool("truncate", ["--size=256M".as_ref(), image.as_os_str()])?;
         run_tool("mkfs.ext4", ["-q".as_ref(), image.as_os_str()])?;
         let loop_device = ["-o".as_ref(), "loop".as_ref()];
         let places = [image.as_os_str(), folder.as_os_str()];
