@@ -244,3 +244,21 @@ fn arm_is_stopped_when_somebody_removes_its_stop_word() {
     wait_for_rest(&folder(&sandbox));
     daemon.stop();
 }
+
+#[test]
+fn stop_tells_that_the_arm_hangs_and_stops_it_when_it_goes_on() {
+    let sandbox = Sandbox::new();
+    let (_scene, daemon) = start(&sandbox);
+    Commander::new(&sandbox, 1, "anna").begin_to_turn(TURN_RAD);
+    let simulator = daemon.pid(ProcessKind::SIMULATOR).unwrap();
+    suspend(simulator);
+    let (code, sentence) = daemon.refused(&["arm", "stop"]);
+    assert!([3, 5].contains(&code), "{code}: {sentence}");
+    send_signal(simulator, Signal::CONT).unwrap();
+    let button = StopButton::open(&folder(&sandbox)).unwrap();
+    eventually("the arm is at rest", || {
+        let record = button.record().unwrap();
+        record.taken == record.pressed && record.rest_ns > 0
+    });
+    daemon.stop();
+}

@@ -21,6 +21,8 @@ use tracing::Level;
 
 /// Speed below which a joint is at rest, rad/s.
 const REST_SPEED_RAD_S: f64 = 0.01;
+/// Largest number of requests that are answered in a cycle. Chosen: the camera waits meanwhile.
+const REQUESTS_PER_CYCLE: usize = 16;
 /// Longest name of a commander, bytes. Chosen.
 const MAX_HOLDER_BYTES: usize = 64;
 /// Longest time for which the arm brakes after the end of the camera, nanoseconds. Chosen: twice
@@ -55,6 +57,8 @@ struct RunningLoop {
     n_published: usize,
     /// True from a stop until all joints are at rest.
     is_braking: bool,
+    /// True if the stop word could not be read in the last cycle.
+    is_word_lost: bool,
     /// First failure of a publication in this interval.
     failure: Option<channel::Error>,
 }
@@ -75,6 +79,7 @@ impl ArmLoop {
             end_ns: None,
             n_published: 0,
             is_braking: false,
+            is_word_lost: false,
             failure: None,
         };
         while running.cycle(orders) {
@@ -109,10 +114,15 @@ impl RunningLoop {
             }
             self.guard();
         }
-        while let Some(request) = self.parts.requests.next() {
+        for _ in 0..REQUESTS_PER_CYCLE {
+            let Some(request) = self.parts.requests.next() else {
+                break;
+            };
             // The states before the answer are published before it.
             self.publish_until(monotonic_ns());
             self.answer(request);
+            // A command costs a simulation of the interval, for which no stop shall wait twice.
+            self.guard();
         }
         self.publish_until(monotonic_ns());
         true
@@ -129,12 +139,15 @@ impl RunningLoop {
     /// Stops the arm when its stop word was pressed, or its commander is silent.
     fn guard(&mut self) {
         if let Some(word) = &mut self.parts.word {
-            let is_pressed = word.poll(monotonic_ns()).unwrap_or_else(|error| {
+            let polled = word.poll(monotonic_ns());
+            let was_lost = std::mem::replace(&mut self.is_word_lost, polled.is_err());
+            if let Err(error) = &polled
+                && !was_lost
+            {
                 let sentence = format!("the arm is stopped, since its stop word is lost: {error}");
                 self.parts.log.write(Level::ERROR, sentence);
-                true
-            });
-            if is_pressed {
+            }
+            if polled.unwrap_or(true) {
                 self.stop();
             }
         }

@@ -1,7 +1,7 @@
 //! `tabula arm`: commands and state of the robot arm.
 
 use crate::arguments::{ArmMove, ArmVerb};
-use arm_interface::{StopButton, StopRecord};
+use arm_interface::{StopButton, StopRecord, monotonic_ns};
 use command_line::Output;
 use control_client::ask_once;
 use control_protocol::{ArmLease, ArmMotion, ArmReport, request};
@@ -9,6 +9,7 @@ use daemon_client::RunFolder;
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use service::{CommonArguments, Failure, exit_code};
 use std::f64::consts::PI;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -79,20 +80,20 @@ fn carry_out(
     Ok(report)
 }
 
-/// Stops the arm by its word in shared memory, which needs no other process than that of the arm;
-/// by a request where the word belongs to another user.
+/// Stops the arm by its word in shared memory, which needs no other process than that of the arm; by
+/// a request where the word belongs to another user, or its arm has died.
 fn stop(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let folders = RunFolder::candidates();
-    let mut buttons = folders
+    let pressed: Vec<_> = folders
         .iter()
-        .filter_map(|folder| StopButton::open(&folder.domain_folder(&common.domain)).ok());
-    let Some(button) = buttons.next() else {
+        .filter_map(|folder| press(&folder.domain_folder(&common.domain)))
+        .collect();
+    let Some((button, word)) = pressed.iter().find(|(button, _)| is_alive(button)) else {
         let report = ask_once(common, &request::stop_arm())?;
         output.answer(&report, || text(&report));
         return Ok(ExitCode::SUCCESS);
     };
-    let word = button.press().map_err(Failure::general)?;
-    let taken = button.wait_until_taken(word, STOP_LIMIT);
+    let taken = button.wait_until_taken(*word, STOP_LIMIT);
     let Some(taken) = taken.map_err(Failure::general)? else {
         let sentence = "the stop is written, but the arm's loop has not acted on it within 1 s; it \
                         may hang, so switch the arm off; see `tabula status`";
@@ -100,9 +101,26 @@ fn stop(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> 
     };
     match ask_once(common, &request::arm()) {
         Ok(report) => output.answer(&report, || text(&report)),
-        Err(unknown) => output.answer(&None::<ArmReport>, || stopped_text(word, &taken, &unknown)),
+        Err(unknown) => output.answer(&None::<ArmReport>, || stopped_text(*word, &taken, &unknown)),
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Presses the stop word in the folder of a domain; `None` where there is none that this user may
+/// write.
+fn press(domain_folder: &Path) -> Option<(StopButton, u64)> {
+    let button = StopButton::open(domain_folder).ok()?;
+    let word = button.press().ok()?;
+    Some((button, word))
+}
+
+/// True if the arm's loop has run within the last second: the word of an arm that has died may be
+/// there still.
+fn is_alive(button: &StopButton) -> bool {
+    let limit_ns = STOP_LIMIT.as_nanos() as u64;
+    button
+        .record()
+        .is_ok_and(|record| monotonic_ns().saturating_sub(record.cycle_ns) < limit_ns)
 }
 
 fn stopped_text(word: u64, taken: &StopRecord, unknown: &Failure) -> String {
