@@ -2,6 +2,7 @@
 //! and the lease.
 
 use crate::daemon::{Daemon, Sandbox, eventually, send_signal, suspend};
+use crate::gateway::PATIENT;
 use crate::simulation::{CARTON, scene_file};
 use arm_interface::{StopButton, StopRecord};
 use control_protocol::{
@@ -157,9 +158,7 @@ fn ten_lines_of_c_and_of_python_stop_the_arm() {
 #[test]
 fn stop_needs_neither_memory_nor_gateway_nor_perception() {
     let sandbox = Sandbox::new();
-    sandbox.configure(
-        "[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0\n",
-    );
+    sandbox.configure(PATIENT);
     let (_scene, daemon) = start(&sandbox);
     Commander::new(&sandbox, 1, "anna").begin_to_turn(TURN_RAD);
     let others = [

@@ -59,7 +59,8 @@ const OF_DAEMON: [&str; 45] = [
 ];
 
 /// Commands that need neither a daemon nor a configuration.
-const ALONE: [&str; 28] = [
+const ALONE: [&str; 29] = [
+    "tabula-latency stop",
     "tabula-lab simulate scene --out o",
     "tabula-lab simulate views --out o",
     "tabula-lab simulate sensor --out o",
@@ -91,10 +92,9 @@ const ALONE: [&str; 28] = [
 ];
 
 /// Commands that start a daemon of their own, with a configuration.
-const OWN_DAEMON: [&str; 5] = [
+const OWN_DAEMON: [&str; 4] = [
     "tabula-latency --source synthetic:0",
     "tabula-latency soak",
-    "tabula-latency stop",
     "tabula-latency sweep rate",
     "tabula-recorder replay a.mcap --lockstep --events e",
 ];

@@ -10,7 +10,7 @@ use std::time::Instant;
 /// A simulated table with an arm.
 const SIMULATION: [&str; 6] = ["--source", "simulation", "--objects", "3", "--seed", "4"];
 /// No process is killed for a lack of progress.
-const PATIENT: &str =
+pub(crate) const PATIENT: &str =
     "[run]\nwatchdog_s = 3600.0\nmemory_watchdog_s = 3600.0\nstartup_watchdog_s = 3600.0\n";
 
 /// Requests that the memory does not own are answered.

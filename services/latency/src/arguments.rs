@@ -216,12 +216,11 @@ impl LatencyArguments {
         match &self.command {
             None if self.measure.source.is_given() => OptionUse::Configuration,
             None => OptionUse::Everything,
-            Some(LatencyCommand::Soak(_) | LatencyCommand::Sweep(_) | LatencyCommand::Stop(_)) => {
-                OptionUse::Configuration
-            }
+            Some(LatencyCommand::Soak(_) | LatencyCommand::Sweep(_)) => OptionUse::Configuration,
             Some(
                 LatencyCommand::Machine { .. }
                 | LatencyCommand::Peers { .. }
+                | LatencyCommand::Stop(_)
                 | LatencyCommand::Compare { .. }
                 | LatencyCommand::Merge { .. },
             ) => OptionUse::Nothing,

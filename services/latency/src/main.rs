@@ -42,7 +42,7 @@ fn execute(arguments: &LatencyArguments, output: &Output) -> Result<ExitCode, Fa
             None => transport_peers::run(*short, output),
         },
         Some(LatencyCommand::Soak(soak)) => soak::run(&arguments.common, soak, output),
-        Some(LatencyCommand::Stop(stop)) => stop::run(&arguments.common, stop, output),
+        Some(LatencyCommand::Stop(stop)) => stop::run(stop, output),
         Some(LatencyCommand::Sweep(sweep)) => sweep::run(&arguments.common, sweep, output),
         Some(LatencyCommand::Compare { before, now }) => compare::run(before, now, output),
         Some(LatencyCommand::Merge { files, out }) => merge::run(files, out.as_deref(), output),

@@ -14,7 +14,7 @@ use condition::{ConditionGuard, Unavailable};
 use latency_report::DurationPercentiles;
 use moving_arm::MovingArm;
 use serde::Serialize;
-use service::{CommonArguments, Failure};
+use service::Failure;
 use std::process::ExitCode;
 use system_noise::{WakeUpDelay, WakeUpDelayMonitor};
 use trial::{StopTrial, measure_stop};
@@ -54,11 +54,7 @@ struct StopDocument {
 }
 
 /// Measures condition by condition; exit code 7 when the arm brakes too late, or not at all.
-pub(crate) fn run(
-    common: &CommonArguments,
-    arguments: &StopArguments,
-    output: &Output,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(arguments: &StopArguments, output: &Output) -> Result<ExitCode, Failure> {
     let stop = StopSignal::install()?;
     let conditions = match arguments.conditions.as_slice() {
         [] => StopCondition::ALL.to_vec(),
@@ -70,7 +66,7 @@ pub(crate) fn run(
             break;
         }
         output.print_status(&format!("stops: {}", condition.title()));
-        rows.push(measure(common, arguments, condition, &stop, output)?);
+        rows.push(measure(arguments, condition, &stop, output)?);
     }
     let document = StopDocument {
         is_real_time: !arguments.without_real_time,
@@ -86,7 +82,6 @@ pub(crate) fn run(
 }
 
 fn measure(
-    common: &CommonArguments,
     arguments: &StopArguments,
     condition: StopCondition,
     stop: &StopSignal,
@@ -101,7 +96,7 @@ fn measure(
     while trials.len() < n_wanted && !stop.is_raised() && skipped.is_none() {
         let (guard, arm) = match started.take() {
             Some(started) => started,
-            None => match start(common, arguments, condition) {
+            None => match start(arguments, condition) {
                 Ok(started) => started,
                 Err(Unavailable::Here(reason)) => {
                     skipped = Some(reason);
@@ -126,7 +121,6 @@ fn measure(
 /// Starts a daemon with a moving arm, and brings the condition about. The guard comes first, since it
 /// must be dropped first: a daemon whose disk is frozen cannot end.
 fn start(
-    common: &CommonArguments,
     arguments: &StopArguments,
     condition: StopCondition,
 ) -> Result<(ConditionGuard, MovingArm), Unavailable> {
@@ -140,14 +134,7 @@ fn start(
     let scene = write("scene.toml", SCENE)?;
     let real_time = !arguments.without_real_time;
     let own = format!("{PATIENT}[simulator]\nreal_time = {real_time}\n");
-    // A copy: one of the conditions breaks it.
-    let config = match &common.config {
-        Some(config) => std::fs::read_to_string(config).map_err(|error| {
-            Failure::usage(format!("{} cannot be read: {error}", config.display()))
-        })?,
-        None => own,
-    };
-    let config = write("stop.toml", &config)?;
+    let config = write("stop.toml", &own)?;
     let words = [
         format!("--source=simulation:{}", scene.display()),
         format!("--config={}", config.display()),

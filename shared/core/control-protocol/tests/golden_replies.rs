@@ -34,6 +34,14 @@ fn check(kind: &str, examples: &[(&str, Reply)]) {
     golden::check(Path::new(&file), examples, encode, decode);
 }
 
+/// Reply of a golden file of an earlier form.
+fn old_reply(kind: &str, name: &str) -> Reply {
+    let file = format!("{}/tests/golden/{kind}.txt", env!("CARGO_MANIFEST_DIR"));
+    let replies = golden::read(Path::new(&file));
+    let (_, bytes) = replies.iter().find(|(its, _)| its == name).unwrap();
+    ciborium::from_reader(bytes.as_slice()).unwrap()
+}
+
 fn mug() -> String {
     "mug".to_owned()
 }
@@ -96,10 +104,7 @@ fn golden_reply_of_the_arm_is_written_and_read() {
 
 #[test]
 fn golden_reply_of_an_arm_without_leases_is_still_read() {
-    let file = "tests/golden/replies-about-the-scene.txt";
-    let replies = golden::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file));
-    let (_, bytes) = replies.iter().find(|(name, _)| name == "arm").unwrap();
-    let Reply::Arm(report) = ciborium::from_reader(bytes.as_slice()).unwrap() else {
+    let Reply::Arm(report) = old_reply("replies-about-the-scene", "arm") else {
         panic!("another reply");
     };
     assert_eq!((report.command_id, report.commander), (4, None));
@@ -107,10 +112,7 @@ fn golden_reply_of_an_arm_without_leases_is_still_read() {
 
 #[test]
 fn golden_found_objects_of_0_2_are_still_read() {
-    let file = "tests/golden/replies-about-the-scene.txt";
-    let replies = golden::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file));
-    let (_, bytes) = replies.iter().find(|(name, _)| name == "found").unwrap();
-    let Reply::Found(report) = ciborium::from_reader(bytes.as_slice()).unwrap() else {
+    let Reply::Found(report) = old_reply("replies-about-the-scene", "found") else {
         panic!("another reply");
     };
     let found = &report.matches[0];
@@ -454,11 +456,7 @@ fn golden_replies_of_the_world_and_to_processes_are_written_and_read() {
 
 #[test]
 fn golden_world_of_0_2_is_still_read() {
-    let file = "tests/golden/replies-of-the-world.txt";
-    let replies = golden::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file));
-    let (_, bytes) = replies.iter().find(|(name, _)| name == "now").unwrap();
-    let Reply::World(WorldReply::Now(world)) = ciborium::from_reader(bytes.as_slice()).unwrap()
-    else {
+    let Reply::World(WorldReply::Now(world)) = old_reply("replies-of-the-world", "now") else {
         panic!("another reply");
     };
     assert!(world.surfaces.is_empty() && world.newest_event == 7);
