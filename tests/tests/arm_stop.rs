@@ -13,6 +13,7 @@ use message::ProcessKind;
 use rustix::process::Signal;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 const WATCHDOG: Duration = Duration::from_secs(10);
@@ -71,6 +72,23 @@ impl<'a> Commander<'a> {
             (self.hold().unwrap().joint_angles_rad[0] - start_rad).abs() > 0.02
         });
     }
+
+    /// Renews the lease beside an action, such as a program that takes long to start, until that
+    /// has ended.
+    fn renewing<T>(&self, action: impl FnOnce() -> T) -> T {
+        let has_ended = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                // A refusal is what the action may be about: a stop ends the lease.
+                while !has_ended.load(Ordering::Acquire) && self.hold().is_ok() {
+                    std::thread::sleep(RENEWAL);
+                }
+            });
+            let result = action();
+            has_ended.store(true, Ordering::Release);
+            result
+        })
+    }
 }
 
 fn folder(sandbox: &Sandbox) -> PathBuf {
@@ -113,7 +131,7 @@ fn start(sandbox: &Sandbox) -> (tempfile::TempDir, Daemon<'_>) {
 /// Moves the arm, stops it by a program, and checks that it has stopped.
 fn check_stopped_by(sandbox: &Sandbox, commander: &Commander<'_>, stop: impl FnOnce(&Path)) {
     commander.begin_to_turn(TURN_RAD);
-    stop(&folder(sandbox));
+    commander.renewing(|| stop(&folder(sandbox)));
     wait_for_rest(&folder(sandbox));
     let stopped = commander.state();
     assert_eq!(stopped.activity, "stopped");
@@ -208,7 +226,7 @@ fn arm_has_one_commander_and_brakes_when_it_is_silent() {
     let refusal = ben.turn(-TURN_RAD).unwrap_err();
     assert_eq!(refusal.kind, RefusalKind::Conflict);
     assert!(refusal.sentence.contains("anna"), "{refusal}");
-    let (code, sentence) = daemon.refused(&["arm", "home"]);
+    let (code, sentence) = anna.renewing(|| daemon.refused(&["arm", "home"]));
     assert_eq!(code, 4, "{sentence}");
     assert!(sentence.contains("commanded by anna"), "{sentence}");
     assert_eq!(anna.hold().unwrap().commander.as_deref(), Some("anna"));
