@@ -1,6 +1,7 @@
 //! Configuration section `[simulator]`: parsing and validation.
 
 use crate::arguments::SimulatorArguments;
+use arm_kinematics::GripperModel;
 use serde::Deserialize;
 use service::{Configuration, Failure, KeyReference};
 use simulated_world::{ArmMount, EVERYDAY_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 /// Name of the section.
 const SECTION: &str = "simulator";
+const GRIPPER_SECTION: &str = "gripper";
 
 /// Section `[simulator]` as written in TOML.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -44,6 +46,7 @@ pub(crate) struct Config {
     pub(crate) lockstep: bool,
     /// True if the arm's loop is to have real-time priority.
     pub(crate) real_time: bool,
+    gripper: GripperModel,
 }
 
 impl Config {
@@ -76,6 +79,7 @@ impl Config {
             rate_hz: given.rate.or(raw.rate_hz).unwrap_or(30.0),
             lockstep: given.lockstep || raw.lockstep,
             real_time: raw.real_time.unwrap_or(true),
+            gripper: gripper(found)?,
         };
         config
             .check_objects()
@@ -109,6 +113,14 @@ impl Config {
     /// # Errors
     /// When a file cannot be used, or the objects find no place.
     pub(crate) fn scene(&self) -> Result<(Scene, ModelLibrary), simulated_world::Error> {
+        let (mut scene, library) = self.scene_of_plan()?;
+        if let Some(arm) = &mut scene.arm {
+            arm.gripper = self.gripper;
+        }
+        Ok((scene, library))
+    }
+
+    fn scene_of_plan(&self) -> Result<(Scene, ModelLibrary), simulated_world::Error> {
         let mut library = ModelLibrary::open(&self.models)?;
         let scene = match &self.plan {
             SceneChoice::File(path) => return Scene::open(path, self.seed),
@@ -142,6 +154,13 @@ impl Config {
             SceneChoice::File(path) => format!("simulation:{}", path.display()),
         }
     }
+}
+
+/// Gripper of the section of that name.
+fn gripper(found: &Configuration) -> Result<GripperModel, Failure> {
+    let gripper: GripperModel = found.section(GRIPPER_SECTION)?;
+    let checked = gripper.checked();
+    checked.map_err(|error| found.wrong(GRIPPER_SECTION, &[error.name], error).into())
 }
 
 fn plan(scene: Option<&str>) -> Result<SceneChoice, String> {
@@ -189,6 +208,7 @@ mod tests {
             })
         };
         service::check_section_reference(SECTION, read).unwrap();
+        service::check_section_reference(GRIPPER_SECTION, gripper).unwrap();
         let objects = KeyReference::get().key(SECTION, "objects").unwrap();
         let most = objects.range.as_ref().unwrap().most;
         assert_eq!(most, Some(MAX_OBJECTS as f64));

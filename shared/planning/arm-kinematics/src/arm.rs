@@ -5,7 +5,7 @@ use nalgebra::{Translation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::{
-    ArmDimensions, GripperGeometry, Joint, JointVector, KinematicChain, N_JOINTS, tool_from_fingers,
+    ArmDimensions, GripperModel, Joint, JointVector, KinematicChain, N_JOINTS, tool_from_fingers,
 };
 
 /// Home position (folded), joint angles in radians. The upper arm leans back, the forearm is
@@ -19,7 +19,7 @@ pub const HOME: [f64; N_JOINTS] = [0.0, -0.9, 2.5, 0.0, 0.7, FRAC_PI_2];
 pub struct Arm {
     chain: KinematicChain,
     dimensions: ArmDimensions,
-    gripper: GripperGeometry,
+    gripper: GripperModel,
 }
 
 /// Poses of all bodies of the arm, base frame.
@@ -49,11 +49,11 @@ impl Arm {
     /// Velocities are the JACO's 36 °/s for the three large and 48 °/s for the three small
     /// actuators; accelerations are chosen so that full velocity takes 0.4 s.
     pub fn jaco_like() -> Self {
-        Self::new(ArmDimensions::JACO_LIKE, GripperGeometry::JACO_LIKE)
+        Self::new(ArmDimensions::JACO_LIKE, GripperModel::JACO_LIKE)
     }
 
     /// Arm of the same structure with other link lengths.
-    pub fn new(dimensions: ArmDimensions, gripper: GripperGeometry) -> Self {
+    pub fn new(dimensions: ArmDimensions, gripper: GripperModel) -> Self {
         let d = &dimensions;
         let (large, small) = (36.0_f64.to_radians(), 48.0_f64.to_radians());
         let up = |length_m| Vector3::new(0.0, 0.0, length_m);
@@ -103,7 +103,7 @@ impl Arm {
     }
 
     /// Gripper geometry of the arm.
-    pub fn gripper(&self) -> &GripperGeometry {
+    pub fn gripper(&self) -> &GripperModel {
         &self.gripper
     }
 

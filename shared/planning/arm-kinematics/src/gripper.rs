@@ -1,16 +1,21 @@
-//! Parallel-jaw gripper: geometry, state and motion.
+//! Parallel-jaw gripper: dimensions, force, state and motion.
 
 use geometry::{OrientedBox, RigidTransform};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 
 use crate::Error;
-use value_range::check_range;
+use serde::Deserialize;
+use value_range::{OutOfRange, check_range, check_ranges};
 
-/// Dimensions of the gripper, metres. Lengths are along z of the tool, widths along y,
-/// thicknesses along x.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GripperGeometry {
+/// Dimensions, speed and force of a parallel-jaw gripper. Lengths are along z of the tool, widths
+/// along y, thicknesses along x.
+///
+/// It is read from the section `[gripper]` of the configuration; keys that are not given are those
+/// of the JACO.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GripperModel {
     /// Stroke of the gripper: greatest distance between the pads.
     pub max_opening_m: f64,
     /// Length of a pad. The middle of the pad is at the tool's origin; the fingertips are half a
@@ -27,11 +32,15 @@ pub struct GripperGeometry {
     pub palm_m: f64,
     /// Greatest rate of change of the opening, m/s.
     pub opening_speed_m_s: f64,
+    /// Force with which each finger presses, newtons.
+    pub closing_force_n: f64,
+    /// Coulomb friction coefficient of the pads.
+    pub pad_friction: f64,
 }
 
-impl GripperGeometry {
-    /// Dimensions of the JACO's hand: stroke of about 0.15 m, closing in 1.25 s. Parallel fingers
-    /// replace its curling ones.
+impl GripperModel {
+    /// Dimensions of the JACO's hand: stroke of about 0.15 m, closing in 1.25 s with up to 25 N
+    /// (Kinova's data sheet). Parallel fingers replace its curling ones; their pads are of rubber.
     pub const JACO_LIKE: Self = Self {
         max_opening_m: 0.15,
         pad_length_m: 0.050,
@@ -40,7 +49,28 @@ impl GripperGeometry {
         finger_thickness_m: 0.012,
         palm_m: 0.080,
         opening_speed_m_s: 0.12,
+        closing_force_n: 25.0,
+        pad_friction: 0.8,
     };
+
+    /// Dimensions within the ranges of a gripper.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] with the name of the first key that is not.
+    pub fn checked(self) -> Result<Self, OutOfRange<f64>> {
+        check_ranges(&[
+            ("max_opening_m", self.max_opening_m, 0.01, 0.5),
+            ("pad_length_m", self.pad_length_m, 0.005, 0.2),
+            ("pad_width_m", self.pad_width_m, 0.002, 0.1),
+            ("pad_thickness_m", self.pad_thickness_m, 0.001, 0.05),
+            ("finger_thickness_m", self.finger_thickness_m, 0.002, 0.1),
+            ("palm_m", self.palm_m, 0.01, 0.3),
+            ("opening_speed_m_s", self.opening_speed_m_s, 0.005, 1.0),
+            ("closing_force_n", self.closing_force_n, 1.0, 500.0),
+            ("pad_friction", self.pad_friction, 0.05, 2.0),
+        ])?;
+        Ok(self)
+    }
 
     /// Bounding box of the pad, finger frame.
     pub fn pad_in_finger(&self) -> OrientedBox {
@@ -104,6 +134,12 @@ impl GripperGeometry {
     }
 }
 
+impl Default for GripperModel {
+    fn default() -> Self {
+        Self::JACO_LIKE
+    }
+}
+
 /// Poses of the fingers at +x and at -x of the tool for an opening between the pads, metres.
 /// Finger frame: origin in the middle of the pad's face, x into the pad (away from the grasped
 /// object), z forward.
@@ -132,7 +168,7 @@ pub enum GripperMotion {
 /// Gripper state: opening, target and motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gripper {
-    geometry: GripperGeometry,
+    geometry: GripperModel,
     opening_m: f64,
     target_m: f64,
     motion: GripperMotion,
@@ -141,7 +177,7 @@ pub struct Gripper {
 
 impl Gripper {
     /// Gripper that is wide open and not moving.
-    pub fn new(geometry: GripperGeometry) -> Self {
+    pub fn new(geometry: GripperModel) -> Self {
         Self {
             opening_m: geometry.max_opening_m,
             target_m: geometry.max_opening_m,
@@ -214,7 +250,7 @@ mod tests {
 
     #[test]
     fn pads_face_each_other_across_the_opening() {
-        let hand = GripperGeometry::JACO_LIKE;
+        let hand = GripperModel::JACO_LIKE;
         for opening in [0.0, 0.07, hand.max_opening_m] {
             let [right, left] = hand.pads_in_tool(opening);
             let thickness = hand.pad_thickness_m;
@@ -229,7 +265,7 @@ mod tests {
 
     #[test]
     fn fingers_close_at_their_speed_until_both_pads_touch() {
-        let mut gripper = Gripper::new(GripperGeometry::JACO_LIKE);
+        let mut gripper = Gripper::new(GripperModel::JACO_LIKE);
         gripper.move_to(0.0).unwrap();
         for _ in 0..50 {
             gripper.step(0.01, false);
@@ -247,7 +283,7 @@ mod tests {
 
     #[test]
     fn fingers_that_meet_hold_nothing() {
-        let mut gripper = Gripper::new(GripperGeometry::JACO_LIKE);
+        let mut gripper = Gripper::new(GripperModel::JACO_LIKE);
         gripper.move_to(0.0).unwrap();
         gripper.step(100.0, false);
         assert!(gripper.opening_m() == 0.0 && !gripper.is_holding());
@@ -256,7 +292,7 @@ mod tests {
 
     #[test]
     fn invalid_opening_is_rejected() {
-        let mut gripper = Gripper::new(GripperGeometry::JACO_LIKE);
+        let mut gripper = Gripper::new(GripperModel::JACO_LIKE);
         for opening in [f64::NAN, -0.01, 0.151] {
             assert!(matches!(
                 gripper.move_to(opening),

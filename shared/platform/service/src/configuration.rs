@@ -23,13 +23,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::{Table, Value};
 
-/// Sections of the configuration: one for each process, and `run` for their parent.
-pub const SECTIONS: [&str; 7] = [
+/// Sections of the configuration: one for each process, `run` for their parent, and those that
+/// several processes read.
+pub const SECTIONS: [&str; 8] = [
     "run",
     "shared_memory",
     "gateway",
     "camera",
     "simulator",
+    "gripper",
     "perception",
     "memory",
 ];

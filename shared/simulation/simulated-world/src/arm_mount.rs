@@ -1,15 +1,18 @@
-//! Mounting pose of the arm.
+//! Mounting pose of the arm, and its gripper.
 
+use arm_kinematics::GripperModel;
 use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-/// Mounting pose of the arm's base plate.
+/// Mounting pose of the arm's base plate, and the gripper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArmMount {
     /// Position of the arm's base, world frame, metres.
     pub position_m: [f64; 3],
     /// Yaw of the forward direction from world x, degrees.
     pub yaw_deg: f64,
+    /// Gripper at the end of the arm.
+    pub gripper: GripperModel,
 }
 
 impl Default for ArmMount {
@@ -19,6 +22,7 @@ impl Default for ArmMount {
         Self {
             position_m: [-0.44, -0.50, 0.70],
             yaw_deg: 50.0,
+            gripper: GripperModel::JACO_LIKE,
         }
     }
 }

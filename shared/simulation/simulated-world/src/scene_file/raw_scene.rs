@@ -364,6 +364,7 @@ fn arm(raw: &RawArm) -> Result<ArmMount, Error> {
     Ok(ArmMount {
         position_m,
         yaw_deg: checked("[arm] yaw_deg", yaw_deg, -360.0..=360.0)?,
+        ..default
     })
 }
 
