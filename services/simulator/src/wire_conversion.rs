@@ -27,6 +27,7 @@ pub(crate) fn command(motion: &ArmMotion) -> Result<ArmCommand, String> {
         ArmMotion::MoveJoints { angles_rad } => ArmCommand::MoveJoints(angles_rad),
         ArmMotion::Home => ArmCommand::Home,
         ArmMotion::Open => ArmCommand::Open,
+        ArmMotion::OpenTo { opening_m } => ArmCommand::OpenTo(opening_m),
         ArmMotion::Close => ArmCommand::Close,
     })
 }

@@ -34,7 +34,12 @@ pub(crate) fn run(
         ArmVerb::Stop => return stop(common, output),
         ArmVerb::Move(to) => move_to(to)?,
         ArmVerb::Home => ArmMotion::Home,
-        ArmVerb::Open => ArmMotion::Open,
+        ArmVerb::Open { width_mm: None } => ArmMotion::Open,
+        ArmVerb::Open {
+            width_mm: Some(width_mm),
+        } => ArmMotion::OpenTo {
+            opening_m: 1e-3 * width_mm,
+        },
         ArmVerb::Close => ArmMotion::Close,
     };
     let lease = lease()?;

@@ -59,6 +59,11 @@ pub enum ArmMotion {
     Home,
     /// Open the fingers and release any held object.
     Open,
+    /// Move the fingers to an opening, and release any held object.
+    OpenTo {
+        /// Distance between the finger pads, metres.
+        opening_m: f64,
+    },
     /// Close the fingers until they grip an object or meet.
     Close,
 }

@@ -226,6 +226,7 @@ fn golden_requests_of_the_arm_are_written_and_read() {
         ("arm joints", move_joints),
         ("arm home", ArmMotion::Home),
         ("arm open", ArmMotion::Open),
+        ("arm open to", ArmMotion::OpenTo { opening_m: 0.5 }),
         ("arm close", ArmMotion::Close),
     ];
     let motions = motions.map(|(name, motion)| {

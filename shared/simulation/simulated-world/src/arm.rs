@@ -8,8 +8,8 @@ use crate::object_model::compound_shape;
 use crate::physics::{BodyId, Physics, STEPS_PER_SECOND};
 use crate::scene_object::SimulatedObject;
 use arm_kinematics::{
-    Arm, ArmController, BodyPoses, Command, CommandState, HOME, JointVector, LinkMeshes,
-    MotionState, PathKind,
+    Arm, ArmController, ArmDimensions, BodyPoses, Command, CommandState, HOME, JointVector,
+    LinkMeshes, MotionState, PathKind,
 };
 use geometry::{Capsule, RigidTransform};
 use rapier3d::prelude::SharedShape;
@@ -39,6 +39,8 @@ pub enum ArmCommand {
     Home,
     /// Opens the gripper wide and releases the held object.
     Open,
+    /// Moves the fingers to an opening, metres, and releases the held object.
+    OpenTo(f64),
     /// Closes the gripper until the fingers hold an object or meet.
     Close,
     /// Brakes all joints at once and lets the fingers stand.
@@ -93,6 +95,8 @@ pub(crate) struct SimulatedArm {
     /// Number of commands so far, including rejected ones.
     n_commands: u64,
     command_id: u64,
+    /// True if the newest command closes the fingers on an object.
+    is_grasping: bool,
     failure: Option<String>,
     guard: collision_guard::CollisionGuard,
 }
@@ -100,7 +104,7 @@ pub(crate) struct SimulatedArm {
 impl SimulatedArm {
     /// Adds a folded arm to the physics; `None` when a collision shape is empty.
     pub(crate) fn new(mount: &ArmMount, physics: &mut Physics) -> Option<Self> {
-        let arm = Arm::jaco_like();
+        let arm = Arm::new(ArmDimensions::JACO_LIKE, mount.gripper);
         let meshes = LinkMeshes::new(&arm);
         let solids = meshes
             .links
@@ -123,6 +127,7 @@ impl SimulatedArm {
             grasped: None,
             n_commands: 0,
             command_id: 0,
+            is_grasping: false,
             failure: None,
             guard: collision_guard::CollisionGuard::default(),
         })
@@ -157,6 +162,7 @@ impl SimulatedArm {
             ArmCommand::Open => Command::Open {
                 opening_m: self.controller.arm().gripper().max_opening_m,
             },
+            ArmCommand::OpenTo(opening_m) => Command::Open { opening_m },
             ArmCommand::Close => Command::Close,
             ArmCommand::Stop => Command::Stop,
         };
@@ -164,6 +170,7 @@ impl SimulatedArm {
             .retarget(id, joint_command)
             .map_err(|error| error.to_string())?;
         self.command_id = id;
+        self.is_grasping = matches!(command, ArmCommand::Close);
         self.failure = None;
         self.guard.begin();
         Ok(id)
@@ -193,7 +200,8 @@ impl SimulatedArm {
 
     /// True if the fingers stopped in this step after closing and hold no object yet.
     fn has_closed(&self, before: &ArmController) -> bool {
-        before.state() == MotionState::Closing
+        self.is_grasping
+            && before.state() == MotionState::Closing
             && self.grasped.is_none()
             && self.controller.command_state(self.command_id) == Some(CommandState::Done)
     }

@@ -119,6 +119,7 @@ pub(crate) fn open(
         mass_kg: (volume_m3 * DENSITY_KG_M3).clamp(MASS_RANGE_KG[0], MASS_RANGE_KG[1]),
         friction: FRICTION,
         mesh,
+        convex_parts: parts,
         shape,
     })
 }

@@ -39,7 +39,9 @@ pub struct ObjectModel {
     pub mass_kg: f64,
     /// Coulomb friction coefficient of the object.
     pub friction: f64,
-    /// Collision shape of the object.
+    /// Convex parts of the object, for collisions.
+    pub convex_parts: Vec<ConvexPart>,
+    /// Collision shape of the object: its convex parts.
     pub(crate) shape: SharedShape,
 }
 
@@ -75,6 +77,7 @@ impl ObjectModel {
             mesh: object.mesh,
             mass_kg: object.mass_kg.into(),
             friction: object.friction.into(),
+            convex_parts: object.convex_parts,
             shape,
         })
     }

@@ -22,6 +22,8 @@ pub const STEP_NS: u64 = 1_000_000_000 / STEPS_PER_SECOND as u64;
 
 /// Length unit of the engine's tolerances, metres; objects are a few centimetres large.
 const LENGTH_UNIT_M: f32 = 0.1;
+/// Gap below which two bodies touch, metres: below half of a finger's way in a step.
+const TOUCHING_M: f32 = 0.0002;
 /// Sleep threshold of linear velocity, m/s: a body that is slower for half a second falls asleep.
 /// It replaces rolling friction, which the engine lacks; round hulls would tremble forever.
 /// Chosen.
@@ -376,12 +378,16 @@ impl Physics {
         f64::from(impulses.sum::<f32>()) * f64::from(STEPS_PER_SECOND)
     }
 
-    /// Objects in contact with a kinematic body.
+    /// Objects that touch a kinematic body.
     pub(crate) fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = BodyId> {
         self.colliders_of(body).flat_map(move |collider| {
             let pairs = self.narrow_phase.contact_pairs_with(collider);
             pairs
-                .filter(|pair| pair.has_any_active_contact())
+                .filter(|pair| {
+                    // The solver also predicts contacts, over gaps of millimetres.
+                    let deepest = pair.find_deepest_contact();
+                    deepest.is_some_and(|(_, contact)| contact.dist < TOUCHING_M)
+                })
                 .filter_map(move |pair| {
                     let other = if pair.collider1 == collider {
                         pair.collider2
