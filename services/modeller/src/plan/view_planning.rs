@@ -10,10 +10,10 @@ use channel::{Domain, DomainName, Error};
 use geometry::RigidTransform;
 use next_best_view::OccupancyGrid;
 use random::Random;
-use scene_client::{DaemonModels, ModelShelf, Snapshot};
+use scene_client::{DaemonModels, ModelShelf, PlanningFrame, Snapshot};
 use service::{CommonArguments, Failure};
 use std::time::Instant;
-use view_planning::{PlanContent, PlanSettings, PlanningFrame, ViewPlan, hemisphere};
+use view_planning::{PlanContent, PlanSettings, ViewPlan, hemisphere};
 
 /// Number of visited views that are kept.
 const N_VISITED_MAX: usize = 1000;

@@ -15,6 +15,7 @@ const MODEL_SPACING_M: f64 = 0.003;
 
 /// Stored model, ready to be placed.
 struct StoredModel {
+    mesh: TriangleMesh,
     surface: Rc<SurfaceModel>,
     pose_model: PoseModel,
 }
@@ -31,6 +32,8 @@ pub struct ModelShelf {
 pub struct PlacedModel<'a> {
     /// Name of the model.
     pub name: &'a str,
+    /// Mesh of the model; one of points alone has no triangles.
+    pub mesh: &'a TriangleMesh,
     /// Surface of the model.
     pub surface: &'a Rc<SurfaceModel>,
     /// Pose in the frame of the camera.
@@ -114,6 +117,7 @@ impl ModelShelf {
         match found {
             Some(((name, Ok(model)), pose)) if pose.is_good() => Ok(Some(PlacedModel {
                 name,
+                mesh: &model.mesh,
                 surface: &model.surface,
                 pose,
             })),
@@ -148,6 +152,7 @@ impl StoredModel {
         let surface = surface.map_err(|error| error.to_string())?;
         let pose_model = PoseModel::new(surface.points(), MODEL_SPACING_M);
         Ok(Self {
+            mesh: mesh.clone(),
             surface: Rc::new(surface),
             pose_model: pose_model.map_err(|error| error.to_string())?,
         })

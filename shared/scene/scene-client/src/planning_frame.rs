@@ -3,10 +3,10 @@
 //! Numbers of single precision are exact enough in it, however far away the origin of the world is,
 //! and a camera whose pose is unknown is levelled by it.
 
+use crate::snapshot::Snapshot;
 use geometry::{Plane, RigidTransform};
 use nalgebra::{Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use point_cloud::Point;
-use scene_client::Snapshot;
 
 /// Radius of the image's middle, as a share of its height, in which a place is looked for when
 /// there are no objects.
@@ -48,7 +48,7 @@ impl PlanningFrame {
         let plan_from_world = world_from_plan.inverse();
         let overhead = Point3::new(0.0, 0.0, TOP_M);
         let table_in_plan = snapshot
-            .table_in_world
+            .table_in_world()
             .map(|plane| plane.transformed(&plan_from_world).facing(&overhead));
         Some(Self {
             world_from_plan,
@@ -87,7 +87,7 @@ fn up_in_world(snapshot: &Snapshot, notes: &mut Vec<String>) -> Unit<Vector3<f64
         notes.push(begin.to_owned());
         return up;
     }
-    if let Some(table) = snapshot.table_in_world {
+    if let Some(table) = snapshot.table_in_world() {
         notes.push(format!("{begin}, and up is the normal of the table"));
         return table.facing(&Point3::origin()).normal;
     }
@@ -124,10 +124,20 @@ fn middle_in_world(snapshot: &Snapshot) -> Option<Point3<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene_table::SceneSurface;
+    use crate::snapshot::SnapshotObject;
     use geometry::PinholeCamera;
+    use message::SurfaceKind;
     use message::TrackState;
     use point_cloud::Rgba;
-    use scene_client::SnapshotObject;
+
+    fn surface(plane_in_world: Plane) -> SceneSurface {
+        SceneSurface {
+            kind: SurfaceKind::Table,
+            plane_in_world,
+            corners_in_world: Vec::new(),
+        }
+    }
 
     /// Frame whose points are all 1 m deep.
     fn snapshot() -> Snapshot {
@@ -164,7 +174,7 @@ mod tests {
         let table = Plane::through(&Point3::new(0.0, 0.0, 0.7), -Vector3::z_axis());
         let snapshot = Snapshot {
             world_from_camera: Some(pose),
-            table_in_world: Some(table),
+            surfaces: vec![surface(table)],
             objects: vec![
                 object(1, 50.0, vec![[0.0, 0.0, 1.0]]),
                 object(2, 50.2, vec![[0.1, 0.0, 1.0]]),
@@ -193,7 +203,7 @@ mod tests {
         for (up_in_camera, table_in_world, up, words) in cases {
             let snapshot = Snapshot {
                 up_in_camera,
-                table_in_world,
+                surfaces: table_in_world.map(surface).into_iter().collect(),
                 ..snapshot()
             };
             let frame = PlanningFrame::of(&snapshot).unwrap();

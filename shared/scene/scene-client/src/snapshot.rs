@@ -1,5 +1,6 @@
 //! Snapshot of the table: one frame with its scene and the measured points of the seen objects.
 
+use crate::scene_table::SceneSurface;
 use geometry::{PinholeCamera, Plane, RigidTransform};
 use message::{CategoryAnswer, TrackState};
 use nalgebra::{Point3, Unit, Vector3};
@@ -21,8 +22,8 @@ pub struct Snapshot {
     pub world_from_camera: Option<RigidTransform>,
     /// Direction against gravity in the camera frame, as the camera measures it.
     pub up_in_camera: Option<Unit<Vector3<f64>>>,
-    /// Plane of the table; `None` without one.
-    pub table_in_world: Option<Plane>,
+    /// Support surfaces, the table first.
+    pub surfaces: Vec<SceneSurface>,
     /// Tracked objects, by track-id.
     pub objects: Vec<SnapshotObject>,
     /// Run of the source that the frame is of.
@@ -85,6 +86,12 @@ impl Snapshot {
         self.world_from_camera.unwrap_or_default()
     }
 
+    /// Plane of the table; `None` without one.
+    pub fn table_in_world(&self) -> Option<Plane> {
+        let table = self.surfaces.first();
+        table.map(|table| table.plane_in_world)
+    }
+
     /// Points of the frame with depth.
     pub fn measured(&self) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(|point| point.is_finite())
@@ -105,7 +112,7 @@ impl Snapshot {
             camera,
             world_from_camera: None,
             up_in_camera: None,
-            table_in_world: None,
+            surfaces: Vec::new(),
             objects: Vec::new(),
             session: 1,
             sequence: 1,

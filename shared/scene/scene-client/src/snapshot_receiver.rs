@@ -1,12 +1,12 @@
 //! Receiver of snapshots: matches frames, scenes and clouds of objects.
 
-use crate::scene_table::table_in_world;
+use crate::scene_table::SceneSurface;
 use crate::scene_topics::SceneTopics;
 use crate::snapshot::{Snapshot, SnapshotObject};
 use crate::visibility::is_seen;
 use channel::topic::CameraCloud;
 use channel::{Domain, Error, SharedMessage};
-use geometry::{Plane, RigidTransform};
+use geometry::RigidTransform;
 use message::{FrameHeader, SceneObject, TrackState};
 use point_cloud::Point;
 use service::monotonic_ns;
@@ -32,7 +32,7 @@ struct TrackCloud {
 struct SceneOfFrame {
     session: u64,
     sequence: u64,
-    table_in_world: Option<Plane>,
+    surfaces: Vec<SceneSurface>,
     objects: Vec<SceneObject>,
 }
 
@@ -103,7 +103,7 @@ impl SnapshotReceiver {
         self.scene = Some(SceneOfFrame {
             session: header.session,
             sequence: header.sequence,
-            table_in_world: table_in_world(header),
+            surfaces: SceneSurface::all_of(header),
             objects,
         });
         Ok(true)
@@ -161,7 +161,7 @@ impl SnapshotReceiver {
             camera: checked.camera,
             world_from_camera: checked.world_from_camera,
             up_in_camera: checked.up_in_camera,
-            table_in_world: scene.table_in_world,
+            surfaces: scene.surfaces.clone(),
             objects: scene.objects.iter().map(object).collect(),
             session: header.session,
             sequence: header.sequence,

@@ -1,6 +1,6 @@
 //! Next best view of a snapshot: rating of candidate camera poses and choice among them.
 //!
-//! A [`PlanningFrame`] has its origin in the middle of the objects and z against gravity. A
+//! A [`PlanningFrame`](scene_client::PlanningFrame) has its origin in the middle of the objects and z against gravity. A
 //! [`PlanContent`] holds what a snapshot shows in it: object hypotheses, the background around them
 //! and the unknown space. [`plan`] rates candidates such as those of a [`hemisphere`] by their
 //! virtual views, leaves out those that are visited, blocked or below the table, and chooses one.
@@ -13,8 +13,8 @@
 //! use geometry::PinholeCamera;
 //! use point_cloud::{Point, Rgba};
 //! use random::Random;
-//! use scene_client::{ModelShelf, Snapshot};
-//! use view_planning::{PlanContent, PlanSettings, PlanningFrame, hemisphere, plan};
+//! use scene_client::{ModelShelf, PlanningFrame, Snapshot};
+//! use view_planning::{PlanContent, PlanSettings, hemisphere, plan};
 //!
 //! // A wall, a metre before a camera that knows nothing else.
 //! let camera = PinholeCamera { fx_px: 60.0, fy_px: 60.0, cx_px: 31.5, cy_px: 23.5, width: 64, height: 48 };
@@ -37,7 +37,6 @@
 mod candidate_poses;
 mod plan_content;
 mod plan_settings;
-mod planning_frame;
 mod planning_space;
 mod view_plan;
 mod virtual_camera;
@@ -46,6 +45,5 @@ mod visible_shares;
 pub use candidate_poses::hemisphere;
 pub use plan_content::PlanContent;
 pub use plan_settings::PlanSettings;
-pub use planning_frame::PlanningFrame;
 pub use planning_space::PlanningSpace;
 pub use view_plan::{RatedView, ViewPlan, plan, rate};

@@ -1,11 +1,10 @@
 //! Content of a plan: hypotheses, background and unknown space of a snapshot.
 
-use crate::planning_frame::PlanningFrame;
 use crate::planning_space::PlanningSpace;
 use crate::virtual_camera;
 use geometry::PinholeCamera;
 use next_best_view::{Hypothesis, OccupancyGrid, PlanningScene};
-use scene_client::{ModelShelf, ObjectHypothesis, Snapshot, hypotheses};
+use scene_client::{ModelShelf, ObjectHypothesis, PlanningFrame, Snapshot, hypotheses};
 use service::Failure;
 
 /// Side of the cells of virtual views, metres, at least, and in distances of measured points.

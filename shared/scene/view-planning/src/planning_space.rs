@@ -1,10 +1,9 @@
 //! Space around the objects: its background points, and its unknown voxels.
 
-use crate::planning_frame::PlanningFrame;
 use nalgebra::{Point3, Vector3};
 use next_best_view::{ExplainedSpace, OccupancyGrid, SurfaceModel};
 use point_cloud::Point;
-use scene_client::{ObjectHypothesis, Snapshot};
+use scene_client::{ObjectHypothesis, PlanningFrame, Snapshot};
 use service::Failure;
 
 /// Margins around the objects: to the sides and above, and below the lowest, metres. Chosen: the

@@ -2,7 +2,6 @@
 
 use crate::plan_content::PlanContent;
 use crate::plan_settings::PlanSettings;
-use crate::planning_frame::PlanningFrame;
 use crate::visible_shares::VisibleShares;
 use geometry::RigidTransform;
 use message::ViewState;
@@ -12,6 +11,7 @@ use next_best_view::{
     ViewProjection, ViewScore, ViewSegmenter, VirtualView, choose_view, view_entropy,
 };
 use random::Random;
+use scene_client::PlanningFrame;
 use service::Failure;
 
 /// Height above the table below which a camera is in it, metres: the near clip of virtual views.

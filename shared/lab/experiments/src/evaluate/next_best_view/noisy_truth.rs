@@ -6,7 +6,7 @@ use geometry::RigidTransform;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use random::{Random, mix64};
 use scene_client::ObjectHypothesis;
-use view_planning::PlanningFrame;
+use scene_client::PlanningFrame;
 
 /// All objects of a scene with noisy poses, the same for one seed.
 pub(super) fn noisy_truth(

@@ -8,13 +8,16 @@ use super::pose_accuracy::is_right;
 use super::prediction_source::PredictionSource;
 use super::scene_models::SceneModels;
 use super::segment_matching::{MatchedSegments, RegisteredModel, SceneSegment};
-use geometry::RigidTransform;
-use message::TrackState;
+use geometry::{Plane, RigidTransform};
+use message::{SurfaceKind, TrackState};
 use nalgebra::{Point3, Vector3};
 use random::mix64;
-use scene_client::{HypothesisSource, ModelShelf, ObjectHypothesis, Snapshot, SnapshotObject};
+use scene_client::{
+    HypothesisSource, ModelShelf, ObjectHypothesis, PlanningFrame, SceneSurface, Snapshot,
+    SnapshotObject,
+};
 use service::Failure;
-use view_planning::{PlanContent, PlanSettings, PlanningFrame, rate};
+use view_planning::{PlanContent, PlanSettings, rate};
 
 /// Plans from one view.
 #[derive(Debug, Default)]
@@ -204,9 +207,21 @@ fn snapshot(image: &LabelledImage<'_>, segments: &MatchedSegments) -> Snapshot {
     Snapshot {
         world_from_camera: Some(*pose),
         up_in_camera: image.up_in_camera,
-        table_in_world: table.map(|table| table.transformed(pose)),
+        surfaces: table
+            .map(|table| surface(table, pose))
+            .into_iter()
+            .collect(),
         objects: objects.collect(),
         ..Snapshot::of_points(image.camera, image.points.to_vec())
+    }
+}
+
+/// Table of a plane, of whose outline nothing is known.
+fn surface(plane_in_camera: Plane, world_from_camera: &RigidTransform) -> SceneSurface {
+    SceneSurface {
+        kind: SurfaceKind::Table,
+        plane_in_world: plane_in_camera.transformed(world_from_camera),
+        corners_in_world: Vec::new(),
     }
 }
 
