@@ -1,9 +1,11 @@
 //! Command-line arguments of the experiments.
 
+mod grasping;
 mod next_best_view;
 mod object_model;
 mod recognition;
 
+pub use grasping::{GraspJudge, GraspingArguments, ModelHalf};
 pub use next_best_view::NextBestViewArguments;
 pub use object_model::ModelArguments;
 pub use recognition::{
@@ -150,6 +152,8 @@ pub enum EvaluateVerb {
     /// Next best view: entropy against detection, its prediction, and views chosen until the
     /// objects in a bin are found
     NextBestView(NextBestViewArguments),
+    /// Grasps of single objects from one view, carried out by the simulated arm
+    Grasping(GraspingArguments),
 }
 
 /// Arguments of `evaluate registration`.

@@ -4,6 +4,7 @@ mod ablation;
 mod cross_validation;
 mod detection;
 mod find;
+mod grasping;
 mod isolated_scene;
 mod lighting;
 mod metric_examples;
@@ -40,6 +41,7 @@ pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
         EvaluateVerb::OpenEnded(arguments) => open_ended::run(arguments, output),
         EvaluateVerb::Ablation(arguments) => ablation::run(arguments, output),
         EvaluateVerb::CrossValidation(arguments) => cross_validation::run(arguments, output),
+        EvaluateVerb::Grasping(arguments) => grasping::run(arguments, output),
         EvaluateVerb::Find(arguments) => find::run(arguments, output),
         EvaluateVerb::Lighting(arguments) => lighting::run(arguments, output),
         EvaluateVerb::StillPictures(arguments) => still_pictures::run(arguments, output),

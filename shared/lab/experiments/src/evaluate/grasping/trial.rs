@@ -1,0 +1,268 @@
+//! Trial of a grasp: plan from one view, approach, close, lift, hold.
+
+use super::box_rival::rival_grasp;
+use super::mujoco_judge::{JudgedGrasp, MujocoJudge, Verdict};
+use super::trial_scene::{CAMERA, TrialView, look, world};
+use arm_kinematics::{Arm, GripperModel, JointVector};
+use evaluation::scene_picture;
+use grasp_scene::{SceneBodies, draw_grasp, grasp_scene, placed_arm};
+use grasping::{Grasp, GraspPlan, GraspPlanner, GraspSettings, Obstacles, PlacedArm};
+use random::Random;
+use scene_client::{ModelShelf, PlanningFrame};
+use serde::Serialize;
+use service::Failure;
+use simulated_world::{
+    ArmCommand, ArmStatus, ModelChoice, ModelLibrary, MotionState, STEPS_PER_SECOND, World,
+};
+use std::time::Instant;
+
+/// Longest time of a motion of the arm, seconds of the simulation.
+const MOTION_MAX_S: u32 = 30;
+/// Time for which the lifted object must be held, seconds.
+const HELD_S: u32 = 1;
+/// Share of the lift by which the object must have risen.
+const LIFTED_SHARE: f64 = 0.8;
+
+/// Range of the friction between pads and objects.
+const FRICTION: [f64; 2] = [0.4, 0.8];
+/// Stream of the random numbers of the friction.
+const FRICTION_STREAM: u64 = 0x6672_6963;
+
+/// Outcome of a trial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum GraspOutcome {
+    /// Lifted and held.
+    Lifted,
+    /// Detection did not find the object.
+    NotDetected,
+    /// No grasp was planned.
+    NoGrasp,
+    /// The arm did not reach the grasp.
+    NotReached,
+    /// The fingers did not hold the object.
+    NotHeld,
+    /// The object was lost on the way up.
+    Lost,
+}
+
+/// Trial of one object in one pose.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct GraspTrial {
+    pub(super) object: String,
+    pub(super) seed: u64,
+    pub(super) outcome: GraspOutcome,
+    /// Reason of a failure.
+    pub(super) reason: String,
+    /// Verdict of MuJoCo about the grasp that was tried.
+    pub(super) mujoco: Option<bool>,
+    pub(super) mujoco_reason: String,
+    /// Verdict of MuJoCo about the grasp of the trivial rival.
+    pub(super) rival_mujoco: Option<bool>,
+    /// Score of the grasp that was tried, 0 to 1.
+    pub(super) score: Option<f64>,
+    /// Direction of approach.
+    pub(super) approach: Option<&'static str>,
+    pub(super) width_mm: Option<f64>,
+    pub(super) n_grasps: usize,
+    pub(super) n_rejected: usize,
+    /// Time of the planning, milliseconds.
+    pub(super) planning_ms: f64,
+    /// Picture with the planned grasp, relative to the output folder.
+    pub(super) picture: String,
+}
+
+/// Runs the trial of an object in the pose of a seed; the second value is a picture, PNG.
+pub(super) fn run_trial(
+    model: &ModelChoice,
+    seed: u64,
+    library: ModelLibrary,
+    mujoco: Option<&MujocoJudge>,
+) -> Result<(GraspTrial, Vec<u8>), Failure> {
+    let mut world = world(model, seed, library)?;
+    let object = &world.objects()[0];
+    let (id, name) = (object.id, object.model.name.clone());
+    let view = look(&world, id)?;
+    let mut trial = GraspTrial {
+        object: name,
+        seed,
+        outcome: GraspOutcome::NotDetected,
+        reason: String::new(),
+        mujoco: None,
+        mujoco_reason: String::new(),
+        rival_mujoco: None,
+        score: None,
+        approach: None,
+        width_mm: None,
+        n_grasps: 0,
+        n_rejected: 0,
+        planning_ms: 0.0,
+        picture: String::new(),
+    };
+    let Some(frame) = PlanningFrame::of(&view.snapshot) else {
+        return Ok((trial, Vec::new()));
+    };
+    let grasp = planned(&view, &frame, &world, &mut trial);
+    let gripper = GripperModel::JACO_LIKE;
+    let rgb = draw_grasp(
+        &view.snapshot,
+        &frame,
+        &gripper,
+        view.target,
+        grasp.as_ref(),
+    );
+    let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
+    let picture = scene_picture::encode(&rgb, width, height).map_err(Failure::general)?;
+    if let (Some(judge), Some(target)) = (mujoco, view.target) {
+        let rival = rival_grasp(&view.snapshot, target, &gripper, friction(seed));
+        trial.rival_mujoco = Some(match rival {
+            Some(rival) => judge.judge(&world, id, &gripper, &rival)?.held,
+            None => false,
+        });
+    }
+    if let Some(grasp) = grasp {
+        if let Some(judge) = mujoco {
+            let verdict = judged(judge, &world, id, &grasp, (&frame, seed))?;
+            trial.mujoco = Some(verdict.held);
+            trial.mujoco_reason = verdict.reason;
+        }
+        (trial.outcome, trial.reason) = match carry_out(&mut world, id, &grasp, &frame) {
+            Ok(()) => (GraspOutcome::Lifted, String::new()),
+            Err(failed) => failed,
+        };
+    }
+    Ok((trial, picture))
+}
+
+/// Plans the best grasp of the trial's object, and notes what was planned.
+fn planned(
+    view: &TrialView,
+    frame: &PlanningFrame,
+    world: &World,
+    trial: &mut GraspTrial,
+) -> Option<Grasp> {
+    let target = view.target?;
+    let begun = Instant::now();
+    let scene = grasp_scene(
+        &view.snapshot,
+        frame,
+        &ModelShelf::default(),
+        &SceneBodies::default(),
+    );
+    let obstacles = Obstacles::of(&scene);
+    let placed = arm_of(world, frame)?;
+    let planner = GraspPlanner {
+        scene: &scene,
+        obstacles: &obstacles,
+        gripper: placed.arm.gripper(),
+        arm: Some(&placed),
+        settings: &GraspSettings::default(),
+    };
+    let plan: GraspPlan = planner.plan(target);
+    trial.planning_ms = 1e3 * begun.elapsed().as_secs_f64();
+    trial.outcome = GraspOutcome::NoGrasp;
+    trial.n_grasps = plan.grasps.len();
+    trial.n_rejected = plan.rejected.len();
+    let track = view.snapshot.objects[target].track;
+    trial.reason = plan.why_none(&scene, track).unwrap_or_default();
+    let grasp = plan.grasps.into_iter().next()?;
+    trial.score = Some(grasp.score);
+    trial.approach = Some(grasp.kind().words());
+    trial.width_mm = Some(1e3 * grasp.width_m);
+    Some(grasp)
+}
+
+/// Verdict of MuJoCo about a grasp, with the pads' friction drawn by the seed.
+fn judged(
+    judge: &MujocoJudge,
+    world: &World,
+    object: u16,
+    grasp: &Grasp,
+    (frame, seed): (&PlanningFrame, u64),
+) -> Result<Verdict, Failure> {
+    let asked = JudgedGrasp {
+        world_from_tool: frame.world_from_plan * grasp.plan_from_tool,
+        opening_m: grasp.opening_m,
+        approach_m: grasp.approach_m,
+        friction: friction(seed),
+    };
+    judge.judge(world, object, &GripperModel::JACO_LIKE, &asked)
+}
+
+/// Friction between pads and object, drawn by the seed.
+fn friction(seed: u64) -> f64 {
+    let [low, high] = FRICTION;
+    Random::from_seed(seed ^ FRICTION_STREAM).between(low, high)
+}
+
+/// Arm of the world in the frame of planning.
+fn arm_of(world: &World, frame: &PlanningFrame) -> Option<PlacedArm> {
+    let status = world.arm_status()?;
+    let joints_rad = JointVector::from(status.joint_angles_rad);
+    let gripper = &status.world_from_gripper;
+    Some(placed_arm(Arm::jaco_like(), joints_rad, gripper, frame))
+}
+
+/// Carries out a grasp; the failure has its class and its reason.
+fn carry_out(
+    world: &mut World,
+    object: u16,
+    grasp: &Grasp,
+    frame: &PlanningFrame,
+) -> Result<(), (GraspOutcome, String)> {
+    let z_of = |world: &World| {
+        let object = world.find(object);
+        object.map_or(f64::NEG_INFINITY, |o| o.world_from_object.translation.z)
+    };
+    let begin_m = z_of(world);
+    let world_from_tool = frame.world_from_plan * grasp.plan_from_tool;
+    let straight = |world_from_gripper| ArmCommand::MoveTo {
+        world_from_gripper,
+        is_straight: true,
+    };
+    let not_reached = |reason| (GraspOutcome::NotReached, reason);
+    command(world, &ArmCommand::OpenTo(grasp.opening_m)).map_err(not_reached)?;
+    if let Some(joints) = &grasp.joints {
+        let angles_rad = joints.approach_rad.into();
+        command(world, &ArmCommand::MoveJoints(angles_rad)).map_err(not_reached)?;
+    }
+    command(world, &straight(world_from_tool)).map_err(not_reached)?;
+    let not_held = |reason| (GraspOutcome::NotHeld, reason);
+    let status = command(world, &ArmCommand::Close).map_err(not_held)?;
+    if status.holds != Some(object) {
+        return Err(not_held("the fingers hold something else".to_owned()));
+    }
+    let mut lifted = world_from_tool;
+    lifted.translation.z += grasp.lift_m;
+    let lost = |reason| (GraspOutcome::Lost, reason);
+    command(world, &straight(lifted)).map_err(lost)?;
+    for _ in 0..HELD_S * STEPS_PER_SECOND {
+        world.step();
+    }
+    let risen_m = z_of(world) - begin_m;
+    if risen_m < LIFTED_SHARE * grasp.lift_m {
+        return Err(lost(format!("it rose by {:.0} mm", 1e3 * risen_m)));
+    }
+    Ok(())
+}
+
+/// Gives the arm a command, and steps the world until it is done.
+fn command(world: &mut World, command: &ArmCommand) -> Result<ArmStatus, String> {
+    world.command_arm(command)?;
+    for _ in 0..MOTION_MAX_S * STEPS_PER_SECOND {
+        world.step();
+        let Some(status) = world.arm_status() else {
+            break;
+        };
+        if let Some(failure) = status.failure {
+            return Err(failure);
+        }
+        if !matches!(
+            status.motion,
+            MotionState::Moving | MotionState::Opening | MotionState::Closing
+        ) {
+            return Ok(status);
+        }
+    }
+    Err("the motion did not end".to_owned())
+}
