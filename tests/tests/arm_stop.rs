@@ -26,13 +26,13 @@ const TURN_RAD: f64 = 1.5;
 const BRAKING_LIMIT_NS: u64 = 250_000_000;
 
 /// Commander of the arm: a client with a lease.
-struct Commander<'a> {
+pub(crate) struct Commander<'a> {
     sandbox: &'a Sandbox,
     lease: ArmLease,
 }
 
 impl<'a> Commander<'a> {
-    fn new(sandbox: &'a Sandbox, id: u64, name: &str) -> Self {
+    pub(crate) fn new(sandbox: &'a Sandbox, id: u64, name: &str) -> Self {
         let lease = ArmLease {
             id,
             holder: name.to_owned(),
@@ -48,7 +48,7 @@ impl<'a> Commander<'a> {
         request.read(reply.unwrap())
     }
 
-    fn state(&self) -> ArmReport {
+    pub(crate) fn state(&self) -> ArmReport {
         self.ask(&request::arm()).unwrap()
     }
 
@@ -61,7 +61,23 @@ impl<'a> Commander<'a> {
         let mut angles_rad = self.state().joint_angles_rad;
         angles_rad[0] += turn_rad;
         let motion = ArmMotion::MoveJoints { angles_rad };
+        self.begin(motion)
+    }
+
+    fn begin(&self, motion: ArmMotion) -> Result<ArmReport, Refusal> {
         self.ask(&request::move_arm(self.lease.clone(), motion))
+    }
+
+    /// Begins a motion, and renews the lease until its end.
+    pub(crate) fn carry_out(&self, motion: ArmMotion) -> ArmReport {
+        let mut report = self.begin(motion).unwrap();
+        let id = report.command_id;
+        while ["moving", "opening", "closing"].contains(&report.activity.as_str()) {
+            std::thread::sleep(RENEWAL);
+            report = self.hold().unwrap();
+        }
+        assert_eq!(report.command_id, id);
+        report
     }
 
     /// Begins to turn the arm, and waits until it moves.

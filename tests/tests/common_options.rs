@@ -59,7 +59,7 @@ const OF_DAEMON: [&str; 45] = [
 ];
 
 /// Commands that need neither a daemon nor a configuration.
-const ALONE: [&str; 29] = [
+const ALONE: [&str; 30] = [
     "tabula-latency stop",
     "tabula-lab simulate scene --out o",
     "tabula-lab simulate views --out o",
@@ -76,6 +76,7 @@ const ALONE: [&str; 29] = [
     "tabula-lab evaluate registration a",
     "tabula-lab evaluate model --out o",
     "tabula-lab evaluate next-best-view --out o",
+    "tabula-lab evaluate grasping --out o",
     "tabula-lab examples edge-network a --out o",
     "tabula-lab examples region-merging a --out o",
     "tabula-lab sweep a --out o",
@@ -100,7 +101,7 @@ const OWN_DAEMON: [&str; 4] = [
 ];
 
 /// Commands of a daemon and its configuration.
-const OF_BOTH: [&str; 7] = [
+const OF_BOTH: [&str; 9] = [
     "tabula run",
     "tabula doctor",
     "tabula config check",
@@ -108,6 +109,8 @@ const OF_BOTH: [&str; 7] = [
     "tabula config explain camera.rate_hz",
     "tabula-latency",
     "tabula-recorder replay a.mcap",
+    "tabula grasp plan 1",
+    "tabula-modeller grasp 1",
 ];
 
 /// Exit code, and all that a command prints, with an option before and behind its words.

@@ -39,6 +39,8 @@ mod file_writers;
 /// A disk without room.
 mod full_disk;
 mod gateway;
+/// Planned grasps.
+mod grasping;
 /// Hostile clients of the control socket.
 mod hostile_clients;
 /// Language rules of headlines and type names.
@@ -57,6 +59,8 @@ mod memory_care;
 mod memory_kill;
 /// Object models that grow beside a running daemon.
 mod model_building;
+/// Judge of grasps by MuJoCo.
+mod mujoco_judge;
 /// Names of categories: normal form, invisible characters, look-alikes.
 mod names;
 /// Sentences that say what to do next: candidates, swapped arguments, nearest names.

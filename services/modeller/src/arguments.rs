@@ -1,7 +1,9 @@
 //! Command-line arguments of `tabula-modeller`.
 
+mod grasp;
 mod plan;
 
+pub(crate) use grasp::GraspArguments;
 pub(crate) use plan::PlanArguments;
 
 use clap::{Args, Parser, Subcommand};
@@ -11,7 +13,7 @@ use sensor_noise::DepthNoise;
 use service::CommonArguments;
 
 /// Builds the full model of an object from the views of a moving camera, and plans the next best
-/// view.
+/// view and grasps.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-modeller", version, propagate_version = true)]
 pub(crate) struct ModellerArguments {
@@ -33,6 +35,8 @@ pub(crate) enum ModellerVerb {
     Build(BuildArguments),
     /// Plan the next best view of the objects that the camera sees
     Plan(PlanArguments),
+    /// Plan grasps of an object that the camera sees
+    Grasp(GraspArguments),
 }
 
 /// Options of the construction of a model.

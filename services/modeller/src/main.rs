@@ -1,9 +1,11 @@
 //! `tabula-modeller`: builds the full model of an object from the views of a moving camera, and
-//! plans the next best view, beside a running daemon and at low priority.
+//! plans the next best view and grasps, beside a running daemon and at low priority.
 
 mod arguments;
+mod awaited_snapshot;
 mod build;
 mod camera_motion;
+mod grasp;
 mod growth;
 mod handling;
 mod model_document;
@@ -11,6 +13,7 @@ mod next_move;
 mod object_receiver;
 mod obstacle;
 mod plan;
+mod png_file;
 mod presence;
 mod view_queue;
 
@@ -31,15 +34,21 @@ fn main() -> ExitCode {
 }
 
 fn execute(arguments: &ModellerArguments, output: &Output) -> Result<ExitCode, Failure> {
-    arguments.common.check_use(OptionUse::Daemon)?;
+    let used = match &arguments.verb {
+        ModellerVerb::Build(_) | ModellerVerb::Plan(_) => OptionUse::Daemon,
+        // The gripper stands in the configuration.
+        ModellerVerb::Grasp(_) => OptionUse::Everything,
+    };
+    arguments.common.check_use(used)?;
     let niceness = match &arguments.verb {
         ModellerVerb::Build(build) => build.niceness.min(NICENESS),
-        ModellerVerb::Plan(_) => NICENESS,
+        ModellerVerb::Plan(_) | ModellerVerb::Grasp(_) => NICENESS,
     };
     rustix::process::nice(niceness.into())
         .map_err(|error| Failure::general(format!("the priority could not be lowered: {error}")))?;
     match &arguments.verb {
         ModellerVerb::Build(build) => build::run(&arguments.common, build, output),
         ModellerVerb::Plan(plan) => plan::run(&arguments.common, plan, output),
+        ModellerVerb::Grasp(grasp) => grasp::run(&arguments.common, grasp, output),
     }
 }

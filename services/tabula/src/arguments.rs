@@ -15,7 +15,7 @@ pub(crate) use memory::{
 
 pub(crate) use model::ModelVerb;
 
-pub(crate) use view::ViewVerb;
+pub(crate) use view::{GraspVerb, ViewVerb};
 
 pub(crate) use world::{
     EventsArguments, HistoryArguments, TimeArgument, WorldArguments, WorldPoint, WorldVerb,
@@ -132,6 +132,12 @@ pub(crate) enum Verb {
         #[command(subcommand)]
         verb: ViewVerb,
     },
+    /// Plan grasps of an object
+    Grasp {
+        /// Action on grasps
+        #[command(subcommand)]
+        verb: GraspVerb,
+    },
     /// Show the present and past of the world model: objects, robot, events, tasks
     World(WorldArguments),
     /// Command the arm, or show its state
@@ -175,6 +181,7 @@ impl Verb {
             | Self::Doctor
             | Self::Learn(_)
             | Self::View { .. }
+            | Self::Grasp { .. }
             | Self::Simulate(_)
             | Self::Evaluate(_)
             | Self::Latency(_)
@@ -233,7 +240,11 @@ pub(crate) enum ArmVerb {
     /// Fold the arm outside of the camera's view
     Home,
     /// Open the fingers and release the object
-    Open,
+    Open {
+        /// Distance between the fingers, millimetres [default: as far as they go]
+        #[arg(long, value_name = "MM")]
+        width_mm: Option<f64>,
+    },
     /// Close the fingers until they grip an object
     Close,
     /// Stop the arm at once

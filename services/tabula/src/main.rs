@@ -22,7 +22,7 @@ mod time;
 mod track_or_name;
 mod world;
 
-use arguments::{CliArguments, Verb, ViewVerb};
+use arguments::{CliArguments, GraspVerb, Verb, ViewVerb};
 use command_line::Output;
 use control_protocol::RevisionChange;
 use service::Failure;
@@ -81,6 +81,9 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::View {
             verb: ViewVerb::Plan(plan),
         } => lab_program::become_modeller(arguments, "plan", &plan.words),
+        Verb::Grasp {
+            verb: GraspVerb::Plan(plan),
+        } => lab_program::become_modeller(arguments, "grasp", &plan.words),
         Verb::Simulate(lab) => lab_program::become_lab(arguments, "simulate", &lab.words),
         Verb::Evaluate(lab) => lab_program::become_lab(arguments, "evaluate", &lab.words),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),

@@ -1,9 +1,9 @@
 //! Picture of a plan: the virtual views from the present pose and from the chosen one, side by
 //! side, with a colour for each hypothesis.
 
+use crate::png_file;
 use geometry::{PinholeCamera, RigidTransform};
 use next_best_view::{PlanningScene, RenderConfig, ViewLabel, ViewProjection, VirtualView};
-use png::{BitDepth, ColorType, EncodingError};
 use service::Failure;
 use std::path::Path;
 use view_planning::{PlanContent, ViewPlan};
@@ -46,19 +46,13 @@ pub(crate) fn color_name(index: usize) -> &'static str {
 /// # Errors
 /// When the file cannot be written.
 pub(crate) fn write(path: &Path, content: &PlanContent, plan: &ViewPlan) -> Result<(), Failure> {
-    let failed = |error: &dyn std::fmt::Display| {
-        Failure::general(format!(
-            "the picture {} could not be written: {error}",
-            path.display()
-        ))
-    };
     let (scene, camera) = (content.scene()?, content.virtual_camera());
     let views = [
         pixels(&scene, &plan.present.plan_from_camera, &camera)?,
         pixels(&scene, &plan.views[plan.chosen].plan_from_camera, &camera)?,
     ];
-    let png = encoded(&views).map_err(|error| failed(&error))?;
-    dataset::write_atomic(path, &png).map_err(|error| failed(&error))
+    let (width, height, rgb) = joined(&views);
+    png_file::write(path, width, height, &rgb)
 }
 
 /// Virtual view in colours, as large as a person wants to see it.
@@ -125,21 +119,13 @@ fn color(view: &VirtualView, camera: &PinholeCamera, column: usize, row: usize) 
     base.map(|channel| (f32::from(channel) * brightness) as u8)
 }
 
-/// PNG of two views with a bar between them.
-fn encoded(views: &[Pixels; 2]) -> Result<Vec<u8>, EncodingError> {
-    let [left, right] = views;
+/// Two views with a bar between them: width, height and pixels, three bytes each.
+fn joined([left, right]: &[Pixels; 2]) -> (usize, usize, Vec<u8>) {
     let width = left.width + BAR_PX + right.width;
     let height = left.rows.len().min(right.rows.len());
     let mut bytes = Vec::with_capacity(3 * width * height);
     for (left, right) in left.rows.iter().zip(&right.rows) {
         bytes.extend(left.iter().chain(&[BAR; BAR_PX]).chain(right).flatten());
     }
-    let mut png = Vec::new();
-    let mut encoder = png::Encoder::new(&mut png, width as u32, height as u32);
-    encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&bytes)?;
-    writer.finish()?;
-    Ok(png)
+    (width, height, bytes)
 }
