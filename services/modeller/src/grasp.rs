@@ -56,9 +56,7 @@ pub(crate) fn run(
 /// Gripper of the configuration.
 fn gripper(common: &CommonArguments) -> Result<GripperModel, Failure> {
     let found = Configuration::find(common.config.as_deref(), common.home().path())?;
-    let gripper: GripperModel = found.section(GRIPPER_SECTION)?;
-    let checked = gripper.checked();
-    Ok(checked.map_err(|error| found.wrong(GRIPPER_SECTION, &[error.name], error))?)
+    Ok(found.section(GRIPPER_SECTION)?)
 }
 
 fn planned(

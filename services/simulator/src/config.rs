@@ -79,7 +79,7 @@ impl Config {
             rate_hz: given.rate.or(raw.rate_hz).unwrap_or(30.0),
             lockstep: given.lockstep || raw.lockstep,
             real_time: raw.real_time.unwrap_or(true),
-            gripper: gripper(found)?,
+            gripper: found.section(GRIPPER_SECTION)?,
         };
         config
             .check_objects()
@@ -156,13 +156,6 @@ impl Config {
     }
 }
 
-/// Gripper of the section of that name.
-fn gripper(found: &Configuration) -> Result<GripperModel, Failure> {
-    let gripper: GripperModel = found.section(GRIPPER_SECTION)?;
-    let checked = gripper.checked();
-    checked.map_err(|error| found.wrong(GRIPPER_SECTION, &[error.name], error).into())
-}
-
 fn plan(scene: Option<&str>) -> Result<SceneChoice, String> {
     let Some(scene) = scene.filter(|scene| *scene != "everyday") else {
         return Ok(SceneChoice::Everyday);
@@ -208,6 +201,7 @@ mod tests {
             })
         };
         service::check_section_reference(SECTION, read).unwrap();
+        let gripper = |found: &Configuration| found.section::<GripperModel>(GRIPPER_SECTION);
         service::check_section_reference(GRIPPER_SECTION, gripper).unwrap();
         let objects = KeyReference::get().key(SECTION, "objects").unwrap();
         let most = objects.range.as_ref().unwrap().most;

@@ -6,13 +6,13 @@ use std::f64::consts::PI;
 
 use crate::Error;
 use serde::Deserialize;
-use value_range::{OutOfRange, check_range, check_ranges};
+use value_range::check_range;
 
 /// Dimensions, speed and force of a parallel-jaw gripper. Lengths are along z of the tool, widths
 /// along y, thicknesses along x.
 ///
-/// It is read from the section `[gripper]` of the configuration; keys that are not given are those
-/// of the JACO.
+/// It is read from the section `[gripper]` of the configuration, whose key reference has the ranges;
+/// keys that are not given are those of the JACO.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GripperModel {
@@ -52,25 +52,6 @@ impl GripperModel {
         closing_force_n: 25.0,
         pad_friction: 0.8,
     };
-
-    /// Dimensions within the ranges of a gripper.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] with the name of the first key that is not.
-    pub fn checked(self) -> Result<Self, OutOfRange<f64>> {
-        check_ranges(&[
-            ("max_opening_m", self.max_opening_m, 0.01, 0.5),
-            ("pad_length_m", self.pad_length_m, 0.005, 0.2),
-            ("pad_width_m", self.pad_width_m, 0.002, 0.1),
-            ("pad_thickness_m", self.pad_thickness_m, 0.001, 0.05),
-            ("finger_thickness_m", self.finger_thickness_m, 0.002, 0.1),
-            ("palm_m", self.palm_m, 0.01, 0.3),
-            ("opening_speed_m_s", self.opening_speed_m_s, 0.005, 1.0),
-            ("closing_force_n", self.closing_force_n, 1.0, 500.0),
-            ("pad_friction", self.pad_friction, 0.05, 2.0),
-        ])?;
-        Ok(self)
-    }
 
     /// Bounding box of the pad, finger frame.
     pub fn pad_in_finger(&self) -> OrientedBox {

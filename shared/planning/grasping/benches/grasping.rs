@@ -6,7 +6,7 @@ mod solid_scene;
 use arm_kinematics::{Arm, GripperModel, HOME, JointVector};
 use divan::Bencher;
 use geometry::RigidTransform;
-use grasping::{GraspPlanner, GraspSettings, Obstacles, PlacedArm, contact_surface};
+use grasping::{GraspPlanner, GraspScene, GraspSettings, Obstacles, PlacedArm, contact_surface};
 use nalgebra::{Point3, Vector3};
 use solid_scene::{Solid, SolidScene};
 
@@ -19,6 +19,21 @@ fn arm() -> PlacedArm {
         arm: Arm::jaco_like(),
         plan_from_base: RigidTransform::translation(-0.5, -0.1, 0.0),
         joints_rad: JointVector::from(HOME),
+    }
+}
+
+fn planner<'a>(
+    scene: &'a GraspScene<'a>,
+    obstacles: &'a Obstacles,
+    arm: &'a PlacedArm,
+    settings: &'a GraspSettings,
+) -> GraspPlanner<'a> {
+    GraspPlanner {
+        scene,
+        obstacles,
+        gripper: &GripperModel::JACO_LIKE,
+        arm: Some(arm),
+        settings,
     }
 }
 
@@ -54,32 +69,20 @@ fn contacts_of_an_object(bencher: Bencher<'_, '_>, object: usize) {
 
 #[divan::bench(args = [0, 1, 2])]
 fn one_object(bencher: Bencher<'_, '_>, object: usize) {
-    let (scene, arm) = (scene(), arm());
+    let (scene, arm, settings) = (scene(), arm(), GraspSettings::default());
     let scene = scene.grasp_scene();
     let obstacles = Obstacles::of(&scene);
-    let planner = GraspPlanner {
-        scene: &scene,
-        obstacles: &obstacles,
-        gripper: &GripperModel::JACO_LIKE,
-        arm: Some(&arm),
-        settings: &GraspSettings::default(),
-    };
+    let planner = planner(&scene, &obstacles, &arm, &settings);
     bencher.bench_local(|| planner.plan(object));
 }
 
 #[divan::bench]
 fn scene_of_twelve(bencher: Bencher<'_, '_>) {
-    let (rendered, arm) = (scene(), arm());
+    let (rendered, arm, settings) = (scene(), arm(), GraspSettings::default());
     bencher.bench_local(|| {
         let scene = rendered.grasp_scene();
         let obstacles = Obstacles::of(&scene);
-        let planner = GraspPlanner {
-            scene: &scene,
-            obstacles: &obstacles,
-            gripper: &GripperModel::JACO_LIKE,
-            arm: Some(&arm),
-            settings: &GraspSettings::default(),
-        };
+        let planner = planner(&scene, &obstacles, &arm, &settings);
         (0..12)
             .map(|object| planner.plan(object))
             .collect::<Vec<_>>()

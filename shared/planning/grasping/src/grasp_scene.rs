@@ -119,11 +119,6 @@ impl<'a> GraspScene<'a> {
         })
     }
 
-    /// Index of the object with a track-id.
-    pub fn object_of(&self, track: u64) -> Option<usize> {
-        self.objects.iter().position(|object| object.track == track)
-    }
-
     /// Index of the surface that carries an object: the highest one below most of its points.
     pub(crate) fn carrier_of(&self, contacts: &[ContactPoint]) -> Option<usize> {
         let middle = contacts.iter().fold(Point3::origin(), |sum, contact| {

@@ -104,21 +104,13 @@ impl Obstacles {
         if self
             .people
             .iter()
-            .any(|person| meets_person(&pose, &cuboid, person))
+            .any(|person| meets_capsule(&pose, &cuboid, &capsule(person)))
         {
             return Some(Obstacle::Person);
         }
-        let voxel = Cuboid::new(Vector::splat(VOXEL_M as f32 / 2.0));
-        let around = cuboid.aabb(&pose);
-        let mut hits = self.tree.intersect_aabb(&around).filter_map(|leaf| {
-            let (middle, owner) = &self.voxels[leaf as usize];
-            if is_ignored(*owner) {
-                return None;
-            }
-            let box_from_voxel = pose.inv_mul(&Pose::from_translation(vector(&middle.coords)));
-            intersection_test_cuboid_cuboid(&box_from_voxel, &cuboid, &voxel).then_some(*owner)
-        });
-        hits.next()
+        self.first_voxel(&cuboid.aabb(&pose), is_ignored, |at, voxel| {
+            intersection_test_cuboid_cuboid(&pose.inv_mul(at), &cuboid, voxel)
+        })
     }
 
     /// First thing that a capsule, such as a link of the arm, would hit.
@@ -128,17 +120,23 @@ impl Obstacles {
         is_ignored: impl Fn(Obstacle) -> bool,
     ) -> Option<Obstacle> {
         let capsule = capsule(link);
-        let hits_box = |pose: &Pose, cuboid: &Cuboid| {
-            intersection_test(pose, cuboid, &Pose::IDENTITY, &capsule)
-                .is_ok_and(|found| found.intersecting)
-        };
+        self.first_voxel(&capsule.local_aabb(), is_ignored, |at, voxel| {
+            meets_capsule(at, voxel, &capsule)
+        })
+    }
+
+    /// Owner of the first voxel near a body that the body meets; `meets` takes its pose and shape.
+    fn first_voxel(
+        &self,
+        around: &Aabb,
+        is_ignored: impl Fn(Obstacle) -> bool,
+        meets: impl Fn(&Pose, &Cuboid) -> bool,
+    ) -> Option<Obstacle> {
         let voxel = Cuboid::new(Vector::splat(VOXEL_M as f32 / 2.0));
-        let around = capsule.local_aabb();
-        let mut hits = self.tree.intersect_aabb(&around).filter_map(|leaf| {
+        let mut hits = self.tree.intersect_aabb(around).filter_map(|leaf| {
             let (middle, owner) = &self.voxels[leaf as usize];
-            let is_hit = !is_ignored(*owner)
-                && hits_box(&Pose::from_translation(vector(&middle.coords)), &voxel);
-            is_hit.then_some(*owner)
+            let at = Pose::from_translation(vector(&middle.coords));
+            (!is_ignored(*owner) && meets(&at, &voxel)).then_some(*owner)
         });
         hits.next()
     }
@@ -194,10 +192,9 @@ fn is_within(place: &Point3<f64>, [low, high]: &[Point3<f64>; 2]) -> bool {
     (0..3).all(|axis| (low[axis]..=high[axis]).contains(&place[axis]))
 }
 
-fn meets_person(pose: &Pose, cuboid: &Cuboid, person: &BodyCapsule) -> bool {
-    // The query knows both shapes.
-    intersection_test(pose, cuboid, &Pose::IDENTITY, &capsule(person))
-        .is_ok_and(|found| found.intersecting)
+/// True if a box at a pose meets a capsule; the query knows both shapes.
+fn meets_capsule(pose: &Pose, cuboid: &Cuboid, capsule: &Capsule) -> bool {
+    intersection_test(pose, cuboid, &Pose::IDENTITY, capsule).is_ok_and(|found| found.intersecting)
 }
 
 fn capsule(body: &BodyCapsule) -> Capsule {

@@ -23,7 +23,7 @@ const UNSEEN_STEP_M: f64 = 0.02;
 
 /// Surroundings of an object of a scene.
 pub(crate) struct Surroundings<'a> {
-    pub(crate) scene: &'a GraspScene<'a>,
+    scene: &'a GraspScene<'a>,
     obstacles: &'a Obstacles,
     object: usize,
     carrier: Option<usize>,
