@@ -13,7 +13,7 @@ use message::ProcessKind;
 use rustix::process::Signal;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 const WATCHDOG: Duration = Duration::from_secs(10);
@@ -25,19 +25,49 @@ const TURN_RAD: f64 = 1.5;
 /// on a machine that does anything.
 const BRAKING_LIMIT_NS: u64 = 250_000_000;
 
-/// Commander of the arm: a client with a lease.
+/// Number of leases that a commander begins one after another until it gives up.
+const N_LEASES: usize = 20;
+/// Distance between the numbers of the leases of one commander.
+const LEASE_STEP: u64 = 1_000;
+
+/// Commander of the arm: a client with a lease, and with another one where that has ended because
+/// the commander was silent, as on a machine that is too busy to renew it in time.
 pub(crate) struct Commander<'a> {
     sandbox: &'a Sandbox,
-    lease: ArmLease,
+    lease_id: AtomicU64,
+    name: String,
 }
 
 impl<'a> Commander<'a> {
     pub(crate) fn new(sandbox: &'a Sandbox, id: u64, name: &str) -> Self {
-        let lease = ArmLease {
-            id,
-            holder: name.to_owned(),
-        };
-        Self { sandbox, lease }
+        Self {
+            sandbox,
+            lease_id: AtomicU64::new(id),
+            name: name.to_owned(),
+        }
+    }
+
+    fn lease(&self) -> ArmLease {
+        ArmLease {
+            id: self.lease_id.load(Ordering::Acquire),
+            holder: self.name.clone(),
+        }
+    }
+
+    /// Result of an attempt that needs a lease for its whole time, made again with another lease
+    /// while it ends because the commander was silent.
+    fn leased<T>(&self, attempt: impl Fn() -> Result<T, Refusal>) -> T {
+        for _ in 0..N_LEASES {
+            match attempt() {
+                Ok(result) => return result,
+                Err(refusal) if refusal.sentence.contains("silent") => {
+                    println!("{}: {refusal}", self.name);
+                    self.lease_id.fetch_add(LEASE_STEP, Ordering::AcqRel);
+                }
+                Err(refusal) => panic!("{}: {refusal}", self.name),
+            }
+        }
+        panic!("no lease of {} lasts for one motion", self.name)
     }
 
     /// Reply to a request, or the refusal.
@@ -53,7 +83,7 @@ impl<'a> Commander<'a> {
     }
 
     fn hold(&self) -> Result<ArmReport, Refusal> {
-        self.ask(&request::hold_arm(self.lease.clone()))
+        self.ask(&request::hold_arm(self.lease()))
     }
 
     /// Turns the arm's first joint.
@@ -65,27 +95,33 @@ impl<'a> Commander<'a> {
     }
 
     fn begin(&self, motion: ArmMotion) -> Result<ArmReport, Refusal> {
-        self.ask(&request::move_arm(self.lease.clone(), motion))
+        self.ask(&request::move_arm(self.lease(), motion))
     }
 
     /// Begins a motion, and renews the lease until its end.
     pub(crate) fn carry_out(&self, motion: ArmMotion) -> ArmReport {
-        let mut report = self.begin(motion).unwrap();
-        let id = report.command_id;
-        while ["moving", "opening", "closing"].contains(&report.activity.as_str()) {
-            std::thread::sleep(RENEWAL);
-            report = self.hold().unwrap();
-        }
-        assert_eq!(report.command_id, id);
-        report
+        self.leased(|| {
+            let mut report = self.begin(motion.clone())?;
+            let id = report.command_id;
+            while ["moving", "opening", "closing"].contains(&report.activity.as_str()) {
+                std::thread::sleep(RENEWAL);
+                report = self.hold()?;
+            }
+            assert_eq!(report.command_id, id);
+            Ok(report)
+        })
     }
 
     /// Begins to turn the arm, and waits until it moves.
     fn begin_to_turn(&self, turn_rad: f64) {
-        let start_rad = self.turn(turn_rad).unwrap().joint_angles_rad[0];
-        eventually("the arm moves", || {
-            std::thread::sleep(RENEWAL);
-            (self.hold().unwrap().joint_angles_rad[0] - start_rad).abs() > 0.02
+        self.leased(|| {
+            let start_rad = self.turn(turn_rad)?.joint_angles_rad[0];
+            let begun = Instant::now();
+            while (self.hold()?.joint_angles_rad[0] - start_rad).abs() <= 0.02 {
+                assert!(begun.elapsed() < WATCHDOG, "the arm does not move");
+                std::thread::sleep(RENEWAL);
+            }
+            Ok(())
         });
     }
 
@@ -239,13 +275,15 @@ fn arm_has_one_commander_and_brakes_when_it_is_silent() {
         Commander::new(&sandbox, 2, "ben"),
     );
     anna.begin_to_turn(TURN_RAD);
-    let refusal = ben.turn(-TURN_RAD).unwrap_err();
-    assert_eq!(refusal.kind, RefusalKind::Conflict);
-    assert!(refusal.sentence.contains("anna"), "{refusal}");
-    let (code, sentence) = anna.renewing(|| daemon.refused(&["arm", "home"]));
-    assert_eq!(code, 4, "{sentence}");
-    assert!(sentence.contains("commanded by anna"), "{sentence}");
-    assert_eq!(anna.hold().unwrap().commander.as_deref(), Some("anna"));
+    anna.renewing(|| {
+        let refusal = ben.turn(-TURN_RAD).unwrap_err();
+        assert_eq!(refusal.kind, RefusalKind::Conflict);
+        assert!(refusal.sentence.contains("anna"), "{refusal}");
+        let (code, sentence) = daemon.refused(&["arm", "home"]);
+        assert_eq!(code, 4, "{sentence}");
+        assert!(sentence.contains("commanded by anna"), "{sentence}");
+        assert_eq!(ben.state().commander.as_deref(), Some("anna"));
+    });
     // Silence.
     eventually("the arm brakes", || ben.state().activity == "stopped");
     let refusal = anna.turn(0.1).unwrap_err();
