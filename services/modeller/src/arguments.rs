@@ -1,9 +1,11 @@
 //! Command-line arguments of `tabula-modeller`.
 
 mod grasp;
+mod place;
 mod plan;
 
 pub(crate) use grasp::GraspArguments;
+pub(crate) use place::PlaceArguments;
 pub(crate) use plan::PlanArguments;
 
 use clap::{Args, Parser, Subcommand};
@@ -13,7 +15,7 @@ use sensor_noise::DepthNoise;
 use service::CommonArguments;
 
 /// Builds the full model of an object from the views of a moving camera, and plans the next best
-/// view and grasps.
+/// view, grasps and transports.
 #[derive(Debug, Parser)]
 #[command(name = "tabula-modeller", version, propagate_version = true)]
 pub(crate) struct ModellerArguments {
@@ -37,6 +39,10 @@ pub(crate) enum ModellerVerb {
     Plan(PlanArguments),
     /// Plan grasps of an object that the camera sees
     Grasp(GraspArguments),
+    /// Plan the transport of an object to a place
+    Place(PlaceArguments),
+    /// List the places of the configuration
+    Places,
 }
 
 /// Options of the construction of a model.

@@ -1,28 +1,25 @@
 //! `tabula grasp plan`: grasps of an object, by what the camera shows of it.
 
-mod arm_and_people;
-mod grasp_document;
+pub(crate) mod grasp_document;
 mod grasp_text;
 
 use crate::arguments::GraspArguments;
-use crate::awaited_snapshot::awaited_snapshot;
+use crate::arm_scene::ArmScene;
 use crate::png_file;
-use crate::presence::require_daemon;
-use arm_and_people::ArmAndPeople;
-use arm_kinematics::GripperModel;
-use channel::{Domain, Role, RunFolder};
+use crate::transit_document;
 use command_line::{Output, StopSignal};
 use control_client::TrackScope;
 use grasp_document::GraspDocument;
-use grasp_scene::{draw_grasp, grasp_scene};
-use grasping::{GraspPlanner, Obstacles};
-use scene_client::{DaemonModels, ModelShelf, PlanningFrame, Snapshot, SnapshotReceiver};
+use grasp_scene::draw_grasp;
+use grasping::{Grasp, GraspPlan, GraspPlanner, GraspScene, GraspSettings, Obstacles};
 use service::{CommonArguments, Configuration, Failure, exit_code};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
+use transport::{ReachedGrasp, TransportPlanner, reach_region};
 
-/// Section of the configuration with the gripper.
-const GRIPPER_SECTION: &str = "gripper";
+/// Seed of the random trees.
+pub(crate) const SEED: u64 = 1;
 
 /// Plans the grasps of an object; without any the exit code is that of a refusal.
 pub(crate) fn run(
@@ -34,17 +31,12 @@ pub(crate) fn run(
         dataset::check_output(file).map_err(Failure::usage)?;
     }
     let stop = StopSignal::install()?;
-    let gripper = gripper(common)?;
-    require_daemon(&common.domain)?;
+    let configuration = Configuration::find(common.config.as_deref(), common.home().path())?;
     let track = arguments.track.resolve(common, TrackScope::LOOK, None)?;
-    let domain = Domain::join(&common.domain, &RunFolder::of_user(), Role::Guest)?;
-    let mut receiver = SnapshotReceiver::new(&domain)?;
-    let mut bodies = ArmAndPeople::new(&domain)?;
-    let Some(snapshot) = awaited_snapshot(&mut receiver, &stop)? else {
+    let Some(mut arm_scene) = ArmScene::receive(common, &configuration, &stop)? else {
         return Ok(ExitCode::SUCCESS);
     };
-    bodies.receive()?;
-    let document = planned(&snapshot, track, (common, arguments), (&gripper, &bodies))?;
+    let document = document(&mut arm_scene, track, arguments)?;
     output.answer(&document, || grasp_text::text(&document));
     Ok(if document.grasps.is_empty() {
         ExitCode::from(exit_code::REFUSED)
@@ -53,60 +45,97 @@ pub(crate) fn run(
     })
 }
 
-/// Gripper of the configuration.
-fn gripper(common: &CommonArguments) -> Result<GripperModel, Failure> {
-    let found = Configuration::find(common.config.as_deref(), common.home().path())?;
-    Ok(found.section(GRIPPER_SECTION)?)
-}
-
-fn planned(
-    snapshot: &Snapshot,
+fn document(
+    arm_scene: &mut ArmScene,
     track: u64,
-    (common, arguments): (&CommonArguments, &GraspArguments),
-    (gripper, bodies): (&GripperModel, &ArmAndPeople),
+    arguments: &GraspArguments,
 ) -> Result<GraspDocument, Failure> {
     let begun = Instant::now();
-    let object = seen_object(snapshot, track)?;
-    let frame = PlanningFrame::of(snapshot)
-        .ok_or_else(|| Failure::general("the image has no depth; see `tabula status`"))?;
-    let mut notes = frame.notes.clone();
-    let mut shelf = ModelShelf::default();
-    if let Err(failure) = shelf.refresh(snapshot, || DaemonModels::connect(common)) {
-        notes.push(format!("the stored models are not used: {failure}"));
-    }
-    let scene = grasp_scene(snapshot, &frame, &shelf, &bodies.in_world);
-    let obstacles = Obstacles::of(&scene);
-    let arm = bodies.placed(*gripper, snapshot, &frame, &mut notes);
-    let settings = arguments.settings();
-    let planner = GraspPlanner {
-        scene: &scene,
-        obstacles: &obstacles,
-        gripper,
-        arm: arm.as_ref(),
-        settings: &settings,
-    };
-    let plan = planner.plan(object);
+    let object = arm_scene.seen_object(track)?;
+    let scene = arm_scene.scene();
+    let mut plan = planned(arm_scene, &scene, object, &arguments.settings());
+    let mut notes = arm_scene.notes.clone();
+    let reached = reached(arm_scene, &scene, &mut plan, &mut notes);
     if let Some(file) = &arguments.picture {
-        let rgb = draw_grasp(snapshot, &frame, gripper, Some(object), plan.grasps.first());
-        let camera = &snapshot.camera;
-        png_file::write(file, camera.width as usize, camera.height as usize, &rgb)?;
+        draw(arm_scene, object, plan.grasps.first(), file)?;
     }
-    let mut document = grasp_document::document(snapshot, object, (&scene, &plan), &frame);
+    let snapshot = &arm_scene.snapshot;
+    let mut document =
+        grasp_document::document(snapshot, object, (&scene, &plan), &arm_scene.frame);
+    document.path = reached
+        .zip(arm_scene.arm.as_ref())
+        .map(|(reached, placed)| transit_document::path(&reached.path, &placed.arm));
     document.notes = notes;
     document.processing_ms = 1e3 * begun.elapsed().as_secs_f64();
     Ok(document)
 }
 
-/// Index of the object of a track that is seen.
-fn seen_object(snapshot: &Snapshot, track: u64) -> Result<usize, Failure> {
-    let mut objects = snapshot.objects.iter();
-    let index = objects.position(|object| object.track == track);
-    let index = index.filter(|index| !snapshot.objects[*index].points.is_empty());
-    index.ok_or_else(|| {
-        let sentence = format!(
-            "object {track} is not seen in this frame, so that nothing can be said about grasps; see \
-             `tabula objects`"
-        );
-        Failure::new(exit_code::REFUSED, sentence)
-    })
+/// Grasps of an object of the scene.
+pub(crate) fn planned(
+    arm_scene: &ArmScene,
+    scene: &GraspScene<'_>,
+    object: usize,
+    settings: &GraspSettings,
+) -> GraspPlan {
+    let obstacles = Obstacles::of(scene);
+    let planner = GraspPlanner {
+        scene,
+        obstacles: &obstacles,
+        gripper: &arm_scene.gripper,
+        arm: arm_scene.arm.as_ref(),
+        settings,
+    };
+    planner.plan(object)
+}
+
+/// First grasp to which the arm finds a way, which becomes the first of the plan. Notes tell where it
+/// was not the best one, or where there is none.
+fn reached(
+    arm_scene: &ArmScene,
+    scene: &GraspScene<'_>,
+    plan: &mut GraspPlan,
+    notes: &mut Vec<String>,
+) -> Option<ReachedGrasp> {
+    let placed = arm_scene.arm.as_ref().filter(|_| !plan.grasps.is_empty())?;
+    let obstacles = Obstacles::with_hidden_sides(scene, &reach_region(placed));
+    let planner = TransportPlanner {
+        scene,
+        obstacles: &obstacles,
+        placed,
+        seed: SEED,
+    };
+    match planner.reach(&plan.grasps) {
+        Ok(reached) => {
+            if reached.grasp > 0 {
+                notes.push(format!(
+                    "the arm finds no way to the {} grasps with better scores",
+                    reached.grasp
+                ));
+                plan.grasps[..=reached.grasp].rotate_right(1);
+            }
+            Some(reached)
+        }
+        Err(reason) => {
+            notes.push(reason.words(scene, None));
+            None
+        }
+    }
+}
+
+/// Writes a picture of an object and of a grasp.
+pub(crate) fn draw(
+    arm_scene: &ArmScene,
+    object: usize,
+    grasp: Option<&Grasp>,
+    file: &Path,
+) -> Result<(), Failure> {
+    let (snapshot, gripper) = (&arm_scene.snapshot, &arm_scene.gripper);
+    let rgb = draw_grasp(snapshot, &arm_scene.frame, gripper, Some(object), grasp);
+    write_picture(arm_scene, &rgb, file)
+}
+
+/// Writes a picture of the size of the camera's image, three bytes a pixel.
+pub(crate) fn write_picture(arm_scene: &ArmScene, rgb: &[u8], file: &Path) -> Result<(), Failure> {
+    let camera = &arm_scene.snapshot.camera;
+    png_file::write(file, camera.width as usize, camera.height as usize, rgb)
 }

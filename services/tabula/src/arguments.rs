@@ -15,7 +15,7 @@ pub(crate) use memory::{
 
 pub(crate) use model::ModelVerb;
 
-pub(crate) use view::{GraspVerb, ViewVerb};
+use view::{GraspVerb, PlaceVerb, ViewVerb};
 
 pub(crate) use world::{
     EventsArguments, HistoryArguments, TimeArgument, WorldArguments, WorldPoint, WorldVerb,
@@ -138,6 +138,12 @@ pub(crate) enum Verb {
         #[command(subcommand)]
         verb: GraspVerb,
     },
+    /// Plan the transport of an object to a place, or list the places
+    Place {
+        /// Action on places
+        #[command(subcommand)]
+        verb: PlaceVerb,
+    },
     /// Show the present and past of the world model: objects, robot, events, tasks
     World(WorldArguments),
     /// Command the arm, or show its state
@@ -182,6 +188,7 @@ impl Verb {
             | Self::Learn(_)
             | Self::View { .. }
             | Self::Grasp { .. }
+            | Self::Place { .. }
             | Self::Simulate(_)
             | Self::Evaluate(_)
             | Self::Latency(_)

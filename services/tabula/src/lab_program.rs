@@ -1,7 +1,7 @@
 //! Subcommands executed by another program: `tabula-lab`, `tabula-latency`, `tabula-recorder` and
 //! `tabula-modeller`.
 
-use crate::arguments::CliArguments;
+use crate::arguments::{CliArguments, LabArguments};
 use service::{CommonArguments, Failure};
 use std::ffi::{OsStr, OsString};
 use std::os::unix::process::CommandExt;
@@ -37,10 +37,10 @@ pub(crate) fn become_recorder(
 /// Replaces this process by `tabula-modeller` with a subcommand and its arguments.
 pub(crate) fn become_modeller(
     arguments: &CliArguments,
-    verb: &str,
-    words: &[OsString],
+    (verb, passed): (&str, &LabArguments),
 ) -> Result<ExitCode, Failure> {
-    become_program("tabula-modeller", arguments, Some(verb.as_ref()), words)
+    let verb = Some(verb.as_ref());
+    become_program("tabula-modeller", arguments, verb, &passed.words)
 }
 
 fn become_program(

@@ -22,7 +22,7 @@ mod time;
 mod track_or_name;
 mod world;
 
-use arguments::{CliArguments, GraspVerb, Verb, ViewVerb};
+use arguments::{CliArguments, Verb};
 use command_line::Output;
 use control_protocol::RevisionChange;
 use service::Failure;
@@ -78,12 +78,9 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Memory { verb } => memory::run(&arguments.common, verb, output),
         Verb::Knowledge { verb } => knowledge::run(&arguments.common, verb, output),
         Verb::Model { verb } => model::run(arguments, verb, output),
-        Verb::View {
-            verb: ViewVerb::Plan(plan),
-        } => lab_program::become_modeller(arguments, "plan", &plan.words),
-        Verb::Grasp {
-            verb: GraspVerb::Plan(plan),
-        } => lab_program::become_modeller(arguments, "grasp", &plan.words),
+        Verb::View { verb } => lab_program::become_modeller(arguments, verb.modeller()),
+        Verb::Grasp { verb } => lab_program::become_modeller(arguments, verb.modeller()),
+        Verb::Place { verb } => lab_program::become_modeller(arguments, verb.modeller()),
         Verb::Simulate(lab) => lab_program::become_lab(arguments, "simulate", &lab.words),
         Verb::Evaluate(lab) => lab_program::become_lab(arguments, "evaluate", &lab.words),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),

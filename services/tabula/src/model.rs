@@ -25,7 +25,7 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     let open = || MemoryClient::open(&arguments.common);
     match verb {
-        ModelVerb::Build(words) => become_modeller(arguments, "build", &words.words),
+        ModelVerb::Build(words) => become_modeller(arguments, ("build", words)),
         ModelVerb::List => list(&mut open()?, output),
         ModelVerb::Show { name } => show::show(&mut open()?, name, output),
         ModelVerb::Export { name, out } => {

@@ -1,5 +1,6 @@
 //! Grasp plan as a JSON document.
 
+use crate::transit_document::PathDocument;
 use geometry::RigidTransform;
 use grasping::{ContactEvidence, Grasp, GraspPlan, GraspScene, RejectedGrasp, ScoreFactors};
 use message::CategoryAnswer;
@@ -23,6 +24,8 @@ pub(crate) struct GraspDocument {
     /// Reasons of the rejected grasps with their numbers, first of those that came farthest.
     pub(crate) reasons: Vec<RejectionCount>,
     pub(crate) rejected: Vec<RejectedDocument>,
+    /// Path of the arm from where it stands to the begin of the first grasp's approach.
+    pub(crate) path: Option<PathDocument>,
     pub(crate) frame_sequence: u64,
     pub(crate) source_name: String,
     pub(crate) has_world_pose: bool,
@@ -100,6 +103,7 @@ pub(crate) fn document(
             .iter()
             .map(|rejected| rejection(rejected, scene, frame))
             .collect(),
+        path: None,
         frame_sequence: snapshot.sequence,
         source_name: snapshot.source_name.clone(),
         has_world_pose: snapshot.world_from_camera.is_some(),
@@ -108,7 +112,8 @@ pub(crate) fn document(
     }
 }
 
-fn planned(grasp: &Grasp, frame: &PlanningFrame) -> PlannedGrasp {
+/// Document of a grasp.
+pub(crate) fn planned(grasp: &Grasp, frame: &PlanningFrame) -> PlannedGrasp {
     let pose = frame.world_from_plan * grasp.plan_from_tool;
     let back = Translation3::new(0.0, 0.0, -grasp.approach_m);
     let up = Translation3::from(Vector3::z() * grasp.lift_m);

@@ -1,6 +1,7 @@
 //! Grasp plan as text for people.
 
 use super::grasp_document::{GraspDocument, PlannedGrasp};
+use crate::transit_document::path_words;
 use command_line::format_table;
 
 /// Number of grasps and of reasons in the tables.
@@ -9,6 +10,9 @@ const N_SHOWN: usize = 5;
 /// Text of a plan.
 pub(crate) fn text(document: &GraspDocument) -> String {
     let mut parts = vec![headline(document)];
+    if let Some(path) = &document.path {
+        parts.push(format!("way to it: {}", path_words(path)));
+    }
     parts.extend(document.notes.iter().map(|note| format!("note: {note}")));
     if !document.grasps.is_empty() {
         parts.push(String::new());

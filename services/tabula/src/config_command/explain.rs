@@ -44,7 +44,7 @@ pub(super) fn run(
     let document = ExplainDocument {
         keys: descriptions
             .into_iter()
-            .map(|description| KeyDocument::new(description, &found))
+            .map(|(description, key)| KeyDocument::new(description, key, &found))
             .collect(),
     };
     let texts = || document.keys.iter().map(KeyDocument::text);
@@ -56,10 +56,16 @@ pub(super) fn run(
 ///
 /// # Errors
 /// When there is none; the sentence has the nearest names.
-fn named(name: &str) -> Result<Vec<&'static KeyDescription>, Failure> {
+fn named(name: &str) -> Result<Vec<(&'static KeyDescription, &str)>, Failure> {
     let all = KeyReference::get().keys();
-    let is_it = |one: &&KeyDescription| one.key == name || one.full_name() == name;
-    let found: Vec<_> = all.iter().filter(is_it).collect();
+    let in_section = |one: &KeyDescription| name.strip_prefix(one.section)?.strip_prefix('.');
+    let found: Vec<_> = all
+        .iter()
+        .filter_map(|one| {
+            let key = in_section(one).unwrap_or(name);
+            one.describes(key).then_some((one, key))
+        })
+        .collect();
     if !found.is_empty() {
         return Ok(found);
     }
@@ -77,17 +83,21 @@ fn named(name: &str) -> Result<Vec<&'static KeyDescription>, Failure> {
 }
 
 impl KeyDocument {
-    fn new(description: &KeyDescription, found: &Result<Configuration, Failure>) -> Self {
+    fn new(
+        description: &KeyDescription,
+        key: &str,
+        found: &Result<Configuration, Failure>,
+    ) -> Self {
         let range = match &description.range {
             Some(range) => range.to_string(),
             None => description.choices.join(", "),
         };
         let (value, note) = match found {
-            Ok(found) => (Some(KeyValue::of(found, description)), String::new()),
+            Ok(found) => (Some(KeyValue::of(found, description, key)), String::new()),
             Err(failure) => (None, failure.sentence.clone()),
         };
         Self {
-            name: description.full_name(),
+            name: format!("{}.{key}", description.section),
             meaning: description.meaning.clone(),
             kind: description.kind.word(),
             range,
@@ -133,11 +143,12 @@ mod tests {
     fn key_is_found_with_and_without_its_section() {
         let names = |name| -> Vec<String> {
             let found = named(name).unwrap();
-            found.into_iter().map(KeyDescription::full_name).collect()
+            found.into_iter().map(|(one, _)| one.full_name()).collect()
         };
         assert_eq!(names("workers"), ["perception.workers"]);
         assert_eq!(names("perception.workers"), ["perception.workers"]);
         assert_eq!(names("rate_hz"), ["camera.rate_hz", "simulator.rate_hz"]);
+        assert_eq!(names("places.shelf.outline"), ["places.NAME.outline"]);
     }
 
     #[test]
@@ -153,7 +164,8 @@ mod tests {
     fn explanation_has_meaning_range_default_and_value() {
         let explained = |name| {
             let found = Ok(Configuration::default());
-            KeyDocument::new(named(name).unwrap()[0], &found).text()
+            let (description, key) = named(name).unwrap()[0];
+            KeyDocument::new(description, key, &found).text()
         };
         let text = explained("memory.write_buffer_mb");
         for word in [
@@ -169,5 +181,7 @@ mod tests {
         assert!(explained("range_max_m").contains("range_min_m to 10 m"));
         assert!(explained("range_max_m").contains("while running"));
         assert!(explained("camera.source").contains("value    none"));
+        let text = explained("places.shelf.outline");
+        assert!(text.starts_with("places.shelf.outline: Outline"), "{text}");
     }
 }

@@ -22,7 +22,7 @@ struct ShowDocument {
 #[derive(Debug, Serialize)]
 pub(super) struct KeyValue {
     section: &'static str,
-    key: &'static str,
+    key: String,
     /// Value; none for a key that is not set and has no default.
     pub(super) value: Option<serde_json::Value>,
     /// Value as written in TOML.
@@ -37,24 +37,40 @@ pub(super) struct KeyValue {
 /// Runs `tabula config show`.
 pub(super) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let found = find(common)?;
-    let keys = KeyReference::get().keys();
-    let document = ShowDocument {
-        files: files(&found),
-        values: keys.iter().map(|key| KeyValue::of(&found, key)).collect(),
-    };
+    let document = ShowDocument::of(&found);
     output.answer(&document, || text(&document));
     Ok(ExitCode::SUCCESS)
 }
 
+impl ShowDocument {
+    /// Values of all keys: in a section with names those of the names that a file has.
+    fn of(found: &Configuration) -> Self {
+        let value = |description: &'static KeyDescription| {
+            let names = found.keys(description.section);
+            let set = names.filter(|key| description.is_of_names() && description.describes(key));
+            let alone = (!description.is_of_names()).then_some(description.key);
+            let keys: Vec<&str> = set.chain(alone).collect();
+            let values = keys
+                .into_iter()
+                .map(|key| KeyValue::of(found, description, key));
+            values.collect::<Vec<_>>()
+        };
+        Self {
+            files: files(found),
+            values: KeyReference::get().keys().iter().flat_map(value).collect(),
+        }
+    }
+}
+
 impl KeyValue {
     /// Value of a key in a configuration.
-    pub(super) fn of(found: &Configuration, description: &KeyDescription) -> Self {
-        let (section, key) = (description.section, description.key);
+    pub(super) fn of(found: &Configuration, description: &KeyDescription, key: &str) -> Self {
+        let section = description.section;
         let value = found.effective(section, key);
         let setting = found.setting(section, key);
         Self {
             section,
-            key,
+            key: key.to_owned(),
             value: value.and_then(|value| serde_json::to_value(value).ok()),
             toml: value.map(ToString::to_string),
             file: setting.map(|setting| setting.file.display().to_string()),
@@ -101,18 +117,15 @@ mod tests {
     }
 
     fn shown(found: &Configuration) -> String {
-        let keys = KeyReference::get().keys();
-        text(&ShowDocument {
-            files: files(found),
-            values: keys.iter().map(|key| KeyValue::of(found, key)).collect(),
-        })
+        text(&ShowDocument::of(found))
     }
 
     #[test]
     fn shown_values_are_a_configuration_with_the_same_values() {
         let found = read(
             "[camera]\nsource = 'a \"quoted\" name'\n[perception]\nworkers = 3\n\
-             candidate_rule = \"\"\"C_table\n\"\"\"\n",
+             candidate_rule = \"\"\"C_table\n\"\"\"\n[places.shelf]\n\
+             outline = [[0, 0], [1, 0], [0, 1]]\ncategories = ['mug']\n",
         );
         let text = shown(&found);
         let again = read(&text);
@@ -122,6 +135,11 @@ mod tests {
             };
             assert_eq!(value(&found), value(&again), "{text}");
         }
+        let outline = |configuration: &Configuration| {
+            configuration.effective("places", "shelf.outline").cloned()
+        };
+        assert!(outline(&again).is_some(), "{text}");
+        assert_eq!(outline(&found), outline(&again));
     }
 
     #[test]

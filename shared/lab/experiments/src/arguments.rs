@@ -4,6 +4,7 @@ mod grasping;
 mod next_best_view;
 mod object_model;
 mod recognition;
+mod transport;
 
 pub use grasping::{GraspJudge, GraspingArguments, ModelHalf};
 pub use next_best_view::NextBestViewArguments;
@@ -13,6 +14,7 @@ pub use recognition::{
     DescriptorVariant, FoldProtocol, LearnArguments, LessonArguments, OpenEndedArguments, UpAxis,
     ViewProtocol,
 };
+pub use transport::TransportArguments;
 
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use perceptual_memory::{HistoryLimits, RetentionLimits};
@@ -154,6 +156,8 @@ pub enum EvaluateVerb {
     NextBestView(NextBestViewArguments),
     /// Grasps of single objects from one view, carried out by the simulated arm
     Grasping(GraspingArguments),
+    /// Carry objects of simulated scenes to a place, past what stands there
+    Transport(TransportArguments),
 }
 
 /// Arguments of `evaluate registration`.

@@ -1,6 +1,7 @@
 //! `tabula-lab evaluate`: accuracy and speed of the kernels on recorded and simulated data.
 
 mod ablation;
+mod arm_motion;
 mod cross_validation;
 mod detection;
 mod find;
@@ -20,8 +21,10 @@ mod scene_views;
 mod still_pictures;
 mod tabular_report;
 mod tracking;
+mod transport;
 mod view_selection;
 mod view_table;
+mod world_view;
 
 pub(crate) use metric_examples::MetricExamples;
 
@@ -42,6 +45,7 @@ pub fn run(verb: &EvaluateVerb, output: &Output) -> Result<ExitCode, Failure> {
         EvaluateVerb::Ablation(arguments) => ablation::run(arguments, output),
         EvaluateVerb::CrossValidation(arguments) => cross_validation::run(arguments, output),
         EvaluateVerb::Grasping(arguments) => grasping::run(arguments, output),
+        EvaluateVerb::Transport(arguments) => transport::run(arguments, output),
         EvaluateVerb::Find(arguments) => find::run(arguments, output),
         EvaluateVerb::Lighting(arguments) => lighting::run(arguments, output),
         EvaluateVerb::StillPictures(arguments) => still_pictures::run(arguments, output),

@@ -34,7 +34,7 @@ impl JointState {
 /// II: velocity and acceleration are bounded), from any initial velocity. Position and velocity
 /// are continuous in time. Since braking uses the same acceleration in every motion, a motion
 /// that ends within the joint limits can be replaced at any time by another one that stays within
-/// them.
+/// them. From rest all joints keep step (phase synchronisation): the way is straight in joint space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointTrajectory {
     profiles: [TrapezoidalProfile; N_JOINTS],
@@ -50,6 +50,9 @@ impl JointTrajectory {
         target_rad: &JointVector,
         speed: f64,
     ) -> Self {
+        if start.is_at_rest() {
+            return Self::straight(chain, &start.angles_rad, target_rad, speed);
+        }
         let fastest = std::array::from_fn(|i| {
             let joint = &chain.joints[i];
             TrapezoidalProfile::fastest(
@@ -65,6 +68,33 @@ impl JointTrajectory {
             profiles: fastest.map(|profile| profile.stretched_to(longest.duration_s)),
             ..longest
         }
+    }
+
+    /// Motion from rest to rest in which all joints keep step, each within its limits.
+    fn straight(
+        chain: &KinematicChain,
+        start_rad: &JointVector,
+        target_rad: &JointVector,
+        speed: f64,
+    ) -> Self {
+        let way_rad = target_rad - start_rad;
+        // Shares of the way in a second, and in a second squared, that every joint can do.
+        let (mut velocity, mut acceleration) = (f64::INFINITY, f64::INFINITY);
+        for (joint, way_rad) in chain.joints.iter().zip(&way_rad) {
+            if *way_rad != 0.0 {
+                velocity = velocity.min(joint.max_velocity_rad_s * speed / way_rad.abs());
+                acceleration = acceleration.min(joint.max_acceleration_rad_s2 / way_rad.abs());
+            }
+        }
+        Self::synchronised(&std::array::from_fn(|i| {
+            let (joint, way_rad) = (&chain.joints[i], way_rad[i].abs());
+            let [max_speed, acceleration] = if way_rad > 0.0 {
+                [velocity, acceleration].map(|share| share * way_rad)
+            } else {
+                [joint.max_velocity_rad_s, joint.max_acceleration_rad_s2]
+            };
+            TrapezoidalProfile::fastest(start_rad[i], 0.0, target_rad[i], max_speed, acceleration)
+        }))
     }
 
     /// Braking trajectory: each joint comes to rest as soon as possible.
@@ -159,6 +189,35 @@ mod tests {
             let motion = JointTrajectory::new(arm.chain(), &start, &to, speed);
             check(arm.chain(), &motion, &start);
             prop_assert_eq!(motion.sample(motion.duration_s()), JointState::at_rest(to));
+        }
+
+        #[test]
+        fn motion_from_rest_is_straight_in_joint_space_and_as_fast_as_its_slowest_joint(
+            from in test_joint_angles(),
+            to in test_joint_angles(),
+            speed in 0.05..1.0_f64,
+        ) {
+            let arm = Arm::jaco_like();
+            let chain = arm.chain();
+            let start = JointState::at_rest(from);
+            let motion = JointTrajectory::new(chain, &start, &to, speed);
+            check(chain, &motion, &start);
+            let way = to - from;
+            for k in 0..=50 {
+                let state = motion.sample(f64::from(k) / 50.0 * motion.duration_s());
+                let passed = state.angles_rad - from;
+                let share = passed.dot(&way) / way.norm_squared();
+                prop_assert!((passed - way * share).amax() < 1e-9);
+            }
+            let alone = (0..N_JOINTS).map(|i| {
+                let joint = &chain.joints[i];
+                let velocity = joint.max_velocity_rad_s * speed;
+                let acceleration = joint.max_acceleration_rad_s2;
+                TrapezoidalProfile::fastest(from[i], 0.0, to[i], velocity, acceleration).duration_s()
+            });
+            let slowest_s = alone.fold(0.0, f64::max);
+            prop_assert!(motion.duration_s() >= slowest_s - 1e-9);
+            prop_assert!(motion.duration_s() <= 1.2 * slowest_s + 1e-9);
         }
 
         #[test]

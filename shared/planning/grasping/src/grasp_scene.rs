@@ -1,9 +1,10 @@
 //! Grasp scene: depth image, the objects of its pixels, support surfaces and people.
 
 use crate::contact_point::ContactPoint;
+use crate::hand_boxes::lowest_m;
 use crate::observed_space::ObservedSpace;
-use geometry::{Capsule, ConvexPolygon, Plane};
-use nalgebra::{Point2, Point3};
+use geometry::{Capsule, ConvexPolygon, OrientedBox, Plane};
+use nalgebra::{Point2, Point3, Vector3};
 
 /// Distance from a support surface within which a measured place belongs to it, metres. Chosen:
 /// the noise of a Kinect at 1.2 m.
@@ -12,6 +13,10 @@ const ON_SURFACE_M: f64 = 0.008;
 const NO_OBJECT: u16 = u16::MAX;
 /// Distance by which a support surface reaches beyond what is seen of it, metres. Chosen.
 const BEYOND_OUTLINE_M: f64 = 0.05;
+/// Thickness of a board, metres. Chosen: nobody sees it from above.
+const BOARD_M: f64 = 0.03;
+/// Least vertical part of a surface's normal by which heights are divided.
+const LEAST_SLOPE: f64 = 0.1;
 
 /// Support surface: a horizontal or slightly inclined plane with an outline.
 #[derive(Debug, Clone)]
@@ -22,6 +27,8 @@ pub struct SupportPlane {
     pub outline: ConvexPolygon,
     /// Name for people, such as `the table`.
     pub name: String,
+    /// True if nothing reaches the space below it: the table and the floor; false for a board.
+    pub is_solid_below: bool,
 }
 
 /// Object of a grasp scene.
@@ -56,6 +63,34 @@ pub struct GraspScene<'a> {
 }
 
 impl SupportPlane {
+    /// Height of the surface at a place seen from above, metres.
+    pub fn height_at(&self, place: &Point2<f64>) -> f64 {
+        let slope = self.plane.normal.z.max(LEAST_SLOPE);
+        -self.plane.height_m(&Point3::new(place.x, place.y, 0.0)) / slope
+    }
+
+    /// True if a box meets the surface or what is below it, within its outline and a margin.
+    pub fn is_hit_by_box(&self, body: &OrientedBox) -> bool {
+        let middle_m = self.plane.height_m(&body.centre());
+        let low_m = lowest_m(body, &self.plane);
+        self.is_below(&body.centre()) && self.is_between(low_m, 2.0 * middle_m - low_m)
+    }
+
+    /// True if a capsule, such as a link of the arm, meets the surface or what is below it.
+    pub fn is_hit_by_link(&self, link: &Capsule) -> bool {
+        let heights_m = [link.from, link.to].map(|end| self.plane.height_m(&end));
+        let low_m = heights_m[0].min(heights_m[1]) - link.radius_m;
+        let high_m = heights_m[0].max(heights_m[1]) + link.radius_m;
+        let middle = nalgebra::center(&link.from, &link.to);
+        let mut places = [link.from, middle, link.to].into_iter();
+        places.any(|place| self.is_below(&place)) && self.is_between(low_m, high_m)
+    }
+
+    /// True if a range of heights over the surface meets it.
+    fn is_between(&self, low_m: f64, high_m: f64) -> bool {
+        low_m < 0.0 && (self.is_solid_below || high_m > -BOARD_M)
+    }
+
     /// True if a place is on the surface or in the air above it, within its outline and a margin.
     pub(crate) fn is_below(&self, place: &Point3<f64>) -> bool {
         self.outline
@@ -120,14 +155,28 @@ impl<'a> GraspScene<'a> {
     }
 
     /// Index of the surface that carries an object: the highest one below most of its points.
-    pub(crate) fn carrier_of(&self, contacts: &[ContactPoint]) -> Option<usize> {
-        let middle = contacts.iter().fold(Point3::origin(), |sum, contact| {
-            sum + contact.position.coords
-        }) / contacts.len().max(1) as f64;
-        let carries = |(_, surface): &(usize, &SupportPlane)| {
-            surface.plane.height_m(&middle) > 0.0 && surface.is_below(&middle)
+    pub fn carrier_of(&self, contacts: &[ContactPoint]) -> Option<usize> {
+        let places = contacts.iter().map(|contact| contact.position);
+        self.carrier_below(&mean(places))
+    }
+
+    /// Height of the surface that carries seen places of an object, or of the lowest of them, metres.
+    pub(crate) fn foot_m(&self, seen: &[Point3<f64>]) -> f64 {
+        let middle = mean(seen.iter().copied());
+        let lowest = || {
+            seen.iter()
+                .map(|place| place.z)
+                .fold(f64::INFINITY, f64::min)
         };
-        let height_m = |surface: &SupportPlane| surface.plane.height_m(&middle);
+        let carrier = self.carrier_below(&middle);
+        carrier.map_or_else(lowest, |index| self.surfaces[index].height_at(&middle.xy()))
+    }
+
+    fn carrier_below(&self, middle: &Point3<f64>) -> Option<usize> {
+        let carries = |(_, surface): &(usize, &SupportPlane)| {
+            surface.plane.height_m(middle) > 0.0 && surface.is_below(middle)
+        };
+        let height_m = |surface: &SupportPlane| surface.plane.height_m(middle);
         self.surfaces
             .iter()
             .enumerate()
@@ -135,4 +184,12 @@ impl<'a> GraspScene<'a> {
             .min_by(|a, b| height_m(a.1).total_cmp(&height_m(b.1)))
             .map(|(index, _)| index)
     }
+}
+
+/// Mean of places; the origin for none.
+fn mean(places: impl Iterator<Item = Point3<f64>>) -> Point3<f64> {
+    let (sum, n) = places.fold((Vector3::zeros(), 0.0_f64), |(sum, n), place| {
+        (sum + place.coords, n + 1.0)
+    });
+    (sum / n.max(1.0)).into()
 }

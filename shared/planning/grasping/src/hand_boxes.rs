@@ -24,7 +24,7 @@ pub fn hand_boxes(gripper: &GripperModel, opening_m: f64) -> [OrientedBox; 4] {
 
 /// Box swept along the tool's approach: a straight way of `back_m` that ends at the box. The sweep
 /// of a box along one of its axes is a longer box.
-pub(crate) fn swept_back(body: &OrientedBox, back_m: f64) -> OrientedBox {
+pub fn swept_back(body: &OrientedBox, back_m: f64) -> OrientedBox {
     let mut swept = *body;
     swept.half_sides_m.z += 0.5 * back_m;
     swept.frame_from_box.translation.z -= 0.5 * back_m;
@@ -46,7 +46,7 @@ pub(crate) fn closing_boxes(
 }
 
 /// Height of the lowest corner of a box over a plane, metres.
-pub(crate) fn lowest_m(body: &OrientedBox, plane: &geometry::Plane) -> f64 {
+pub fn lowest_m(body: &OrientedBox, plane: &geometry::Plane) -> f64 {
     let normal_in_box = body.frame_from_box.rotation.inverse() * plane.normal.into_inner();
     let below_m = normal_in_box.abs().dot(&body.half_sides_m);
     plane.height_m(&body.centre()) - below_m

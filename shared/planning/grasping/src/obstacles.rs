@@ -1,6 +1,7 @@
 //! Obstacles: measured voxels in a bounding volume hierarchy, people, and support surfaces.
 
 use crate::grasp_scene::GraspScene;
+use crate::hidden_places::hidden_places;
 use geometry::{Capsule as BodyCapsule, OrientedBox, RigidTransform};
 use nalgebra::{Point3, Vector3};
 use parry3d::bounding_volume::Aabb;
@@ -55,28 +56,33 @@ pub struct Obstacles {
 impl Obstacles {
     /// Obstacles around all objects of a scene.
     pub fn of(scene: &GraspScene<'_>) -> Self {
-        let mut owners = BTreeMap::<[i32; 3], Obstacle>::new();
-        let bounds = bounds(scene);
-        let [width, height] = scene.space.size_px();
-        for row in (0..height).step_by(STEP_PX) {
-            for column in (0..width).step_by(STEP_PX) {
-                let pixel = row * width + column;
-                let Some(place) = scene.space.in_plan(pixel) else {
-                    continue;
-                };
-                let is_robot = |link: &BodyCapsule| link.distance_m(&place) < ROBOT_MARGIN_M;
-                if is_within(&place, &bounds) && !scene.robot.iter().any(is_robot) {
-                    let cell = place.coords.map(|c| (c / VOXEL_M).floor() as i32);
-                    let surface = || scene.surface_at(&place).map(Obstacle::Surface);
-                    let object = scene.owner(pixel).map(Obstacle::Object);
-                    let obstacle = object.or_else(surface).unwrap_or(Obstacle::Other);
-                    // Of several in one cell an object counts first.
-                    let owner = owners.entry(cell.into()).or_insert(obstacle);
-                    *owner = obstacle.min(*owner);
-                }
+        Self::within(scene, &bounds(scene))
+    }
+
+    /// Obstacles between two corners, by what is seen of them.
+    pub fn within(scene: &GraspScene<'_>, region: &[Point3<f64>; 2]) -> Self {
+        Self::of_voxels(measured_voxels(scene, region), scene)
+    }
+
+    /// Obstacles between two corners, with the hidden sides of the objects: what the whole arm, which
+    /// comes from anywhere, would hit.
+    pub fn with_hidden_sides(scene: &GraspScene<'_>, region: &[Point3<f64>; 2]) -> Self {
+        let mut owners = measured_voxels(scene, region);
+        for object in 0..scene.objects.len() {
+            // Where the robot is, nothing else is.
+            let hidden = hidden_places(scene, object, VOXEL_M);
+            for place in hidden.filter(|place| !is_robot(scene, place)) {
+                owners
+                    .entry(cell_of(&place))
+                    .or_insert(Obstacle::Object(object));
             }
         }
+        // Pixels at its edge mix its depth with what is behind: they lie in its shadow.
         grow_objects(&mut owners);
+        Self::of_voxels(owners, scene)
+    }
+
+    fn of_voxels(owners: BTreeMap<[i32; 3], Obstacle>, scene: &GraspScene<'_>) -> Self {
         let middle = |cell: i32| (f64::from(cell) + 0.5) * VOXEL_M;
         let voxels: Vec<(Point3<f64>, Obstacle)> = owners
             .into_iter()
@@ -95,7 +101,7 @@ impl Obstacles {
     }
 
     /// First thing that a box would hit, people first; `is_ignored` says what does not count.
-    pub(crate) fn hit_by(
+    pub fn hit_by(
         &self,
         body: &OrientedBox,
         is_ignored: impl Fn(Obstacle) -> bool,
@@ -113,13 +119,17 @@ impl Obstacles {
         })
     }
 
-    /// First thing that a capsule, such as a link of the arm, would hit.
-    pub(crate) fn hit_by_link(
+    /// First thing that a capsule, such as a link of the arm, would hit, people first.
+    pub fn hit_by_link(
         &self,
         link: &BodyCapsule,
         is_ignored: impl Fn(Obstacle) -> bool,
     ) -> Option<Obstacle> {
         let capsule = capsule(link);
+        let meets = |person: &BodyCapsule| capsules_meet(&capsule, &self::capsule(person));
+        if self.people.iter().any(meets) {
+            return Some(Obstacle::Person);
+        }
         self.first_voxel(&capsule.local_aabb(), is_ignored, |at, voxel| {
             meets_capsule(at, voxel, &capsule)
         })
@@ -142,9 +152,47 @@ impl Obstacles {
     }
 
     /// Middles of all voxels with their owners, frame of planning.
-    pub(crate) fn voxels(&self) -> &[(Point3<f64>, Obstacle)] {
+    pub fn voxels(&self) -> &[(Point3<f64>, Obstacle)] {
         &self.voxels
     }
+}
+
+/// Owners of the voxels that are measured between two corners.
+fn measured_voxels(
+    scene: &GraspScene<'_>,
+    region: &[Point3<f64>; 2],
+) -> BTreeMap<[i32; 3], Obstacle> {
+    let mut owners = BTreeMap::<[i32; 3], Obstacle>::new();
+    let [width, height] = scene.space.size_px();
+    for row in (0..height).step_by(STEP_PX) {
+        for column in (0..width).step_by(STEP_PX) {
+            let pixel = row * width + column;
+            let Some(place) = scene.space.in_plan(pixel) else {
+                continue;
+            };
+            if is_within(&place, region) && !is_robot(scene, &place) {
+                let surface = || scene.surface_at(&place).map(Obstacle::Surface);
+                let object = scene.owner(pixel).map(Obstacle::Object);
+                let obstacle = object.or_else(surface).unwrap_or(Obstacle::Other);
+                // Of several in one cell an object counts first.
+                let owner = owners.entry(cell_of(&place)).or_insert(obstacle);
+                *owner = obstacle.min(*owner);
+            }
+        }
+    }
+    grow_objects(&mut owners);
+    owners
+}
+
+/// True for a place that belongs to the robot.
+fn is_robot(scene: &GraspScene<'_>, place: &Point3<f64>) -> bool {
+    let mut links = scene.robot.iter();
+    links.any(|link| link.distance_m(place) < ROBOT_MARGIN_M)
+}
+
+/// Cell of a place.
+fn cell_of(place: &Point3<f64>) -> [i32; 3] {
+    place.coords.map(|c| (c / VOXEL_M).floor() as i32).into()
 }
 
 /// Gives voxels without an owner beside an object to it: detection leaves out pixels at the edge of an
@@ -195,6 +243,17 @@ fn is_within(place: &Point3<f64>, [low, high]: &[Point3<f64>; 2]) -> bool {
 /// True if a box at a pose meets a capsule; the query knows both shapes.
 fn meets_capsule(pose: &Pose, cuboid: &Cuboid, capsule: &Capsule) -> bool {
     intersection_test(pose, cuboid, &Pose::IDENTITY, capsule).is_ok_and(|found| found.intersecting)
+}
+
+/// True if a box meets a capsule.
+pub fn box_meets_capsule(body: &OrientedBox, link: &BodyCapsule) -> bool {
+    let (pose, cuboid) = shape(body);
+    meets_capsule(&pose, &cuboid, &capsule(link))
+}
+
+/// True if two capsules meet; the query knows both shapes.
+fn capsules_meet(a: &Capsule, b: &Capsule) -> bool {
+    intersection_test(&Pose::IDENTITY, a, &Pose::IDENTITY, b).is_ok_and(|found| found.intersecting)
 }
 
 fn capsule(body: &BodyCapsule) -> Capsule {

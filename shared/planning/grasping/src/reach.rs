@@ -12,9 +12,9 @@ use nalgebra::{Translation3, Vector3};
 const SPEED: f64 = 0.5;
 /// Number of capsules at the end of the arm that the boxes of the hand stand for: the hand, the
 /// rail and two fingers.
-const N_HAND_CAPSULES: usize = 4;
+pub const N_HAND_CAPSULES: usize = 4;
 /// Number of capsules at the beginning that stand beside the table: base and shoulder.
-const N_BASE_CAPSULES: usize = 3;
+pub const N_BASE_CAPSULES: usize = 3;
 
 /// Arm in the frame of planning.
 #[derive(Debug, Clone)]

@@ -25,16 +25,21 @@ use toml::{Table, Value};
 
 /// Sections of the configuration: one for each process, `run` for their parent, and those that
 /// several processes read.
-pub const SECTIONS: [&str; 8] = [
+pub const SECTIONS: [&str; 9] = [
     "run",
     "shared_memory",
     "gateway",
     "camera",
     "simulator",
     "gripper",
+    "places",
     "perception",
     "memory",
 ];
+
+/// Sections with a table for each of several names, such as `[places.shelf]`. Its keys are those of
+/// the section, with the name before them: `shelf.outline`.
+const NAMED_SECTIONS: [&str; 1] = ["places"];
 
 /// Beginning of keys that only test programs have, which check them themselves.
 const TEST_KEY_PREFIX: &str = "fault_";
@@ -126,7 +131,7 @@ impl Configuration {
     }
 
     /// Keys that files set in a section, in alphabetical order.
-    pub(crate) fn keys(&self, section: &str) -> impl Iterator<Item = &str> {
+    pub fn keys(&self, section: &str) -> impl Iterator<Item = &str> {
         let settings = self.settings.get(section).into_iter().flatten();
         settings.map(|(key, _)| key.as_str())
     }
@@ -171,7 +176,9 @@ impl Configuration {
         self.check_section(name)?;
         let parse = |settings: &mut dyn Iterator<Item = (&String, &Setting)>| {
             let mut table = defaults.clone();
-            table.extend(settings.map(|(key, setting)| (key.clone(), setting.value.clone())));
+            for (key, setting) in settings {
+                insert(&mut table, name, key, setting.value.clone());
+            }
             table.try_into::<T>()
         };
         let settings = || self.settings.get(name).into_iter().flatten();
@@ -253,6 +260,27 @@ impl Configuration {
             .check(value, number_of)
             .map_err(|rule| self.wrong(section, &[key], format!("{key} {rule}")))
     }
+}
+
+/// Inserts the value of a key into the table of its section.
+fn insert(table: &mut Table, section: &str, key: &str, value: Value) {
+    match split_name(section, key) {
+        Some((name, key)) => {
+            let named = table.entry(name).or_insert_with(|| Table::new().into());
+            if let Some(named) = named.as_table_mut() {
+                named.insert(key.to_owned(), value);
+            }
+        }
+        None => {
+            table.insert(key.to_owned(), value);
+        }
+    }
+}
+
+/// Name and key of a key in a section with names; `None` in other sections.
+fn split_name<'a>(section: &str, key: &'a str) -> Option<(&'a str, &'a str)> {
+    let is_named = NAMED_SECTIONS.contains(&section);
+    is_named.then(|| key.rsplit_once('.')).flatten()
 }
 
 /// Number of an integer or a float.

@@ -1,15 +1,20 @@
-//! Drawing of a grasp: the colour image of a snapshot with the outlines of the hand.
+//! Drawing of a grasp and of a transport: the colour image of a snapshot with the outlines of the
+//! hand and the ways of the tool.
 
 use arm_kinematics::GripperModel;
 use geometry::OrientedBox;
-use grasping::{Grasp, hand_boxes};
+use grasping::{Grasp, PlacedArm, hand_boxes};
 use nalgebra::{Point3, Vector3};
 use scene_client::{PlanningFrame, Snapshot};
+use transport::{TransitPath, Transport};
 
 /// Colours of the object's pixels, of the fingers and of the rest of the hand.
 const TARGET: [u8; 3] = [90, 200, 90];
 const FINGER: [u8; 3] = [230, 40, 40];
 const HAND: [u8; 3] = [40, 90, 230];
+/// Colours of the ways of the tool, without and with the object.
+const WAY: [u8; 3] = [240, 240, 240];
+const LOADED_WAY: [u8; 3] = [250, 170, 30];
 /// Every so many points of the object are painted, so that it stays to be seen.
 const TARGET_STEP: usize = 3;
 /// Number of steps in which an edge is drawn.
@@ -24,14 +29,10 @@ pub fn draw_grasp(
     object: Option<usize>,
     grasp: Option<&Grasp>,
 ) -> Vec<u8> {
-    let camera = &snapshot.camera;
     let colors = snapshot.points.iter().flat_map(|p| p.color.rgb());
     let mut rgb: Vec<u8> = colors.collect();
     let mut paint = |place: &Point3<f64>, color: [u8; 3]| {
-        if let Some([column, row]) = camera.pixel_of(place) {
-            let at = 3 * (row * camera.width as usize + column);
-            rgb[at..at + 3].copy_from_slice(&color);
-        }
+        paint_place(&mut rgb, snapshot, place, color);
     };
     if let Some(object) = object.and_then(|index| snapshot.objects.get(index)) {
         for point in object.points.iter().step_by(TARGET_STEP) {
@@ -48,6 +49,63 @@ pub fn draw_grasp(
         }
     }
     rgb
+}
+
+/// Picture of a grasp as by [`draw_grasp`], with the way of the tool to it, that to the place, and the
+/// hand at the release.
+pub fn draw_transport(
+    snapshot: &Snapshot,
+    frame: &PlanningFrame,
+    placed: &PlacedArm,
+    object: usize,
+    planned: Option<(&Transport, &Grasp)>,
+) -> Vec<u8> {
+    let gripper = placed.arm.gripper();
+    let grasp = planned.map(|(_, grasp)| grasp);
+    let mut rgb = draw_grasp(snapshot, frame, gripper, Some(object), grasp);
+    let Some((transport, grasp)) = planned else {
+        return rgb;
+    };
+    let camera_from_plan = frame.plan_from_camera.inverse();
+    let mut paint = |place: &Point3<f64>, color: [u8; 3]| {
+        paint_place(&mut rgb, snapshot, &(camera_from_plan * place), color);
+    };
+    for (path, color) in [
+        (&transport.reached.path, WAY),
+        (&transport.path, LOADED_WAY),
+    ] {
+        for place in tool_places(path, placed) {
+            paint(&place, color);
+        }
+    }
+    for body in hand_boxes(gripper, grasp.width_m) {
+        for place in edges(&body.transformed(&transport.placement.plan_from_tool)) {
+            paint(&place, LOADED_WAY);
+        }
+    }
+    rgb
+}
+
+/// Places of the tool along a path, frame of planning.
+fn tool_places(path: &TransitPath, placed: &PlacedArm) -> Vec<Point3<f64>> {
+    let motions = path.waypoints_rad.windows(2);
+    let places = motions.flat_map(|pair| {
+        (0..=N_STEPS).map(|k| {
+            let joints = pair[0] + (pair[1] - pair[0]) * (k as f64 / N_STEPS as f64);
+            let tool = placed.plan_from_base * placed.arm.tool_pose(&joints);
+            Point3::from(tool.translation.vector)
+        })
+    });
+    places.collect()
+}
+
+/// Paints the pixel that shows a place in the frame of the camera.
+fn paint_place(rgb: &mut [u8], snapshot: &Snapshot, place: &Point3<f64>, color: [u8; 3]) {
+    let camera = &snapshot.camera;
+    if let Some([column, row]) = camera.pixel_of(place) {
+        let at = 3 * (row * camera.width as usize + column);
+        rgb[at..at + 3].copy_from_slice(&color);
+    }
 }
 
 /// Places along the twelve edges of a box.

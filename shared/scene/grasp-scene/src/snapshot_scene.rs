@@ -84,5 +84,6 @@ fn support(surface: &SceneSurface, frame: &PlanningFrame) -> SupportPlane {
             .facing(&Point3::new(0.0, 0.0, OVERHEAD_M)),
         outline: ConvexPolygon::convex_hull_of(&mut corners),
         name: name.to_owned(),
+        is_solid_below: matches!(surface.kind, SurfaceKind::Table | SurfaceKind::Floor),
     }
 }

@@ -24,7 +24,7 @@ pub(crate) enum Solid {
 }
 
 impl Solid {
-    fn distance_m(&self, place: &Point3<f64>) -> f64 {
+    pub(crate) fn distance_m(&self, place: &Point3<f64>) -> f64 {
         match *self {
             Self::Box(middle, half, turn_rad) => {
                 let off = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), -turn_rad)
@@ -129,6 +129,7 @@ impl SolidScene {
             plane: Plane::through(&Point3::origin(), Vector3::z_axis()),
             outline: ConvexPolygon::convex_hull_of(&mut corners),
             name: "the table".to_owned(),
+            is_solid_below: true,
         };
         GraspScene::new(
             space,

@@ -9,8 +9,11 @@
 //! # [float, 0.1 to 10 m, live]
 //! # range_min_m = 0.35
 //! ```
+//!
+//! In a section with names `NAME` stands for any of them.
 
 use super::key_value_check::{KeyRange, ValueKind, check};
+use super::split_name;
 use crate::Failure;
 use std::sync::LazyLock;
 use toml::{Table, Value};
@@ -45,6 +48,20 @@ impl KeyDescription {
     /// Name with its section, such as `perception.workers`.
     pub fn full_name(&self) -> String {
         format!("{}.{}", self.section, self.key)
+    }
+
+    /// True for the description of a key of its section, with any name in a section with names.
+    pub fn describes(&self, key: &str) -> bool {
+        let parts = |key| split_name(self.section, key);
+        match (parts(self.key), parts(key)) {
+            (Some((_, of_any)), Some((_, of_one))) => of_any == of_one,
+            _ => self.key == key,
+        }
+    }
+
+    /// True if the key stands for those of all names of its section.
+    pub fn is_of_names(&self) -> bool {
+        split_name(self.section, self.key).is_some()
     }
 
     /// Checks a value against type and range. `number_of` gives the value of another key of the
@@ -92,7 +109,7 @@ impl KeyReference {
 
     /// Description of a key; `None` for an unknown one.
     pub fn key(&self, section: &str, key: &str) -> Option<&KeyDescription> {
-        self.section(section).find(|one| one.key == key)
+        self.section(section).find(|one| one.describes(key))
     }
 
     /// Checks the number of an option that overrides a key against the range of the key.
@@ -156,7 +173,10 @@ impl Paragraph {
         line: &'static str,
     ) -> Option<KeyDescription> {
         let (key, _) = line.split_once(" = ")?;
-        let example = toml::from_str::<Table>(line).ok()?.remove(key)?;
+        let mut example = Value::from(toml::from_str::<Table>(line).ok()?);
+        for part in key.split('.') {
+            example = example.as_table_mut()?.remove(part)?;
+        }
         let words: Vec<&'static str> = brackets.split(", ").collect();
         let [kind, others @ .., change] = words.as_slice() else {
             return None;
@@ -202,7 +222,7 @@ mod tests {
             let key = line
                 .strip_prefix("# ")
                 .and_then(|rest| rest.split_once(" = "));
-            key.is_some_and(|(key, _)| key.chars().all(|c| c == '_' || c.is_alphanumeric()))
+            key.is_some_and(|(key, _)| key.chars().all(|c| "_.".contains(c) || c.is_alphanumeric()))
         };
         let n_written = TEXT.lines().filter(is_key).count();
         assert_eq!(reference.keys().len(), n_written, "a key without brackets");

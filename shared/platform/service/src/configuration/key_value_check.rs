@@ -15,6 +15,10 @@ coded_enum::coded_enum! {
         Boolean, "boolean";
         /// Text.
         String, "string";
+        /// List of texts.
+        Strings, "strings";
+        /// Corners `[x, y]` of a convex outline, in their order around it.
+        Outline, "outline";
     }
 }
 
@@ -29,8 +33,39 @@ impl ValueKind {
             Self::Float => value.is_float() || value.is_integer(),
             Self::Boolean => value.is_bool(),
             Self::String => value.is_str(),
+            Self::Strings => value
+                .as_array()
+                .is_some_and(|list| list.iter().all(Value::is_str)),
+            Self::Outline => corners(value).is_some(),
         }
     }
+}
+
+/// Finite corners of an outline; `None` for another value.
+fn corners(value: &Value) -> Option<Vec<[f64; 2]>> {
+    let corner = |value: &Value| match value.as_array()?.as_slice() {
+        [x, y] => Some([as_number(x)?, as_number(y)?]),
+        _ => None,
+    };
+    let corners: Option<Vec<_>> = value.as_array()?.iter().map(corner).collect();
+    corners.filter(|all| all.iter().flatten().all(|c| c.is_finite()))
+}
+
+/// True for corners around a convex area, in either direction: they turn one way, once.
+fn is_convex(corners: &[[f64; 2]]) -> bool {
+    let n = corners.len();
+    let edge = |k: usize| {
+        let ([ax, ay], [bx, by]) = (corners[k % n], corners[(k + 1) % n]);
+        [bx - ax, by - ay]
+    };
+    let turns_rad = (0..n).map(|k| {
+        let ([ax, ay], [bx, by]) = (edge(k), edge(k + 1));
+        (ax * by - ay * bx).atan2(ax * bx + ay * by)
+    });
+    let turns_rad: Vec<f64> = turns_rad.collect();
+    let one_way =
+        turns_rad.iter().all(|turn| *turn > 0.0) || turns_rad.iter().all(|turn| *turn < 0.0);
+    n >= 3 && one_way && turns_rad.iter().sum::<f64>().abs() < 1.5 * std::f64::consts::TAU
 }
 
 /// Bound of a range: a number, or the value of another key of the section.
@@ -149,6 +184,12 @@ pub(super) fn check(
             value.type_str()
         ));
     }
+    if kind == ValueKind::Outline && !corners(value).is_some_and(|corners| is_convex(&corners)) {
+        return Err(format!(
+            "must be three or more corners [x, y] of a convex outline in their order around it, not \
+             {value}"
+        ));
+    }
     if let (Some(range), Some(number)) = (range, as_number(value)) {
         range.check(number, value, number_of)?;
     }
@@ -222,6 +263,33 @@ mod tests {
         check(Value::Boolean(true), ValueKind::Boolean, true);
         check(Value::String("true".into()), ValueKind::Boolean, false);
         check(Value::Table(toml::Table::new()), ValueKind::String, false);
+    }
+
+    #[test]
+    fn outline_is_convex_and_in_order() {
+        let check = |text: &str| {
+            let table: toml::Table = toml::from_str(&format!("x = {text}")).unwrap();
+            check(&table["x"], ValueKind::Outline, None, &[], |_| None)
+        };
+        for right in [
+            "[[0, 0], [1, 0], [0, 1]]",
+            "[[0.5, 0], [0, 1], [1, 1.5], [2, 0]]",
+        ] {
+            assert_eq!(check(right), Ok(()), "{right}");
+        }
+        for wrong in [
+            "[]",
+            "3",
+            "[[0, 0], [1, 0]]",
+            "[[0, 0], [1, 0], [2, 0]]",
+            "[[0, 0], [1, 1], [1, 0], [0, 1]]",
+            "[[0, 0], [2, 0], [0.5, 0.5], [0, 2]]",
+            "[[0, 0], [1, 0], [0, 1], [0, 0], [1, 0], [0, 1]]",
+            "[[0, 0], [1, 0], [0, nan]]",
+            "[[0, 0, 0], [1, 0, 0], [0, 1, 0]]",
+        ] {
+            assert!(check(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

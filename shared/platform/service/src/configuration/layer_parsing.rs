@@ -1,12 +1,15 @@
 //! Parsing of one configuration file into settings with their lines.
 
 use super::config_error::one_line;
-use super::{ConfigError, SECTIONS, Setting};
+use super::{ConfigError, NAMED_SECTIONS, SECTIONS, Setting};
 use serde::Deserialize;
 use std::path::PathBuf;
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue, ValueDeserializer};
 use toml::{Spanned, Value};
+
+/// Longest name in a section with names, bytes.
+const MAX_NAME_BYTES: usize = 64;
 
 /// Settings of a file: section, key and value, in no order.
 ///
@@ -43,17 +46,49 @@ pub(super) fn parse(
             return Err(wrong(offset, cause));
         };
         for (key, value) in keys {
-            let line = lines.line_of(key.span().start);
-            let setting = Setting {
-                value: value_of(value).map_err(|error| no_toml(&error))?,
-                file: Arc::clone(file),
-                line,
-            };
+            let offset_of_key = key.span().start;
             let key = key.into_inner().into_owned();
-            settings.push((present_section(known, &key), key, setting));
+            let settings_of = if NAMED_SECTIONS.contains(&known) {
+                named_values(known, &key, value).map_err(|cause| wrong(offset, cause))?
+            } else {
+                vec![(key, offset_of_key, value)]
+            };
+            for (key, offset, value) in settings_of {
+                let setting = Setting {
+                    value: value_of(value).map_err(|error| no_toml(&error))?,
+                    file: Arc::clone(file),
+                    line: lines.line_of(offset),
+                };
+                settings.push((present_section(known, &key), key, setting));
+            }
         }
     }
     Ok(settings)
+}
+
+/// Values of the table of a name in a section with names, with the offsets of their keys, which have
+/// the name before them.
+fn named_values<'a>(
+    section: &str,
+    name: &str,
+    value: Spanned<DeValue<'a>>,
+) -> Result<Vec<(String, usize, Spanned<DeValue<'a>>)>, String> {
+    let is_letter = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
+    if name.is_empty() || name.len() > MAX_NAME_BYTES || !name.chars().all(is_letter) {
+        return Err(format!(
+            "{name:?} is no name for [{section}.NAME]; choose 1 to {MAX_NAME_BYTES} bytes of \
+             letters, digits, - and _"
+        ));
+    }
+    let DeValue::Table(keys) = value.into_inner() else {
+        return Err(format!(
+            "{name} is a name in [{section}], written [{section}.{name}], and no value"
+        ));
+    };
+    let named = keys
+        .into_iter()
+        .map(|(key, value)| (format!("{name}.{}", key.get_ref()), key.span().start, value));
+    Ok(named.collect())
 }
 
 /// Section in which a key stands today; an earlier version may have had it in another one.
@@ -109,6 +144,20 @@ mod tests {
         let dotted = parsed("memory.queue_requests = 3\nrun = { watchdog_s = 5 }").unwrap();
         assert_eq!((dotted[0].0, dotted[0].2.line), ("memory", 1));
         assert_eq!((dotted[1].0, dotted[1].2.line), ("run", 2));
+    }
+
+    #[test]
+    fn keys_of_a_named_table_have_its_name() {
+        let text = "[places.shelf]\nheight_m = 1\n[places]\nbox.height_m = 2\n";
+        let settings = parsed(text).unwrap();
+        let keys: Vec<_> = settings
+            .iter()
+            .map(|(_, key, setting)| (key.as_str(), setting.line))
+            .collect();
+        assert_eq!(keys, [("box.height_m", 4), ("shelf.height_m", 2)]);
+        for wrong in ["[places]\nshelf = 3\n", "[places.'a b']\nheight_m = 1\n"] {
+            assert!(parsed(wrong).unwrap_err().contains("name"), "{wrong}");
+        }
     }
 
     #[test]

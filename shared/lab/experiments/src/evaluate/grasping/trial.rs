@@ -2,22 +2,20 @@
 
 use super::box_rival::rival_grasp;
 use super::mujoco_judge::{JudgedGrasp, MujocoJudge, Verdict};
-use super::trial_scene::{CAMERA, TrialView, look, world};
-use arm_kinematics::{Arm, GripperModel, JointVector};
+use super::trial_scene::world;
+use crate::evaluate::arm_motion::{arm_of, command};
+use crate::evaluate::world_view::{CAMERA, WorldView};
+use arm_kinematics::GripperModel;
 use evaluation::scene_picture;
-use grasp_scene::{SceneBodies, draw_grasp, grasp_scene, placed_arm};
-use grasping::{Grasp, GraspPlan, GraspPlanner, GraspSettings, Obstacles, PlacedArm};
+use grasp_scene::{SceneBodies, draw_grasp, grasp_scene};
+use grasping::{Grasp, GraspPlan, GraspPlanner, GraspSettings, Obstacles};
 use random::Random;
 use scene_client::{ModelShelf, PlanningFrame};
 use serde::Serialize;
 use service::Failure;
-use simulated_world::{
-    ArmCommand, ArmStatus, ModelChoice, ModelLibrary, MotionState, STEPS_PER_SECOND, World,
-};
+use simulated_world::{ArmCommand, ModelChoice, ModelLibrary, STEPS_PER_SECOND, World};
 use std::time::Instant;
 
-/// Longest time of a motion of the arm, seconds of the simulation.
-const MOTION_MAX_S: u32 = 30;
 /// Time for which the lifted object must be held, seconds.
 const HELD_S: u32 = 1;
 /// Share of the lift by which the object must have risen.
@@ -82,7 +80,8 @@ pub(super) fn run_trial(
     let mut world = world(model, seed, library)?;
     let object = &world.objects()[0];
     let (id, name) = (object.id, object.model.name.clone());
-    let view = look(&world, id)?;
+    let view = WorldView::of(&world)?;
+    let target = view.index_of(id);
     let mut trial = GraspTrial {
         object: name,
         seed,
@@ -102,18 +101,12 @@ pub(super) fn run_trial(
     let Some(frame) = PlanningFrame::of(&view.snapshot) else {
         return Ok((trial, Vec::new()));
     };
-    let grasp = planned(&view, &frame, &world, &mut trial);
+    let grasp = planned((&view, target), &frame, &world, &mut trial);
     let gripper = GripperModel::JACO_LIKE;
-    let rgb = draw_grasp(
-        &view.snapshot,
-        &frame,
-        &gripper,
-        view.target,
-        grasp.as_ref(),
-    );
+    let rgb = draw_grasp(&view.snapshot, &frame, &gripper, target, grasp.as_ref());
     let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
     let picture = scene_picture::encode(&rgb, width, height).map_err(Failure::general)?;
-    if let (Some(judge), Some(target)) = (mujoco, view.target) {
+    if let (Some(judge), Some(target)) = (mujoco, target) {
         let rival = rival_grasp(&view.snapshot, target, &gripper, friction(seed));
         trial.rival_mujoco = Some(match rival {
             Some(rival) => judge.judge(&world, id, &gripper, &rival)?.held,
@@ -136,12 +129,12 @@ pub(super) fn run_trial(
 
 /// Plans the best grasp of the trial's object, and notes what was planned.
 fn planned(
-    view: &TrialView,
+    (view, target): (&WorldView, Option<usize>),
     frame: &PlanningFrame,
     world: &World,
     trial: &mut GraspTrial,
 ) -> Option<Grasp> {
-    let target = view.target?;
+    let target = target?;
     let begun = Instant::now();
     let scene = grasp_scene(
         &view.snapshot,
@@ -195,14 +188,6 @@ fn friction(seed: u64) -> f64 {
     Random::from_seed(seed ^ FRICTION_STREAM).between(low, high)
 }
 
-/// Arm of the world in the frame of planning.
-fn arm_of(world: &World, frame: &PlanningFrame) -> Option<PlacedArm> {
-    let status = world.arm_status()?;
-    let joints_rad = JointVector::from(status.joint_angles_rad);
-    let gripper = &status.world_from_gripper;
-    Some(placed_arm(Arm::jaco_like(), joints_rad, gripper, frame))
-}
-
 /// Carries out a grasp; the failure has its class and its reason.
 fn carry_out(
     world: &mut World,
@@ -244,25 +229,4 @@ fn carry_out(
         return Err(lost(format!("it rose by {:.0} mm", 1e3 * risen_m)));
     }
     Ok(())
-}
-
-/// Gives the arm a command, and steps the world until it is done.
-fn command(world: &mut World, command: &ArmCommand) -> Result<ArmStatus, String> {
-    world.command_arm(command)?;
-    for _ in 0..MOTION_MAX_S * STEPS_PER_SECOND {
-        world.step();
-        let Some(status) = world.arm_status() else {
-            break;
-        };
-        if let Some(failure) = status.failure {
-            return Err(failure);
-        }
-        if !matches!(
-            status.motion,
-            MotionState::Moving | MotionState::Opening | MotionState::Closing
-        ) {
-            return Ok(status);
-        }
-    }
-    Err("the motion did not end".to_owned())
 }

@@ -1,19 +1,13 @@
-//! Scene of a trial: one object at rest on the table in a random pose, and one view of it.
+//! Scene of a trial: one object at rest on the table in a random pose.
 
-use crate::frame_detector::{FrameDetector, up_in_camera};
-use geometry::{PinholeCamera, RigidTransform};
-use message::{SurfaceKind, TrackState};
+use geometry::RigidTransform;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use point_cloud::{OrganizedCloud, Point};
 use random::Random;
-use scene_client::{SceneSurface, Snapshot, SnapshotObject};
 use service::Failure;
 use simulated_world::{
-    ArmMount, ModelChoice, ModelLibrary, ObjectPlacement, ObjectPlan, Scene, SimulatedKinect, World,
+    ArmMount, ModelChoice, ModelLibrary, ObjectPlacement, ObjectPlan, Scene, World,
 };
 
-/// Camera of the trials.
-pub(super) const CAMERA: PinholeCamera = PinholeCamera::KINECT_V1;
 /// Half side of the square in the middle of the table above which objects are dropped, metres:
 /// everything in it is in reach of the arm and in view.
 const DROP_HALF_M: f64 = 0.08;
@@ -60,70 +54,4 @@ fn random_rotation(random: &mut Random) -> UnitQuaternion<f64> {
         near * turn.cos(),
         far * other.sin(),
     ))
-}
-
-/// View of a world: a snapshot whose objects are the candidates of detection.
-pub(super) struct TrialView {
-    pub(super) snapshot: Snapshot,
-    /// Index of the object of the trial in the snapshot; `None` when it was not detected.
-    pub(super) target: Option<usize>,
-}
-
-/// Looks at the world once, and finds the object in what detection found.
-pub(super) fn look(world: &World, object: u16) -> Result<TrialView, Failure> {
-    let mut kinect = SimulatedKinect::new(world, CAMERA).map_err(Failure::general)?;
-    let mut points = vec![Point::default(); CAMERA.n_pixels()];
-    kinect
-        .look(world, 0, &mut points)
-        .map_err(Failure::general)?;
-    let pose = world.world_from_camera();
-    let up = up_in_camera(&pose, &Vector3::z_axis());
-    let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
-    let cloud = OrganizedCloud::new(&points, width, height).map_err(Failure::general)?;
-    let mut detector = FrameDetector::default();
-    let detection = detector.detect(cloud, Some(up));
-    let mut objects = Vec::new();
-    let mut shares = Vec::new();
-    for (candidate, track) in detection.candidates.iter().zip(1..) {
-        let pixels = detection.points_of(candidate);
-        let is_target = |pixel: &&u32| kinect.mask()[**pixel as usize] == object;
-        shares.push(pixels.iter().filter(is_target).count());
-        objects.push(SnapshotObject {
-            track,
-            label: None,
-            categories: Vec::new(),
-            state: TrackState::Tracked,
-            middle_in_world: pose * candidate.centroid,
-            points: pixels
-                .iter()
-                .map(|&pixel| points[pixel as usize])
-                .map(|point| [point.x, point.y, point.z])
-                .collect(),
-        });
-    }
-    let most = shares.iter().enumerate().max_by_key(|(_, share)| **share);
-    let target = most
-        .filter(|(_, share)| **share > 0)
-        .map(|(index, _)| index);
-    let surfaces = detection.surfaces.iter().zip(0..);
-    let surfaces = surfaces.map(|(surface, number)| SceneSurface {
-        kind: if number == 0 {
-            SurfaceKind::Table
-        } else {
-            SurfaceKind::Level
-        },
-        plane_in_world: surface.plane.transformed(&pose),
-        corners_in_world: surface.corners(&pose).collect(),
-    });
-    let surfaces = surfaces.collect();
-    Ok(TrialView {
-        target,
-        snapshot: Snapshot {
-            world_from_camera: Some(pose),
-            up_in_camera: Some(up),
-            surfaces,
-            objects,
-            ..Snapshot::of_points(CAMERA, points)
-        },
-    })
 }

@@ -1,0 +1,54 @@
+//! `tabula-lab evaluate transport`: objects of simulated scenes are carried to a place, by what one
+//! view shows, and the simulation judges.
+
+mod report;
+mod trial;
+mod trial_run;
+
+use crate::arguments::TransportArguments;
+use crate::output_files::{create_folder, write};
+use crate::parallel;
+use command_line::Output;
+use report::{TransportReport, page};
+use service::Failure;
+use simulated_world::{ArmMount, ModelLibrary, Scene, SceneKind, World};
+use std::process::ExitCode;
+use trial::{TransportTrial, run_trials};
+
+/// Folder of the pictures, inside the output folder.
+const PICTURES: &str = "pictures";
+
+/// Runs all trials, and writes the report.
+pub(super) fn run(arguments: &TransportArguments, output: &Output) -> Result<ExitCode, Failure> {
+    create_folder(&arguments.out.join(PICTURES))?;
+    let library = ModelLibrary::open(&arguments.models).map_err(Failure::usage)?;
+    let n_seeds = arguments.seeds as usize;
+    let n_scenes = arguments.kinds.len() * n_seeds;
+    let scenes = parallel::try_map(n_scenes, "scenes", output, |number| {
+        let kind = arguments.kinds[number / n_seeds];
+        let seed = arguments.seed + (number % n_seeds) as u64;
+        let world = world(kind, seed, library.clone())?;
+        let mut trials = run_trials(&world, arguments)?;
+        for (trial, picture) in &mut trials {
+            trial.kind = kind.word();
+            trial.seed = seed;
+            trial.picture = format!("{PICTURES}/{}-{seed}-{}.png", kind.word(), trial.object);
+            write(&arguments.out.join(&trial.picture), picture)?;
+        }
+        Ok(trials.into_iter().map(|(trial, _)| trial).collect())
+    })?;
+    let trials: Vec<Vec<TransportTrial>> = scenes;
+    let document = TransportReport::of(trials.into_iter().flatten().collect(), arguments);
+    page(&document).publish(&arguments.out, "transport.json", &document, output)
+}
+
+/// World of a scene with an arm.
+fn world(kind: SceneKind, seed: u64, mut library: ModelLibrary) -> Result<World, Failure> {
+    let n_objects = kind.default_n_objects();
+    let scene = Scene::generate(kind, n_objects, seed, &mut library).map_err(Failure::general)?;
+    let scene = Scene {
+        arm: Some(ArmMount::default()),
+        ..scene
+    };
+    World::new(scene, library).map_err(Failure::general)
+}
