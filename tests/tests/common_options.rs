@@ -59,7 +59,7 @@ const OF_DAEMON: [&str; 45] = [
 ];
 
 /// Commands that need neither a daemon nor a configuration.
-const ALONE: [&str; 30] = [
+const ALONE: [&str; 31] = [
     "tabula-latency stop",
     "tabula-lab simulate scene --out o",
     "tabula-lab simulate views --out o",
@@ -77,6 +77,7 @@ const ALONE: [&str; 30] = [
     "tabula-lab evaluate model --out o",
     "tabula-lab evaluate next-best-view --out o",
     "tabula-lab evaluate grasping --out o",
+    "tabula-lab evaluate transport --out o",
     "tabula-lab examples edge-network a --out o",
     "tabula-lab examples region-merging a --out o",
     "tabula-lab sweep a --out o",
@@ -101,7 +102,7 @@ const OWN_DAEMON: [&str; 4] = [
 ];
 
 /// Commands of a daemon and its configuration.
-const OF_BOTH: [&str; 9] = [
+const OF_BOTH: [&str; 13] = [
     "tabula run",
     "tabula doctor",
     "tabula config check",
@@ -111,6 +112,10 @@ const OF_BOTH: [&str; 9] = [
     "tabula-recorder replay a.mcap",
     "tabula grasp plan 1",
     "tabula-modeller grasp 1",
+    "tabula place plan 1",
+    "tabula place list",
+    "tabula-modeller place 1",
+    "tabula-modeller places",
 ];
 
 /// Exit code, and all that a command prints, with an option before and behind its words.

@@ -17,7 +17,7 @@ struct Tree {
 }
 
 /// Result of growing a tree towards a configuration.
-enum Growth {
+enum TreeGrowth {
     /// Something is in the way at once.
     Blocked,
     /// A branch was added, its node has this index.
@@ -48,7 +48,7 @@ impl Tree {
         &mut self,
         to: &JointVector,
         is_free: &mut impl FnMut(&JointVector, &JointVector) -> bool,
-    ) -> Growth {
+    ) -> TreeGrowth {
         let parent = self.nearest(to);
         let from = self.nodes[parent].0;
         let share = BRANCH_M / motion_m(&from, to).max(1e-12);
@@ -58,14 +58,14 @@ impl Tree {
             from + (to - from) * share
         };
         if !is_free(&from, &target) {
-            return Growth::Blocked;
+            return TreeGrowth::Blocked;
         }
         self.nodes.push((target, parent));
         let index = self.nodes.len() - 1;
         if share >= 1.0 {
-            Growth::Reached(index)
+            TreeGrowth::Reached(index)
         } else {
-            Growth::Advanced(index)
+            TreeGrowth::Advanced(index)
         }
     }
 
@@ -74,10 +74,10 @@ impl Tree {
         &mut self,
         to: &JointVector,
         is_free: &mut impl FnMut(&JointVector, &JointVector) -> bool,
-    ) -> Growth {
+    ) -> TreeGrowth {
         loop {
             let growth = self.extend(to, is_free);
-            if !matches!(growth, Growth::Advanced(_)) {
+            if !matches!(growth, TreeGrowth::Advanced(_)) {
                 return growth;
             }
         }
@@ -107,9 +107,11 @@ pub(crate) fn rrt_connect(
     let mut target = *goal;
     for _ in 0..n_draws {
         let [grown, other] = &mut trees;
-        if let Growth::Advanced(tip) | Growth::Reached(tip) = grown.extend(&target, &mut is_free) {
+        if let TreeGrowth::Advanced(tip) | TreeGrowth::Reached(tip) =
+            grown.extend(&target, &mut is_free)
+        {
             let reached = grown.nodes[tip].0;
-            if let Growth::Reached(met) = other.connect(&reached, &mut is_free) {
+            if let TreeGrowth::Reached(met) = other.connect(&reached, &mut is_free) {
                 let mut path = grown.to_root(tip);
                 path.reverse();
                 path.extend(other.to_root(met).into_iter().skip(1));

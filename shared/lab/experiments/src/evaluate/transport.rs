@@ -42,10 +42,16 @@ pub(super) fn run(arguments: &TransportArguments, output: &Output) -> Result<Exi
     page(&document).publish(&arguments.out, "transport.json", &document, output)
 }
 
-/// World of a scene with an arm.
+/// World of a scene with an arm. Where not all objects find room there are fewer.
 fn world(kind: SceneKind, seed: u64, mut library: ModelLibrary) -> Result<World, Failure> {
-    let n_objects = kind.default_n_objects();
-    let scene = Scene::generate(kind, n_objects, seed, &mut library).map_err(Failure::general)?;
+    let mut n_objects = kind.default_n_objects();
+    let scene = loop {
+        match Scene::generate(kind, n_objects, seed, &mut library) {
+            Ok(scene) => break scene,
+            Err(_) if n_objects > 1 => n_objects -= 1,
+            Err(error) => return Err(Failure::general(error)),
+        }
+    };
     let scene = Scene {
         arm: Some(ArmMount::default()),
         ..scene
