@@ -8,8 +8,8 @@ mod tests;
 use std::collections::VecDeque;
 
 use crate::{
-    Arm, BodyPoses, Error, Gripper, GripperMotion, IkConfig, JointState, JointTrajectory,
-    JointVector, LineTrajectory, inverse_kinematics,
+    Arm, BodyPoses, Error, FingerContact, Gripper, GripperMotion, IkConfig, JointState,
+    JointTrajectory, JointVector, LineTrajectory, inverse_kinematics,
 };
 pub use command::{Command, CommandState, PathKind};
 use command_log::CommandLog;
@@ -195,8 +195,7 @@ impl ArmController {
     }
 
     /// Advances the controller by `dt_s` seconds; a time that is not above 0 changes nothing.
-    /// `both_pads_touch` is true while each pad touches an object it can hold.
-    pub fn step(&mut self, dt_s: f64, both_pads_touch: bool) {
+    pub fn step(&mut self, dt_s: f64, contact: FingerContact) {
         if !(dt_s > 0.0 && dt_s.is_finite()) {
             return;
         }
@@ -205,7 +204,7 @@ impl ArmController {
         {
             self.begin(id, command);
         }
-        self.advance(dt_s, both_pads_touch);
+        self.advance(dt_s, contact);
     }
 
     fn stop(&mut self) {
@@ -338,10 +337,10 @@ impl ArmController {
     }
 
     /// Advances the running motion by a time step.
-    fn advance(&mut self, dt_s: f64, both_pads_touch: bool) {
+    fn advance(&mut self, dt_s: f64, contact: FingerContact) {
         let (joints, passed_s, duration_s) = match &mut self.activity {
             Activity::Idle => return,
-            Activity::Fingers { .. } => return self.advance_fingers(dt_s, both_pads_touch),
+            Activity::Fingers { .. } => return self.advance_fingers(dt_s, contact),
             Activity::Brake {
                 trajectory, time_s, ..
             }
@@ -378,8 +377,8 @@ impl ArmController {
         }
     }
 
-    fn advance_fingers(&mut self, dt_s: f64, both_pads_touch: bool) {
-        self.gripper.step(dt_s, both_pads_touch);
+    fn advance_fingers(&mut self, dt_s: f64, contact: FingerContact) {
+        self.gripper.step(dt_s, contact);
         if self.gripper.motion() == GripperMotion::Still {
             return self.finish();
         }

@@ -135,6 +135,22 @@ pub fn tool_from_fingers(opening_m: f64) -> [RigidTransform; 2] {
     ]
 }
 
+/// Share of their speed with which fingers press on what both touch. Chosen.
+const PRESSING_SHARE: f64 = 0.1;
+
+/// Contact of both fingers with what is between them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FingerContact {
+    /// At most one pad touches something.
+    Free,
+    /// Both pads touch something.
+    Touching,
+    /// Both pads press on something that still moves between them.
+    Pressing,
+    /// Both pads press with the closing force on something at rest.
+    Pressed,
+}
+
 /// Motion state of the fingers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GripperMotion {
@@ -205,19 +221,27 @@ impl Gripper {
         self.motion = GripperMotion::Still;
     }
 
-    /// Advances the fingers by `dt_s` seconds. Closing fingers stop and hold when both pads touch
-    /// an object.
-    pub fn step(&mut self, dt_s: f64, both_pads_touch: bool) {
+    /// Advances the fingers by `dt_s` seconds. Closing fingers become slow when both pads touch
+    /// something, so that it can turn between them, wait while both press and it moves, and then
+    /// hold.
+    pub fn step(&mut self, dt_s: f64, contact: FingerContact) {
         let way = self.geometry.opening_speed_m_s * dt_s;
         match self.motion {
             GripperMotion::Still => return,
             GripperMotion::Opening => self.opening_m = (self.opening_m + way).min(self.target_m),
-            GripperMotion::Closing if both_pads_touch => {
+            GripperMotion::Closing if contact == FingerContact::Pressed => {
                 self.is_holding = true;
                 self.motion = GripperMotion::Still;
                 return;
             }
-            GripperMotion::Closing => self.opening_m = (self.opening_m - way).max(self.target_m),
+            GripperMotion::Closing => {
+                let share = match contact {
+                    FingerContact::Touching => PRESSING_SHARE,
+                    FingerContact::Pressing => 0.0,
+                    FingerContact::Free | FingerContact::Pressed => 1.0,
+                };
+                self.opening_m = (self.opening_m - share * way).max(self.target_m);
+            }
         }
         if self.opening_m == self.target_m {
             self.motion = GripperMotion::Still;
@@ -245,20 +269,24 @@ mod tests {
     }
 
     #[test]
-    fn fingers_close_at_their_speed_until_both_pads_touch() {
+    fn fingers_close_at_their_speed_and_slowly_from_the_touch_to_the_press() {
         let mut gripper = Gripper::new(GripperModel::JACO_LIKE);
         gripper.move_to(0.0).unwrap();
         for _ in 0..50 {
-            gripper.step(0.01, false);
+            gripper.step(0.01, FingerContact::Free);
         }
         assert_eq!(gripper.motion(), GripperMotion::Closing);
         assert!((gripper.opening_m() - (0.15 - 0.5 * 0.12)).abs() < 1e-12);
+        gripper.step(0.01, FingerContact::Touching);
+        assert!((gripper.opening_m() - (0.15 - 0.501 * 0.12)).abs() < 1e-12);
         let at_contact = gripper.opening_m();
-        gripper.step(0.01, true);
+        gripper.step(0.01, FingerContact::Pressing);
+        assert_eq!(gripper.motion(), GripperMotion::Closing);
+        gripper.step(0.01, FingerContact::Pressed);
         assert_eq!(gripper.opening_m(), at_contact);
         assert!(gripper.is_holding() && gripper.motion() == GripperMotion::Still);
         gripper.move_to(0.15).unwrap();
-        gripper.step(10.0, true);
+        gripper.step(10.0, FingerContact::Pressed);
         assert!(!gripper.is_holding() && gripper.opening_m() == 0.15);
     }
 
@@ -266,7 +294,7 @@ mod tests {
     fn fingers_that_meet_hold_nothing() {
         let mut gripper = Gripper::new(GripperModel::JACO_LIKE);
         gripper.move_to(0.0).unwrap();
-        gripper.step(100.0, false);
+        gripper.step(100.0, FingerContact::Free);
         assert!(gripper.opening_m() == 0.0 && !gripper.is_holding());
         assert_eq!(gripper.motion(), GripperMotion::Still);
     }

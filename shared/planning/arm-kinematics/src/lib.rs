@@ -47,7 +47,7 @@ pub use arm::{Arm, BodyPoses, HOME};
 pub use controller::{ArmController, Command, CommandState, MotionState, PathKind};
 pub use dimensions::ArmDimensions;
 pub use error::Error;
-pub use gripper::{Gripper, GripperModel, GripperMotion, tool_from_fingers};
+pub use gripper::{FingerContact, Gripper, GripperModel, GripperMotion, tool_from_fingers};
 pub use ik_config::IkConfig;
 pub use inverse_kinematics::{IkSolution, inverse_kinematics};
 pub use joint_trajectory::{JointState, JointTrajectory};

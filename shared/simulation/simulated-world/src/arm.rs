@@ -1,15 +1,17 @@
-//! Simulated arm: controller, physics bodies, collision stop and grasping.
+//! Simulated arm: controller, physics bodies, collision stop, grasping and slip.
 
 mod collision_guard;
 mod grasp;
+mod holding_law;
+mod slip;
 
 use crate::arm_mount::ArmMount;
 use crate::object_model::compound_shape;
 use crate::physics::{BodyId, Physics, STEPS_PER_SECOND};
 use crate::scene_object::SimulatedObject;
 use arm_kinematics::{
-    Arm, ArmController, ArmDimensions, BodyPoses, Command, CommandState, HOME, JointVector,
-    LinkMeshes, MotionState, PathKind,
+    Arm, ArmController, ArmDimensions, BodyPoses, Command, CommandState, FingerContact, HOME,
+    JointVector, LinkMeshes, MotionState, PathKind,
 };
 use geometry::{Capsule, RigidTransform};
 use rapier3d::prelude::SharedShape;
@@ -81,6 +83,10 @@ struct GraspedObject {
     object: u16,
     body: BodyId,
     gripper_from_object: RigidTransform,
+    /// Pads in the frame of the gripper.
+    law: holding_law::HoldingLaw,
+    /// Motion of the centre of mass; `None` before the first step.
+    motion: Option<slip::HeldMotion>,
 }
 
 /// Simulated arm in the running world.
@@ -89,6 +95,8 @@ pub(crate) struct SimulatedArm {
     pub(crate) parts: Arc<ArmGeometry>,
     world_from_base: RigidTransform,
     controller: ArmController,
+    /// Friction coefficient between pads and objects.
+    pub(crate) friction: f64,
     /// Physics bodies: base and links, rail, fingers.
     bodies: Vec<BodyId>,
     grasped: Option<GraspedObject>,
@@ -103,7 +111,7 @@ pub(crate) struct SimulatedArm {
 
 impl SimulatedArm {
     /// Adds a folded arm to the physics; `None` when a collision shape is empty.
-    pub(crate) fn new(mount: &ArmMount, physics: &mut Physics) -> Option<Self> {
+    pub(crate) fn new(mount: &ArmMount, seed: u64, physics: &mut Physics) -> Option<Self> {
         let arm = Arm::new(ArmDimensions::JACO_LIKE, mount.gripper);
         let meshes = LinkMeshes::new(&arm);
         let solids = meshes
@@ -115,14 +123,16 @@ impl SimulatedArm {
         let controller = ArmController::new(arm, JointVector::from(HOME)).ok()?;
         let world_from_base = mount.world_from_base();
         let poses = in_world(&controller.body_poses(), &world_from_base);
+        let friction = grasp::drawn_friction(mount.gripper.pad_friction, seed);
         let bodies = shapes.iter().zip(&poses);
         let bodies = bodies
-            .map(|(shape, pose)| physics.add_kinematic(shape, pose))
+            .map(|(shape, pose)| physics.add_kinematic(shape, friction, pose))
             .collect();
         Some(Self {
             parts: Arc::new(ArmGeometry { meshes, shapes }),
             world_from_base,
             controller,
+            friction,
             bodies,
             grasped: None,
             n_commands: 0,
@@ -181,8 +191,11 @@ impl SimulatedArm {
         let before = self.controller.clone();
         let touched = self.touched_by_both_fingers(physics);
         // The physics has no contacts with a held object, since it follows the hand.
-        let is_stopped = touched.is_some() || self.grasped.is_some();
-        self.controller.step(STEP_S, is_stopped);
+        let contact = match self.grasped {
+            Some(_) => FingerContact::Pressed,
+            None => self.finger_contact(touched, physics),
+        };
+        self.controller.step(STEP_S, contact);
         self.record_failure();
         if self.controller.state() == MotionState::Opening {
             self.release(physics, objects);
@@ -193,8 +206,9 @@ impl SimulatedArm {
         if let Some(sentence) = self.collision_message(&before, physics, objects) {
             self.controller = before;
             self.halt(sentence);
-            self.controller.step(STEP_S, is_stopped);
+            self.controller.step(STEP_S, contact);
         }
+        self.slip(physics, objects);
         self.move_bodies(physics);
     }
 

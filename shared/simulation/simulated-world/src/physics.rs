@@ -9,10 +9,11 @@ use nalgebra::{Point3, Vector3};
 use rapier3d::math::Vector;
 use rapier3d::parry::query::ShapeCastOptions;
 use rapier3d::prelude::{
-    BroadPhaseBvh, CCDSolver, Collider, ColliderBuilder, ColliderHandle, ColliderSet, Group,
-    ImpulseJointSet, IntegrationParameters, InteractionGroups, InteractionTestMode, IslandManager,
-    MultibodyJointSet, NarrowPhase, PhysicsPipeline, QueryFilter, Ray, RigidBody, RigidBodyBuilder,
-    RigidBodyHandle, RigidBodySet, RigidBodyType, SharedShape, SoftBodySet,
+    BroadPhaseBvh, CCDSolver, CoefficientCombineRule, Collider, ColliderBuilder, ColliderHandle,
+    ColliderSet, Group, ImpulseJointSet, IntegrationParameters, InteractionGroups,
+    InteractionTestMode, IslandManager, MultibodyJointSet, NarrowPhase, PhysicsPipeline,
+    QueryFilter, Ray, RigidBody, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, RigidBodyType,
+    SharedShape, SoftBodySet,
 };
 
 /// Number of physics steps per second.
@@ -224,14 +225,21 @@ impl Physics {
         body
     }
 
-    /// Adds a kinematic body, which follows given poses and pushes objects.
-    pub(crate) fn add_kinematic(&mut self, shape: &SharedShape, pose: &RigidTransform) -> BodyId {
+    /// Adds a kinematic body, which follows given poses and pushes objects; `friction` is that
+    /// between it and any object.
+    pub(crate) fn add_kinematic(
+        &mut self,
+        shape: &SharedShape,
+        friction: f64,
+        pose: &RigidTransform,
+    ) -> BodyId {
         self.insert(
             RigidBodyBuilder::kinematic_position_based()
                 .pose(pose_to_glam(pose))
                 .build(),
             ColliderBuilder::new(shape.clone())
-                .friction(0.8)
+                .friction(friction as f32)
+                .friction_combine_rule(CoefficientCombineRule::Min)
                 .collision_groups(CollisionGroup::Arm.groups())
                 .build(),
         )
@@ -348,6 +356,16 @@ impl Physics {
             })
     }
 
+    /// Centre of mass in the frame of a body, metres, and its mass, kilograms.
+    pub(crate) fn mass_in_body(&self, body: BodyId) -> (Point3<f64>, f64) {
+        self.bodies
+            .get(body.0)
+            .map_or((Point3::origin(), 0.0), |body| {
+                let mass = body.mass_properties().local_mprops;
+                (vector_from_glam(mass.local_com).into(), mass.mass().into())
+            })
+    }
+
     /// Velocity of the origin, m/s, and angular velocity, rad/s, world frame.
     pub(crate) fn velocity(&self, body: BodyId) -> (Vector3<f64>, Vector3<f64>) {
         self.bodies.get(body.0).map_or_else(
@@ -380,13 +398,23 @@ impl Physics {
 
     /// Objects that touch a kinematic body.
     pub(crate) fn contacts_of(&self, body: BodyId) -> impl Iterator<Item = BodyId> {
+        self.contacts_within(body, TOUCHING_M)
+    }
+
+    /// Objects into which a kinematic body presses by a depth, metres.
+    pub(crate) fn pressed_by(&self, body: BodyId, depth_m: f64) -> impl Iterator<Item = BodyId> {
+        self.contacts_within(body, -depth_m as f32)
+    }
+
+    /// Objects nearer to a kinematic body than a distance, metres; negative inside.
+    fn contacts_within(&self, body: BodyId, distance_m: f32) -> impl Iterator<Item = BodyId> {
         self.colliders_of(body).flat_map(move |collider| {
             let pairs = self.narrow_phase.contact_pairs_with(collider);
             pairs
-                .filter(|pair| {
+                .filter(move |pair| {
                     // The solver also predicts contacts, over gaps of millimetres.
                     let deepest = pair.find_deepest_contact();
-                    deepest.is_some_and(|(_, contact)| contact.dist < TOUCHING_M)
+                    deepest.is_some_and(|(_, contact)| contact.dist < distance_m)
                 })
                 .filter_map(move |pair| {
                     let other = if pair.collider1 == collider {
@@ -441,15 +469,15 @@ impl Physics {
             .map_or(reach_m, |(_, hit)| f64::from(hit.time_of_impact))
     }
 
-    /// Ray cast: outward normal of a body's surface at the first hit within `reach_m`, from
-    /// outside.
-    pub(crate) fn surface_normal_along_ray(
+    /// Ray cast: distance to a body's surface, metres, and its outward normal, at the first hit
+    /// within `reach_m`, from outside.
+    pub(crate) fn surface_along_ray(
         &self,
         body: BodyId,
         from: &Point3<f64>,
         direction: &Vector3<f64>,
         reach_m: f64,
-    ) -> Option<Vector3<f64>> {
+    ) -> Option<(f64, Vector3<f64>)> {
         let ray = Ray::new(vector_to_glam(&from.coords), vector_to_glam(direction));
         self.colliders_of(body)
             .filter_map(|handle| {
@@ -458,6 +486,6 @@ impl Physics {
                 shape.cast_ray_and_get_normal(pose, &ray, reach_m as f32, false)
             })
             .min_by(|a, b| a.time_of_impact.total_cmp(&b.time_of_impact))
-            .map(|hit| vector_from_glam(hit.normal))
+            .map(|hit| (hit.time_of_impact.into(), vector_from_glam(hit.normal)))
     }
 }

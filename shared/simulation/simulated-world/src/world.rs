@@ -65,7 +65,7 @@ impl World {
         let arm = scene
             .arm
             .as_ref()
-            .and_then(|mount| SimulatedArm::new(mount, &mut physics));
+            .and_then(|mount| SimulatedArm::new(mount, scene.seed, &mut physics));
         let models = scene.objects.iter().map(|plan| library.load(&plan.model));
         let models = models.collect::<Result<Vec<_>, _>>()?;
         let mut world = Self {
@@ -306,6 +306,12 @@ impl World {
         self.arm
             .as_ref()
             .map_or_else(Vec::new, SimulatedArm::capsules)
+    }
+
+    /// Friction coefficient between the gripper's pads and objects, drawn by the seed; `None`
+    /// without an arm.
+    pub fn pad_friction(&self) -> Option<f64> {
+        self.arm.as_ref().map(|arm| arm.friction)
     }
 
     pub(crate) fn arm(&self) -> Option<&SimulatedArm> {

@@ -2,6 +2,7 @@
 //! attempt by what one view shows of them.
 
 mod box_rival;
+mod judges_agreement;
 mod mujoco_judge;
 mod report;
 mod trial;

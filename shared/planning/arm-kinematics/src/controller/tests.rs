@@ -30,13 +30,13 @@ fn move_to(base_from_tool: RigidTransform, path: PathKind) -> Command {
 }
 
 /// Steps the controller until a command is final.
-fn carry_out(motion: &mut ArmController, id: u64, both_pads_touch: bool) -> CommandState {
+fn carry_out(motion: &mut ArmController, id: u64, contact: FingerContact) -> CommandState {
     for _ in 0..MAX_STEPS {
         let state = motion.command_state(id).unwrap();
         if state.is_final() {
             return state;
         }
-        motion.step(DT_S, both_pads_touch);
+        motion.step(DT_S, contact);
     }
     panic!("command {id} did not end: {:?}", motion.command_state(id));
 }
@@ -44,7 +44,7 @@ fn carry_out(motion: &mut ArmController, id: u64, both_pads_touch: bool) -> Comm
 /// Steps the controller once and checks the velocity and acceleration limits of all joints.
 fn step_smoothly(motion: &mut ArmController) {
     let before = *motion.joints();
-    motion.step(DT_S, false);
+    motion.step(DT_S, FingerContact::Free);
     let after = motion.joints();
     for (i, joint) in motion.arm().chain().joints.iter().enumerate() {
         let (v0, v1) = (before.velocities_rad_s[i], after.velocities_rad_s[i]);
@@ -69,7 +69,10 @@ fn pick_sequence_reaches_each_commanded_state() {
     motion.submit(3, move_to(at, PathKind::Linear)).unwrap();
     assert_eq!(motion.command_state(3), Some(CommandState::Accepted));
     for (id, pose) in [(1, None), (2, Some(above)), (3, Some(at))] {
-        assert_eq!(carry_out(&mut motion, id, false), CommandState::Done);
+        assert_eq!(
+            carry_out(&mut motion, id, FingerContact::Free),
+            CommandState::Done
+        );
         if let Some(pose) = pose {
             let missed = PoseResidual::between(&motion.body_poses().base_from_tool, &pose);
             assert!(missed.distance_m < 1e-3 && missed.angle_rad < 0.009);
@@ -78,13 +81,16 @@ fn pick_sequence_reaches_each_commanded_state() {
     assert_eq!(motion.gripper().opening_m(), 0.12);
     assert_eq!(motion.state(), MotionState::Idle);
     motion.submit(4, Command::Close).unwrap();
-    motion.step(DT_S, false);
+    motion.step(DT_S, FingerContact::Free);
     assert_eq!(motion.state(), MotionState::Closing);
     assert!(matches!(
         motion.command_state(4),
         Some(CommandState::Running { .. })
     ));
-    assert_eq!(carry_out(&mut motion, 4, true), CommandState::Done);
+    assert_eq!(
+        carry_out(&mut motion, 4, FingerContact::Pressed),
+        CommandState::Done
+    );
     assert!(motion.gripper().is_holding());
 }
 
@@ -96,7 +102,7 @@ fn progress_rises_from_0_to_1() {
         .unwrap();
     let mut last = 0.0;
     for _ in 0..MAX_STEPS {
-        motion.step(DT_S, false);
+        motion.step(DT_S, FingerContact::Free);
         match motion.command_state(1).unwrap() {
             CommandState::Running { progress } => {
                 assert!(progress > last && progress < 1.0);
@@ -120,7 +126,7 @@ fn stop_brakes_at_once_and_empties_the_queue() {
         .unwrap();
     motion.submit(2, Command::Close).unwrap();
     for _ in 0..50 {
-        motion.step(DT_S, false);
+        motion.step(DT_S, FingerContact::Free);
     }
     assert!(!motion.joints().is_at_rest());
     let end = motion.stopped_body_poses();
@@ -128,7 +134,7 @@ fn stop_brakes_at_once_and_empties_the_queue() {
     let mut before = *motion.joints();
     for _ in 0..50 {
         assert_eq!(motion.state(), MotionState::Stopped);
-        motion.step(DT_S, false);
+        motion.step(DT_S, FingerContact::Free);
         let now = *motion.joints();
         for (i, joint) in motion.arm().chain().joints.iter().enumerate() {
             let [v0, v1] = [before, now].map(|state| state.velocities_rad_s[i]);
@@ -144,17 +150,20 @@ fn stop_brakes_at_once_and_empties_the_queue() {
     assert_eq!(motion.command_state(2), Some(CommandState::Stopped));
     assert_eq!(motion.command_state(3), Some(CommandState::Done));
     motion.submit(4, Command::Open { opening_m: 0.1 }).unwrap();
-    assert_eq!(carry_out(&mut motion, 4, false), CommandState::Done);
+    assert_eq!(
+        carry_out(&mut motion, 4, FingerContact::Free),
+        CommandState::Done
+    );
 }
 
 #[test]
 fn stop_halts_the_fingers() {
     let mut motion = arm_at_home();
     motion.submit(1, Command::Close).unwrap();
-    motion.step(DT_S, false);
+    motion.step(DT_S, FingerContact::Free);
     motion.submit(2, Command::Stop).unwrap();
     let opening = motion.gripper().opening_m();
-    motion.step(DT_S, false);
+    motion.step(DT_S, FingerContact::Free);
     assert_eq!(motion.gripper().opening_m(), opening);
 }
 
@@ -240,7 +249,10 @@ fn unreachable_retarget_brakes_smoothly_and_reports_the_distance() {
     motion
         .submit(4, move_to(downward(0.4, 0.0, 0.25), PathKind::Joint))
         .unwrap();
-    assert_eq!(carry_out(&mut motion, 4, false), CommandState::Done);
+    assert_eq!(
+        carry_out(&mut motion, 4, FingerContact::Free),
+        CommandState::Done
+    );
 }
 
 #[test]
@@ -287,7 +299,10 @@ fn invalid_commands_are_rejected_and_change_nothing() {
         assert_eq!(noted.to_string(), error.to_string());
         assert!(error.to_string().len() > 30);
     }
-    assert_eq!(carry_out(&mut motion, 99, false), CommandState::Done);
+    assert_eq!(
+        carry_out(&mut motion, 99, FingerContact::Free),
+        CommandState::Done
+    );
 }
 
 #[test]
@@ -296,10 +311,10 @@ fn a_step_of_no_time_changes_nothing() {
     motion
         .submit(1, move_to(downward(0.4, 0.1, 0.25), PathKind::Joint))
         .unwrap();
-    motion.step(DT_S, false);
+    motion.step(DT_S, FingerContact::Free);
     let before = motion.clone();
     for dt in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        motion.step(dt, false);
+        motion.step(dt, FingerContact::Free);
         assert_eq!(motion, before);
     }
 }
@@ -332,7 +347,7 @@ fn ids_are_used_once_and_the_queue_is_bounded() {
 fn stop_acts_even_with_an_id_used_before() {
     let mut motion = arm_at_home();
     motion.submit(1, Command::Close).unwrap();
-    motion.step(DT_S, false);
+    motion.step(DT_S, FingerContact::Free);
     motion.submit(1, Command::Stop).unwrap();
     assert_eq!(motion.state(), MotionState::Stopped);
     assert_eq!(motion.command_state(1), Some(CommandState::Stopped));
@@ -345,7 +360,10 @@ fn the_latest_64_commands_are_remembered() {
         motion
             .submit(id, Command::Open { opening_m: 0.15 })
             .unwrap();
-        assert_eq!(carry_out(&mut motion, id, false), CommandState::Done);
+        assert_eq!(
+            carry_out(&mut motion, id, FingerContact::Free),
+            CommandState::Done
+        );
     }
     assert_eq!(motion.command_state(35), None);
     assert_eq!(motion.command_state(36), Some(CommandState::Done));

@@ -1,5 +1,6 @@
 //! Report of the evaluation of grasps.
 
+use super::judges_agreement::JudgesAgreement;
 use super::trial::{GraspOutcome, GraspTrial};
 use crate::arguments::{GraspJudge, GraspingArguments};
 use crate::evaluate::tabular_report::{ReportTable, TabularReport};
@@ -24,8 +25,8 @@ pub(super) struct GraspingReport {
     /// The same for the trivial rival: from above, across the shorter side of the upright bounding
     /// box.
     pub(super) success_rival: Option<f64>,
-    /// Share of the grasps that were tried about which both judges agree; `None` without MuJoCo.
-    pub(super) judges_agreement: Option<f64>,
+    /// Agreement of both judges about planned and spoiled grasps; `None` without MuJoCo.
+    pub(super) judges_agreement: Option<JudgesAgreement>,
     /// Share of the trials in which a grasp was planned.
     pub(super) planned: f64,
     /// Time of the planning, milliseconds: median and 95th percentile.
@@ -41,16 +42,11 @@ impl GraspingReport {
         };
         let mut times_ms: Vec<f64> = trials.iter().map(|trial| trial.planning_ms).collect();
         times_ms.sort_unstable_by(f64::total_cmp);
-        let judged: Vec<&GraspTrial> = trials.iter().filter(|t| t.mujoco.is_some()).collect();
-        let agreed = judged
-            .iter()
-            .filter(|trial| trial.mujoco == Some(trial.outcome == GraspOutcome::Lifted));
         let has_mujoco = arguments.judge == GraspJudge::Mujoco;
         Self {
             success_mujoco: has_mujoco.then(|| share(|trial| trial.mujoco == Some(true))),
             success_rival: has_mujoco.then(|| share(|trial| trial.rival_mujoco == Some(true))),
-            judges_agreement: has_mujoco
-                .then(|| agreed.count() as f64 / judged.len().max(1) as f64),
+            judges_agreement: JudgesAgreement::of(&trials),
             models: arguments.models.to_string(),
             seed: arguments.seed,
             n_trials: trials.len(),
@@ -109,10 +105,13 @@ fn notes(document: &GraspingReport) -> Vec<String> {
     ) {
         notes.push(format!(
             "by MuJoCo {:.1} % were lifted, shaken and held; of the grasps from above across the \
-             bounding box {:.1} %; both judges agree on {:.1} % of the grasps that were tried",
+             bounding box {:.1} %; with as many spoiled grasps, both judges agree on {:.1} % of its \
+             successes and {:.1} % of its failures, kappa {:.2}",
             1e2 * success,
             1e2 * rival,
-            1e2 * agreement
+            1e2 * agreement.of_successes,
+            1e2 * agreement.of_failures,
+            agreement.kappa
         ));
     }
     notes

@@ -8,7 +8,8 @@ use crate::evaluate::world_view::{CAMERA, WorldView};
 use arm_kinematics::GripperModel;
 use evaluation::scene_picture;
 use grasp_scene::{SceneBodies, draw_grasp, grasp_scene};
-use grasping::{Grasp, GraspPlan, GraspPlanner, GraspSettings, Obstacles};
+use grasping::{Grasp, GraspPlan, GraspPlanner, GraspSettings, Obstacles, hand_boxes, lowest_m};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use random::Random;
 use scene_client::{ModelShelf, PlanningFrame};
 use serde::Serialize;
@@ -18,13 +19,17 @@ use std::time::Instant;
 
 /// Time for which the lifted object must be held, seconds.
 const HELD_S: u32 = 1;
+/// Begin of the sentence with which the simulated arm tells that it was stopped.
+const STOPPED: &str = "the arm stopped";
+/// Greatest shift along each axis, metres, and turn about each, radians, of a spoiled grasp.
+const SPOILED_SHIFT_M: f64 = 0.03;
+const SPOILED_TURN_RAD: f64 = 0.5;
+/// Least height of the hand of a spoiled grasp over the table, metres.
+const OVER_TABLE_M: f64 = 0.005;
+/// Stream of the random numbers of the spoiling.
+const SPOILING_STREAM: u64 = 0x7370_6f69;
 /// Share of the lift by which the object must have risen.
 const LIFTED_SHARE: f64 = 0.8;
-
-/// Range of the friction between pads and objects.
-const FRICTION: [f64; 2] = [0.4, 0.8];
-/// Stream of the random numbers of the friction.
-const FRICTION_STREAM: u64 = 0x6672_6963;
 
 /// Outcome of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -36,7 +41,9 @@ pub(super) enum GraspOutcome {
     NotDetected,
     /// No grasp was planned.
     NoGrasp,
-    /// The arm did not reach the grasp.
+    /// The arm has no way to the grasp.
+    OutOfReach,
+    /// The arm was stopped on its way to the grasp.
     NotReached,
     /// The fingers did not hold the object.
     NotHeld,
@@ -55,6 +62,8 @@ pub(super) struct GraspTrial {
     /// Verdict of MuJoCo about the grasp that was tried.
     pub(super) mujoco: Option<bool>,
     pub(super) mujoco_reason: String,
+    /// The same grasp, shifted and turned at random.
+    pub(super) spoiled: Option<SpoiledTrial>,
     /// Verdict of MuJoCo about the grasp of the trivial rival.
     pub(super) rival_mujoco: Option<bool>,
     /// Score of the grasp that was tried, 0 to 1.
@@ -68,6 +77,17 @@ pub(super) struct GraspTrial {
     pub(super) planning_ms: f64,
     /// Picture with the planned grasp, relative to the output folder.
     pub(super) picture: String,
+}
+
+/// Trial of a grasp that was shifted and turned at random, to compare the judges.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct SpoiledTrial {
+    /// Outcome by our simulator.
+    pub(super) outcome: GraspOutcome,
+    pub(super) reason: String,
+    /// Verdict of MuJoCo.
+    pub(super) mujoco: bool,
+    pub(super) mujoco_reason: String,
 }
 
 /// Runs the trial of an object in the pose of a seed; the second value is a picture, PNG.
@@ -89,6 +109,7 @@ pub(super) fn run_trial(
         reason: String::new(),
         mujoco: None,
         mujoco_reason: String::new(),
+        spoiled: None,
         rival_mujoco: None,
         score: None,
         approach: None,
@@ -107,7 +128,7 @@ pub(super) fn run_trial(
     let (width, height) = (CAMERA.width as usize, CAMERA.height as usize);
     let picture = scene_picture::encode(&rgb, width, height).map_err(Failure::general)?;
     if let (Some(judge), Some(target)) = (mujoco, target) {
-        let rival = rival_grasp(&view.snapshot, target, &gripper, friction(seed));
+        let rival = rival_grasp(&view.snapshot, target, &gripper, friction(&world));
         trial.rival_mujoco = Some(match rival {
             Some(rival) => judge.judge(&world, id, &gripper, &rival)?.held,
             None => false,
@@ -115,9 +136,16 @@ pub(super) fn run_trial(
     }
     if let Some(grasp) = grasp {
         if let Some(judge) = mujoco {
-            let verdict = judged(judge, &world, id, &grasp, (&frame, seed))?;
+            let verdict = judged(judge, &world, id, &grasp, &frame)?;
             trial.mujoco = Some(verdict.held);
             trial.mujoco_reason = verdict.reason;
+            trial.spoiled = Some(run_spoiled(
+                judge,
+                &world,
+                id,
+                &spoiled(&grasp, &frame, seed),
+                &frame,
+            )?);
         }
         (trial.outcome, trial.reason) = match carry_out(&mut world, id, &grasp, &frame) {
             Ok(()) => (GraspOutcome::Lifted, String::new()),
@@ -165,27 +193,74 @@ fn planned(
     Some(grasp)
 }
 
-/// Verdict of MuJoCo about a grasp, with the pads' friction drawn by the seed.
+/// Verdict of MuJoCo about a grasp, with the pads' friction of the simulation.
 fn judged(
     judge: &MujocoJudge,
     world: &World,
     object: u16,
     grasp: &Grasp,
-    (frame, seed): (&PlanningFrame, u64),
+    frame: &PlanningFrame,
 ) -> Result<Verdict, Failure> {
     let asked = JudgedGrasp {
         world_from_tool: frame.world_from_plan * grasp.plan_from_tool,
         opening_m: grasp.opening_m,
         approach_m: grasp.approach_m,
-        friction: friction(seed),
+        friction: friction(world),
     };
     judge.judge(world, object, &GripperModel::JACO_LIKE, &asked)
 }
 
-/// Friction between pads and object, drawn by the seed.
-fn friction(seed: u64) -> f64 {
-    let [low, high] = FRICTION;
-    Random::from_seed(seed ^ FRICTION_STREAM).between(low, high)
+/// Grasp that is shifted and turned at random, over the table; about every second one fails.
+fn spoiled(grasp: &Grasp, frame: &PlanningFrame, seed: u64) -> Grasp {
+    let mut random = Random::substream(seed, SPOILING_STREAM);
+    let mut between = |most: f64| random.between(-most, most);
+    let shift = Translation3::new(
+        between(SPOILED_SHIFT_M),
+        between(SPOILED_SHIFT_M),
+        between(SPOILED_SHIFT_M),
+    );
+    let turn = Vector3::from_fn(|_, _| between(SPOILED_TURN_RAD));
+    let spoiling = shift * UnitQuaternion::from_scaled_axis(turn);
+    let pose = grasp.plan_from_tool * spoiling;
+    let low_m = frame.table_in_plan.map(|table| {
+        let hand = hand_boxes(&GripperModel::JACO_LIKE, grasp.opening_m);
+        let heights = hand.map(|body| lowest_m(&body.transformed(&pose), &table));
+        heights.into_iter().fold(f64::INFINITY, f64::min)
+    });
+    // One arm stops before the table, the other presses on it.
+    let up_m = (OVER_TABLE_M - low_m.unwrap_or(OVER_TABLE_M)).max(0.0);
+    Grasp {
+        plan_from_tool: Translation3::new(0.0, 0.0, up_m) * pose,
+        joints: None,
+        ..grasp.clone()
+    }
+}
+
+/// Lets both judges carry out a spoiled grasp.
+fn run_spoiled(
+    judge: &MujocoJudge,
+    world: &World,
+    object: u16,
+    grasp: &Grasp,
+    frame: &PlanningFrame,
+) -> Result<SpoiledTrial, Failure> {
+    let verdict = judged(judge, world, object, grasp, frame)?;
+    let (outcome, reason) = match carry_out(&mut world.clone(), object, grasp, frame) {
+        Ok(()) => (GraspOutcome::Lifted, String::new()),
+        Err(failed) => failed,
+    };
+    Ok(SpoiledTrial {
+        outcome,
+        reason,
+        mujoco: verdict.held,
+        mujoco_reason: verdict.reason,
+    })
+}
+
+/// Friction between pads and object, as the simulation draws it.
+fn friction(world: &World) -> f64 {
+    let friction = world.pad_friction();
+    friction.unwrap_or(GripperModel::JACO_LIKE.pad_friction)
 }
 
 /// Carries out a grasp; the failure has its class and its reason.
@@ -205,11 +280,26 @@ fn carry_out(
         world_from_gripper,
         is_straight: true,
     };
-    let not_reached = |reason| (GraspOutcome::NotReached, reason);
+    let not_reached = |reason: String| {
+        let is_stopped = reason.starts_with(STOPPED);
+        let outcome = if is_stopped {
+            GraspOutcome::NotReached
+        } else {
+            GraspOutcome::OutOfReach
+        };
+        (outcome, reason)
+    };
     command(world, &ArmCommand::OpenTo(grasp.opening_m)).map_err(not_reached)?;
     if let Some(joints) = &grasp.joints {
         let angles_rad = joints.approach_rad.into();
         command(world, &ArmCommand::MoveJoints(angles_rad)).map_err(not_reached)?;
+    } else {
+        let back = Translation3::new(0.0, 0.0, -grasp.approach_m);
+        let begin = ArmCommand::MoveTo {
+            world_from_gripper: world_from_tool * back,
+            is_straight: false,
+        };
+        command(world, &begin).map_err(not_reached)?;
     }
     command(world, &straight(world_from_tool)).map_err(not_reached)?;
     let not_held = |reason| (GraspOutcome::NotHeld, reason);
