@@ -20,12 +20,37 @@ const MOST_STEPS: usize = 3000;
 const TIP_M: f64 = 0.025;
 
 fn world(objects: Vec<ObjectPlan>) -> World {
+    world_with(objects, ArmMount::default(), 0)
+}
+
+fn world_with(objects: Vec<ObjectPlan>, arm: ArmMount, seed: u64) -> World {
     let scene = Scene {
+        seed,
         objects,
-        arm: Some(ArmMount::default()),
+        arm: Some(arm),
         ..Scene::default()
     };
     World::new(scene, ModelLibrary::generated()).unwrap()
+}
+
+/// Arm whose fingers press with a force, newtons.
+fn arm_with_force(closing_force_n: f64) -> ArmMount {
+    let mut arm = ArmMount::default();
+    arm.gripper.closing_force_n = closing_force_n;
+    arm
+}
+
+/// World in which the fingers hold a cube, turned against them, and the pose over it.
+fn grasp_cube(arm: ArmMount, offset_rad: f64, seed: u64) -> (World, RigidTransform) {
+    let (spot, yaw_rad) = reachable(0.05);
+    let cube = upright("puzzle-cube", spot, yaw_rad + offset_rad);
+    let mut world = world_with(vec![cube], arm, seed);
+    let low = 0.6 * world.find(1).unwrap().model.half_sides_m.z;
+    reach_down(&mut world, spot, yaw_rad, low).unwrap();
+    let above = downward(Point3::new(spot[0], spot[1], height(&world, 0.15)), yaw_rad);
+    carry_out(&mut world, &ArmCommand::Close).unwrap();
+    assert_eq!(world.arm_status().unwrap().holds, Some(1));
+    (world, above)
 }
 
 fn upright(category: &str, position_m: [f64; 2], yaw_rad: f64) -> ObjectPlan {
@@ -305,6 +330,88 @@ fn reach_down(
 }
 
 #[test]
+fn object_that_is_too_heavy_for_the_friction_slides_out() {
+    let weight_n = 9.81
+        * world(vec![upright("puzzle-cube", [0.0, 0.0], 0.0)]).objects()[0]
+            .model
+            .mass_kg;
+    let mut outcomes = Vec::new();
+    for share in [0.8, 1.5] {
+        // Two pads hold twice the friction of one.
+        let friction = world(Vec::new()).pad_friction().unwrap();
+        let force_n = share * weight_n / (2.0 * friction);
+        let (mut world, above) = grasp_cube(arm_with_force(force_n), 0.0, 0);
+        let lifted = carry_out(&mut world, &straight_to(above));
+        outcomes.push((lifted, world.arm_status().unwrap().holds));
+    }
+    let (lifted, holds) = &outcomes[0];
+    let message = lifted.as_ref().unwrap_err();
+    assert!(message.contains("slipped out"), "{message}");
+    assert_eq!(*holds, None);
+    assert_eq!(outcomes[1], (Ok(()), Some(1)));
+}
+
+#[test]
+fn object_turns_between_the_fingers_as_they_close() {
+    let (world, _) = grasp_cube(ArmMount::default(), 0.35, 0);
+    let closing = world.arm_status().unwrap().world_from_gripper.rotation * Vector3::x();
+    let side = world.find(1).unwrap().world_from_object.rotation.inverse() * closing;
+    // One side of the cube lies along the closing direction now, within the friction cone.
+    let aligned = side.abs().max();
+    assert!(0.35_f64.cos() < 0.95 && aligned > 0.98, "{side}");
+}
+
+#[test]
+fn object_held_beside_its_middle_hangs_down_when_the_pads_press_little() {
+    let tilt_rad = |force_n: f64| {
+        let (spot, _) = reachable(0.05);
+        let mut world = world_with(
+            vec![upright("hammer", spot, 0.0)],
+            arm_with_force(force_n),
+            0,
+        );
+        let hammer = world.find(1).unwrap();
+        let long = hammer.model.half_sides_m.imax();
+        let along = hammer.world_from_object.rotation * Vector3::ith(long, 1.0);
+        let side = hammer.model.half_sides_m[long];
+        let start = hammer.world_from_object;
+        let handle = start * Point3::from(Vector3::ith(long, -0.5 * side));
+        let across_rad = along.y.atan2(along.x) + PI / 2.0;
+        reach_down(&mut world, [handle.x, handle.y], across_rad, 0.008).unwrap();
+        carry_out(&mut world, &ArmCommand::Close).unwrap();
+        let up = downward(
+            Point3::new(handle.x, handle.y, height(&world, 0.3)),
+            across_rad,
+        );
+        carry_out(&mut world, &straight_to(up)).unwrap();
+        for _ in 0..240 {
+            world.step();
+        }
+        assert_eq!(world.arm_status().unwrap().holds, Some(1));
+        let now = world.find(1).unwrap().world_from_object.rotation * Vector3::ith(long, 1.0);
+        now.z.abs().asin()
+    };
+    assert!(tilt_rad(200.0) < 0.1, "{}", tilt_rad(200.0));
+    assert!(tilt_rad(8.0) > 0.6, "{}", tilt_rad(8.0));
+}
+
+#[test]
+fn friction_of_the_pads_is_drawn_by_the_seed() {
+    let drawn: Vec<f64> = (0..40)
+        .map(|seed| {
+            world_with(Vec::new(), ArmMount::default(), seed)
+                .pad_friction()
+                .unwrap()
+        })
+        .collect();
+    assert!(drawn.iter().all(|friction| (0.4..=0.8).contains(friction)));
+    let (low, high) = drawn.iter().fold((1.0_f64, 0.0_f64), |(low, high), f| {
+        (low.min(*f), high.max(*f))
+    });
+    assert!(low < 0.45 && high > 0.75, "{low} {high}");
+}
+
+#[test]
 fn grasp_of_nothing_is_reported() {
     let (spot, yaw_rad) = reachable(0.05);
     let mut world = world(Vec::new());
@@ -315,13 +422,13 @@ fn grasp_of_nothing_is_reported() {
 }
 
 #[test]
-fn grasp_on_the_upper_edge_alone_does_not_hold() {
+fn grasp_beside_the_pads_does_not_hold() {
     let (spot, yaw_rad) = reachable(0.05);
     let mut world = world(vec![upright("puzzle-cube", spot, yaw_rad)]);
     let top_m = 2.0 * world.find(1).unwrap().model.half_sides_m.z;
     reach_down(&mut world, spot, yaw_rad, top_m - 0.006).unwrap();
     let message = carry_out(&mut world, &ArmCommand::Close).unwrap_err();
-    assert!(message.contains("% of a pad"), "{message}");
+    assert!(message.contains("beside their pads"), "{message}");
     assert_eq!(world.arm_status().unwrap().holds, None);
     assert_eq!(world.find(1).unwrap().state, ObjectState::Settled);
 }

@@ -12,6 +12,9 @@ const GRAVITY_M_S2: f64 = 9.81;
 /// Speed at which an object turns between the pads, rad/s. Chosen: that of a fork that swings down.
 const TURN_RAD_S: f64 = 3.0;
 
+/// Distance over the table within which it carries a held object, metres. Chosen.
+const SUPPORTED_M: f64 = 0.001;
+
 /// Motion of the centre of mass of a held object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct HeldMotion {
@@ -45,7 +48,11 @@ impl SimulatedArm {
             place,
             velocity_m_s,
         });
-        match grasped.law.under(&load_in_gripper, &at) {
+        let held = grasped.law.under(&load_in_gripper, &at);
+        if held == Holding::Fast || self.is_supported(physics, objects) {
+            return;
+        }
+        match held {
             Holding::Fast => {}
             Holding::Turns(torque) => self.turn(torque, physics, objects),
             Holding::Slides => {
@@ -56,6 +63,17 @@ impl SimulatedArm {
                 ));
             }
         }
+    }
+
+    /// True while the held object stands on the table, which carries it.
+    fn is_supported(&self, physics: &Physics, objects: &[SimulatedObject]) -> bool {
+        let Some(grasped) = &self.grasped else {
+            return false;
+        };
+        let object = objects.iter().find(|object| object.id == grasped.object);
+        let mut pose = self.world_from_gripper() * grasped.gripper_from_object;
+        pose.translation.z -= SUPPORTED_M;
+        object.is_some_and(|object| physics.intersects_fixture(&object.model.shape, &pose))
     }
 
     /// Turns the held object about the line between the pads, unless it would go into the table.
