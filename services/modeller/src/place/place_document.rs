@@ -8,7 +8,7 @@ use message::CategoryAnswer;
 use nalgebra::{Point3, Translation3, Vector3};
 use scene_client::{PlanningFrame, Snapshot};
 use serde::Serialize;
-use transport::{Placement, Transport};
+use transport::{PlacePose, Transport};
 
 /// Plan of a transport.
 #[derive(Debug, Serialize)]
@@ -95,7 +95,7 @@ impl PlaceDocument {
     }
 }
 
-fn placement(placement: &Placement, frame: &PlanningFrame) -> PlacementDocument {
+fn placement(placement: &PlacePose, frame: &PlanningFrame) -> PlacementDocument {
     let world = frame.world_from_plan;
     let pose = world * placement.plan_from_tool;
     let in_world = |place: Point3<f64>| -> [f64; 3] { (world * place).coords.into() };

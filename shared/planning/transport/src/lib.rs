@@ -27,6 +27,6 @@ pub use arm_collision::ArmObstacle;
 pub use carried_load::CarriedLoad;
 pub use place_area::{PlaceArea, reached_share};
 pub use place_rejection::PlaceRejection;
-pub use placing::{GraspedObject, PlacePlan, Placement, PlacingPlanner, RELEASE_M};
+pub use placing::{GraspedObject, PlacePlan, PlacePose, PlacingPlanner, RELEASE_M};
 pub use transit::{NoTransit, TransitKind, TransitPath, TransitPlanner};
 pub use transport_planner::{NoTransport, ReachedGrasp, Transport, TransportPlanner, reach_region};

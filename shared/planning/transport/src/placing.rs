@@ -63,7 +63,7 @@ pub struct GraspedObject<'a> {
 
 /// Place at which an object is set down, and the way to it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Placement {
+pub struct PlacePose {
     /// Pose of the tool when the fingers open.
     pub plan_from_tool: RigidTransform,
     /// Middle of the object's foot.
@@ -88,7 +88,7 @@ pub struct Placement {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlacePlan {
     /// Places, best first.
-    pub placements: Vec<Placement>,
+    pub placements: Vec<PlacePose>,
     /// Reasons of the rejected ones, in the order in which they were tried.
     pub rejected: Vec<PlaceRejection>,
 }
@@ -266,7 +266,7 @@ impl PlacingPlanner<'_> {
         &self,
         held: &Held<'_>,
         (plan_from_tool, foot, turn_rad, surface): (RigidTransform, Point3<f64>, f64, usize),
-    ) -> Result<Placement, PlaceRejection> {
+    ) -> Result<PlacePose, PlaceRejection> {
         let in_base = |pose: &RigidTransform| self.placed.plan_from_base.inv_mul(pose);
         let up = Translation3::from(Vector3::z() * WAY_M);
         let above = in_base(&(up * plan_from_tool));
@@ -290,7 +290,7 @@ impl PlacingPlanner<'_> {
             match self.hit_along(held, &lines) {
                 Some(hit) => reason = PlaceRejection::ArmHits(hit),
                 None => {
-                    return Ok(Placement {
+                    return Ok(PlacePose {
                         plan_from_tool,
                         foot,
                         turn_rad,

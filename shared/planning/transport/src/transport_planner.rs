@@ -2,7 +2,7 @@
 
 use crate::carried_load::CarriedLoad;
 use crate::place_area::PlaceArea;
-use crate::placing::{GraspedObject, PlacePlan, Placement, PlacingPlanner};
+use crate::placing::{GraspedObject, PlacePlan, PlacePose, PlacingPlanner};
 use crate::transit::{NoTransit, TransitPath, TransitPlanner};
 use grasping::{ContactPoint, Grasp, GraspScene, Obstacles, PlacedArm};
 use nalgebra::{Point3, Vector3};
@@ -48,7 +48,7 @@ pub struct Transport {
     /// Path with the object, from the end of the lift to over the place.
     pub path: TransitPath,
     /// Place.
-    pub placement: Placement,
+    pub placement: PlacePose,
 }
 
 /// Reason why there is no transport.
@@ -129,7 +129,7 @@ impl TransportPlanner<'_> {
         (index, contacts): (usize, &[ContactPoint]),
         grasp: &Grasp,
         area: &PlaceArea,
-    ) -> Result<(TransitPath, Placement), NoTransport> {
+    ) -> Result<(TransitPath, PlacePose), NoTransport> {
         let object = GraspedObject {
             index,
             contacts,

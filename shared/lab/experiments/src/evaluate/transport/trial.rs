@@ -55,9 +55,9 @@ pub(super) struct TransportTrial {
     pub(super) transport_ms: f64,
     /// Time of each transit to a grasp, found or not.
     pub(super) transit_ms: Vec<f64>,
-    /// What happened.
+    /// Outcome with the planned transits.
     pub(super) run: Option<RunOutcome>,
-    /// What happened with straight motions of the joints in place of the transits.
+    /// Outcome with straight motions of the joints in their place.
     pub(super) rival: Option<RunOutcome>,
     pub(super) picture: String,
 }
