@@ -4,6 +4,7 @@ use crate::arm_collision::{ArmCollision, grown_box};
 use crate::carried_load::{CarriedLoad, upright_box};
 use crate::place_area::PlaceArea;
 use crate::place_candidates::{PlaceCandidate, place_candidates};
+use crate::place_plan::PlacePlan;
 use crate::place_rejection::PlaceRejection;
 use arm_kinematics::{JointVector, LineTrajectory};
 use geometry::{ConvexPolygon, OrientedBox, RigidTransform};
@@ -12,8 +13,6 @@ use grasping::{
     swept_back,
 };
 use nalgebra::{Point2, Point3, Translation3, Vector3};
-use std::cmp::Reverse;
-use std::collections::BTreeMap;
 
 /// Height over the surface at which the fingers open, metres.
 pub const RELEASE_M: f64 = 0.004;
@@ -34,8 +33,6 @@ const N_REACH_MAX: usize = 60;
 const N_WANTED: usize = 3;
 /// Share of the joints' speed at which the lines are planned; it changes no place on them.
 const SPEED: f64 = 0.5;
-/// Number of reasons that are told.
-const N_TOLD: usize = 3;
 /// Number of places of a line at which the whole arm is tested.
 const N_LINE_STEPS: usize = 8;
 
@@ -84,13 +81,16 @@ pub struct PlacePose {
     pub retreat_rad: JointVector,
 }
 
-/// Places of an object in an area.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct PlacePlan {
-    /// Places, best first.
-    pub placements: Vec<PlacePose>,
-    /// Reasons of the rejected ones, in the order in which they were tried.
-    pub rejected: Vec<PlaceRejection>,
+/// Pose over the area where nothing is in the way of object and hand.
+struct FreePose {
+    /// Pose of the tool when the fingers open.
+    plan_from_tool: RigidTransform,
+    /// Middle of the object's foot.
+    foot: Point3<f64>,
+    /// Turn about the vertical, radians.
+    turn_rad: f64,
+    /// Index of the surface on which the object stands.
+    surface: usize,
 }
 
 /// Held object with its shape, before it is moved to a place.
@@ -118,7 +118,7 @@ impl PlacingPlanner<'_> {
             match self.checked(&held, area, &candidate) {
                 Ok(found) => {
                     n_reached += 1;
-                    match self.reached(&held, found) {
+                    match self.reached(&held, &found) {
                         Ok(placement) => plan.placements.push(placement),
                         Err(reason) => plan.rejected.push(reason),
                     }
@@ -153,14 +153,13 @@ impl PlacingPlanner<'_> {
         })
     }
 
-    /// Pose of the tool over a candidate where nothing is in the way of object and hand; joint angles
-    /// are still missing.
+    /// Pose of a candidate, if it is free.
     fn checked(
         &self,
         held: &Held<'_>,
         area: &PlaceArea,
         candidate: &PlaceCandidate,
-    ) -> Result<(RigidTransform, Point3<f64>, f64, usize), PlaceRejection> {
+    ) -> Result<FreePose, PlaceRejection> {
         let turn = nalgebra::Rotation2::new(candidate.turn_rad);
         let corners = held
             .outline
@@ -198,8 +197,12 @@ impl PlacingPlanner<'_> {
             }
         }
         self.check_hand(held, &plan_from_tool)?;
-        let foot = Point3::new(candidate.place.x, candidate.place.y, height_m);
-        Ok((plan_from_tool, foot, candidate.turn_rad, index))
+        Ok(FreePose {
+            plan_from_tool,
+            foot: Point3::new(candidate.place.x, candidate.place.y, height_m),
+            turn_rad: candidate.turn_rad,
+            surface: index,
+        })
     }
 
     /// Most of the surface below a body must be seen, or what is in front of it.
@@ -262,11 +265,8 @@ impl PlacingPlanner<'_> {
     }
 
     /// Joint angles with which the arm moves straight down to the place and straight back.
-    fn reached(
-        &self,
-        held: &Held<'_>,
-        (plan_from_tool, foot, turn_rad, surface): (RigidTransform, Point3<f64>, f64, usize),
-    ) -> Result<PlacePose, PlaceRejection> {
+    fn reached(&self, held: &Held<'_>, free: &FreePose) -> Result<PlacePose, PlaceRejection> {
+        let plan_from_tool = free.plan_from_tool;
         let in_base = |pose: &RigidTransform| self.placed.plan_from_base.inv_mul(pose);
         let up = Translation3::from(Vector3::z() * WAY_M);
         let above = in_base(&(up * plan_from_tool));
@@ -292,11 +292,11 @@ impl PlacingPlanner<'_> {
                 None => {
                     return Ok(PlacePose {
                         plan_from_tool,
-                        foot,
-                        turn_rad,
+                        foot: free.foot,
+                        turn_rad: free.turn_rad,
                         way_m: WAY_M,
                         opening_m: grasp.opening_m,
-                        surface: self.scene.surfaces[surface].name.clone(),
+                        surface: self.scene.surfaces[free.surface].name.clone(),
                         above_rad,
                         release_rad: lines[0].target_rad(),
                         retreat_rad: lines[1].target_rad(),
@@ -333,42 +333,6 @@ impl PlacingPlanner<'_> {
         let with_load = collision(Some(&held.load), grasp.width_m, at_rad);
         let without = collision(None, grasp.opening_m, at_rad);
         along(down, &with_load).or_else(|| along(back, &without))
-    }
-}
-
-impl PlacePlan {
-    /// Sentence that says why there is no place; `None` when there is one.
-    pub fn why_none(&self, scene: &GraspScene<'_>, area: &PlaceArea) -> Option<String> {
-        if !self.placements.is_empty() {
-            return None;
-        }
-        let name = &area.name;
-        let mut counts = BTreeMap::<(bool, String), usize>::new();
-        let is_large = self.rejected.iter().all(PlaceRejection::is_over_outline);
-        for reason in &self.rejected {
-            if is_large || !reason.is_over_outline() {
-                let key = (reason.is_occupied(), reason.words(scene));
-                *counts.entry(key).or_default() += 1;
-            }
-        }
-        let mut reasons: Vec<_> = counts.into_iter().collect();
-        reasons.sort_by_key(|(_, n)| Reverse(*n));
-        let told = reasons.iter().take(N_TOLD);
-        let told: Vec<String> = told
-            .map(|((_, words), n)| format!("{n} × {words}"))
-            .collect();
-        let n: usize = reasons.iter().map(|(_, n)| n).sum();
-        let n_occupied = reasons.iter().filter(|((is_occupied, _), _)| *is_occupied);
-        let n_occupied: usize = n_occupied.map(|(_, n)| n).sum();
-        let says = match n {
-            0 => return Some(format!("the place {name} has no room at all")),
-            _ if 2 * n_occupied > n => "is full",
-            _ => "cannot be used",
-        };
-        Some(format!(
-            "the place {name} {says}; of {n} poses none is possible: {}",
-            told.join("; ")
-        ))
     }
 }
 

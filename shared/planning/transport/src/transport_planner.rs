@@ -2,7 +2,8 @@
 
 use crate::carried_load::CarriedLoad;
 use crate::place_area::PlaceArea;
-use crate::placing::{GraspedObject, PlacePlan, PlacePose, PlacingPlanner};
+use crate::place_plan::PlacePlan;
+use crate::placing::{GraspedObject, PlacePose, PlacingPlanner};
 use crate::transit::{NoTransit, TransitPath, TransitPlanner};
 use grasping::{ContactPoint, Grasp, GraspScene, Obstacles, PlacedArm};
 use nalgebra::{Point3, Vector3};

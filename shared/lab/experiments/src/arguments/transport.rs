@@ -30,6 +30,9 @@ pub struct TransportArguments {
     /// Take only what is seen of an object as an obstacle, not its hidden side
     #[arg(long)]
     pub(crate) seen_sides_only: bool,
+    /// Stand the arm at the far right corner of the table, opposite to the camera
+    #[arg(long)]
+    pub(crate) arm_opposite: bool,
     /// Folder for the figures and the page
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,

@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &TransportArguments, output: &Output) -> Result<Exi
     let scenes = parallel::try_map(n_scenes, "scenes", output, |number| {
         let kind = arguments.kinds[number / n_seeds];
         let seed = arguments.seed + (number % n_seeds) as u64;
-        let world = world(kind, seed, library.clone())?;
+        let world = world((kind, seed), library.clone(), arguments.arm_opposite)?;
         let mut trials = run_trials(&world, arguments)?;
         for (trial, picture) in &mut trials {
             trial.kind = kind.word();
@@ -43,7 +43,11 @@ pub(super) fn run(arguments: &TransportArguments, output: &Output) -> Result<Exi
 }
 
 /// World of a scene with an arm. Where not all objects find room there are fewer.
-fn world(kind: SceneKind, seed: u64, mut library: ModelLibrary) -> Result<World, Failure> {
+fn world(
+    (kind, seed): (SceneKind, u64),
+    mut library: ModelLibrary,
+    is_opposite: bool,
+) -> Result<World, Failure> {
     let mut n_objects = kind.default_n_objects();
     let scene = loop {
         match Scene::generate(kind, n_objects, seed, &mut library) {
@@ -52,8 +56,14 @@ fn world(kind: SceneKind, seed: u64, mut library: ModelLibrary) -> Result<World,
             Err(error) => return Err(Failure::general(error)),
         }
     };
+    let mut mount = ArmMount::default();
+    if is_opposite {
+        let [x, y, z] = mount.position_m;
+        mount.position_m = [-x, -y, z];
+        mount.yaw_deg += 180.0;
+    }
     let scene = Scene {
-        arm: Some(ArmMount::default()),
+        arm: Some(mount),
         ..scene
     };
     World::new(scene, library).map_err(Failure::general)

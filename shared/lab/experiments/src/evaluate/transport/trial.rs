@@ -195,7 +195,7 @@ fn planned(
         placed,
         seed: arguments.seed,
     };
-    let area = area(frame);
+    let area = area(frame, arguments.arm_opposite);
     let contacts = contact_surface(scene, index);
     let begun = Instant::now();
     let transport = planner.plan((index, &contacts), &grasps.grasps, &area);
@@ -224,10 +224,11 @@ fn planned(
     }
 }
 
-/// Place of the trials.
-fn area(frame: &PlanningFrame) -> PlaceArea {
+/// Place of the trials, on the side of the arm.
+fn area(frame: &PlanningFrame, is_opposite: bool) -> PlaceArea {
     let plan_from_world = frame.world_from_plan.inverse();
-    let corner = |[x, y]: [f64; 2]| (plan_from_world * Point3::new(x, y, 0.0)).xy();
+    let side = if is_opposite { -1.0 } else { 1.0 };
+    let corner = |[x, y]: [f64; 2]| (plan_from_world * Point3::new(side * x, side * y, 0.0)).xy();
     let mut corners: [Point2<f64>; 4] = PLACE_M.map(corner);
     PlaceArea {
         name: "table".to_owned(),
