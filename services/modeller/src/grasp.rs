@@ -97,7 +97,7 @@ fn reached(
     notes: &mut Vec<String>,
 ) -> Option<ReachedGrasp> {
     let placed = arm_scene.arm.as_ref().filter(|_| !plan.grasps.is_empty())?;
-    let obstacles = Obstacles::with_hidden_sides(scene, &reach_region(placed));
+    let obstacles = Obstacles::within(scene, &reach_region(placed));
     let planner = TransportPlanner {
         scene,
         obstacles: &obstacles,

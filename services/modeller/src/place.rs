@@ -102,7 +102,7 @@ fn document(
     let area = place.area(name, &arm_scene.frame);
     let placed = arm_scene.arm.as_ref();
     let planned = placed.ok_or(NoTransport::NoGrasp).and_then(|placed| {
-        let obstacles = Obstacles::with_hidden_sides(&scene, &reach_region(placed));
+        let obstacles = Obstacles::within(&scene, &reach_region(placed));
         let planner = TransportPlanner {
             scene: &scene,
             obstacles: &obstacles,

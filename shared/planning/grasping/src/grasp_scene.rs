@@ -160,18 +160,6 @@ impl<'a> GraspScene<'a> {
         self.carrier_below(&mean(places))
     }
 
-    /// Height of the surface that carries seen places of an object, or of the lowest of them, metres.
-    pub(crate) fn foot_m(&self, seen: &[Point3<f64>]) -> f64 {
-        let middle = mean(seen.iter().copied());
-        let lowest = || {
-            seen.iter()
-                .map(|place| place.z)
-                .fold(f64::INFINITY, f64::min)
-        };
-        let carrier = self.carrier_below(&middle);
-        carrier.map_or_else(lowest, |index| self.surfaces[index].height_at(&middle.xy()))
-    }
-
     fn carrier_below(&self, middle: &Point3<f64>) -> Option<usize> {
         let carries = |(_, surface): &(usize, &SupportPlane)| {
             surface.plane.height_m(middle) > 0.0 && surface.is_below(middle)

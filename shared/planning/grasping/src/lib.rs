@@ -23,7 +23,6 @@ mod grasp_scene;
 mod grasp_settings;
 mod hand_boxes;
 mod hand_fit;
-mod hidden_places;
 mod mirror_symmetry;
 mod object_estimate;
 mod observed_space;

@@ -1,7 +1,6 @@
 //! Obstacles: measured voxels in a bounding volume hierarchy, people, and support surfaces.
 
 use crate::grasp_scene::GraspScene;
-use crate::hidden_places::hidden_places;
 use geometry::{Capsule as BodyCapsule, OrientedBox, RigidTransform};
 use nalgebra::{Point3, Vector3};
 use parry3d::bounding_volume::Aabb;
@@ -59,27 +58,9 @@ impl Obstacles {
         Self::within(scene, &bounds(scene))
     }
 
-    /// Obstacles between two corners, by what is seen of them.
+    /// Obstacles between two corners.
     pub fn within(scene: &GraspScene<'_>, region: &[Point3<f64>; 2]) -> Self {
         Self::of_voxels(measured_voxels(scene, region), scene)
-    }
-
-    /// Obstacles between two corners, with the hidden sides of the objects: what the whole arm, which
-    /// comes from anywhere, would hit.
-    pub fn with_hidden_sides(scene: &GraspScene<'_>, region: &[Point3<f64>; 2]) -> Self {
-        let mut owners = measured_voxels(scene, region);
-        for object in 0..scene.objects.len() {
-            // Where the robot is, nothing else is.
-            let hidden = hidden_places(scene, object, VOXEL_M);
-            for place in hidden.filter(|place| !is_robot(scene, place)) {
-                owners
-                    .entry(cell_of(&place))
-                    .or_insert(Obstacle::Object(object));
-            }
-        }
-        // Pixels at its edge mix its depth with what is behind: they lie in its shadow.
-        grow_objects(&mut owners);
-        Self::of_voxels(owners, scene)
     }
 
     fn of_voxels(owners: BTreeMap<[i32; 3], Obstacle>, scene: &GraspScene<'_>) -> Self {

@@ -44,10 +44,10 @@ fn arm() -> PlacedArm {
 }
 
 #[divan::bench]
-fn obstacles_with_hidden_sides(bencher: Bencher<'_, '_>) {
+fn obstacles_within_reach(bencher: Bencher<'_, '_>) {
     let image = scene();
     let scene = image.grasp_scene();
-    bencher.bench_local(|| Obstacles::with_hidden_sides(&scene, &REGION));
+    bencher.bench_local(|| Obstacles::within(&scene, &REGION));
 }
 
 #[divan::bench]
@@ -69,7 +69,7 @@ fn transport_of_an_object(bencher: Bencher<'_, '_>) {
         outline: ConvexPolygon::convex_hull_of(&mut corners),
         height_m: None,
     };
-    let obstacles = Obstacles::with_hidden_sides(&scene, &REGION);
+    let obstacles = Obstacles::within(&scene, &REGION);
     let planner = TransportPlanner {
         scene: &scene,
         obstacles: &obstacles,

@@ -134,3 +134,27 @@ impl NoTransit {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::{PinholeCamera, RigidTransform};
+    use grasping::{ObservedSpace, Obstacle};
+
+    #[test]
+    fn reasons_are_sentences_with_names() {
+        let space = ObservedSpace::new(PinholeCamera::KINECT_V1, RigidTransform::identity(), &[]);
+        let scene = GraspScene::new(space, Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let person = ArmObstacle::Thing(Obstacle::Person);
+        for (reason, words) in [
+            (
+                NoTransit::StartBlocked(person),
+                "begins too near to a person",
+            ),
+            (NoTransit::GoalBlocked(ArmObstacle::Itself), "hit itself"),
+            (NoTransit::NoPath { n_nodes: 31 }, "no way"),
+        ] {
+            assert!(reason.words(&scene).contains(words), "{reason:?}");
+        }
+    }
+}

@@ -24,7 +24,7 @@ pub fn reach_region(placed: &PlacedArm) -> [Point3<f64>; 2] {
 pub struct TransportPlanner<'a> {
     /// Scene.
     pub scene: &'a GraspScene<'a>,
-    /// Obstacles within the arm's reach, with the hidden sides of objects.
+    /// Obstacles within the arm's reach.
     pub obstacles: &'a Obstacles,
     /// Arm.
     pub placed: &'a PlacedArm,

@@ -18,8 +18,7 @@ use transport::{
 
 /// Region of the arm in the tests.
 const REGION: [Point3<f64>; 2] = [Point3::new(-1.5, -1.5, -0.2), Point3::new(1.0, 1.0, 1.2)];
-/// Depth to which a link may enter a solid, metres: the hidden side is estimated, and links are
-/// bounded by capsules.
+/// Depth to which a link may enter a solid, metres: links are bounded by capsules.
 const DEPTH_MAX_M: f64 = 0.002;
 
 fn arm() -> PlacedArm {
@@ -104,7 +103,7 @@ fn transit_leads_over_what_stands_between_its_ends() {
     ];
     let (image, placed) = (SolidScene::new(&solids), arm());
     let scene = image.grasp_scene();
-    let obstacles = Obstacles::with_hidden_sides(&scene, &REGION);
+    let obstacles = Obstacles::within(&scene, &REGION);
     let planner = transit(&scene, &obstacles, &placed);
     let start = tool_down_at(&placed, 0.0, -0.20, 0.12);
     let goal = tool_down_at(&placed, 0.0, 0.22, 0.12);
@@ -131,7 +130,7 @@ fn transit_leads_around_a_person_who_is_too_high_to_pass_over() {
         radius_m: 0.08,
     };
     scene.people = vec![person];
-    let obstacles = Obstacles::with_hidden_sides(&scene, &REGION);
+    let obstacles = Obstacles::within(&scene, &REGION);
     let start = tool_down_at(&placed, -0.20, 0.42, 0.2);
     let goal = tool_down_at(&placed, -0.20, -0.42, 0.2);
     let planner = transit(&scene, &obstacles, &placed);
@@ -159,7 +158,7 @@ fn blocked_ends_are_told_by_name() {
     let inside = tool_down_at(&placed, 0.0, 0.0, 0.15);
     let free = tool_down_at(&placed, -0.2, 0.3, 0.25);
     let blocked = |scene: &GraspScene<'_>, start: &JointVector, goal: &JointVector| {
-        let obstacles = Obstacles::with_hidden_sides(scene, &REGION);
+        let obstacles = Obstacles::within(scene, &REGION);
         let planner = transit(scene, &obstacles, &placed);
         let reason = planner.plan(start, goal).unwrap_err();
         (reason, reason.words(scene))
@@ -180,23 +179,6 @@ fn blocked_ends_are_told_by_name() {
     }];
     let (_, words) = blocked(&scene, &JointVector::from(HOME), &free);
     assert!(words.contains("a person"), "{words}");
-}
-
-#[test]
-fn goal_without_a_way_to_it_is_a_reason() {
-    // A cage around the goal, higher than the arm reaches.
-    let solids = [
-        cuboid(-0.20, 0.20, [0.30, 0.02, 1.0]),
-        cuboid(-0.20, -0.20, [0.30, 0.02, 1.0]),
-        cuboid(-0.36, 0.0, [0.02, 0.42, 1.0]),
-    ];
-    let (image, placed) = (SolidScene::new(&solids), arm());
-    let scene = image.grasp_scene();
-    let obstacles = Obstacles::with_hidden_sides(&scene, &REGION);
-    let goal = tool_down_at(&placed, -0.05, 0.0, 0.25);
-    let reason = transit(&scene, &obstacles, &placed).plan(&JointVector::from(HOME), &goal);
-    let words = reason.unwrap_err().words(&scene);
-    assert!(words.contains("no way") || words.contains("hit"), "{words}");
 }
 
 /// Contacts and grasps of the first object.
@@ -231,7 +213,7 @@ fn transported(solids: &[Solid], area: &PlaceArea) -> Result<Transport, (NoTrans
     let (image, placed) = (SolidScene::new(solids), arm());
     let scene = image.grasp_scene();
     let near = Obstacles::of(&scene);
-    let obstacles = Obstacles::with_hidden_sides(&scene, &REGION);
+    let obstacles = Obstacles::within(&scene, &REGION);
     let (contacts, grasps) = grasps(&scene, &near, &placed);
     let planner = TransportPlanner {
         scene: &scene,
@@ -278,7 +260,7 @@ fn release_is_low_and_the_foot_follows_the_surface() {
     let solids = [cuboid(-0.10, -0.15, CARTON_M)];
     let (image, placed) = (SolidScene::new(&solids), arm());
     let scene = image.grasp_scene();
-    let obstacles = Obstacles::with_hidden_sides(&scene, &REGION);
+    let obstacles = Obstacles::within(&scene, &REGION);
     let (contacts, grasps) = grasps(&scene, &Obstacles::of(&scene), &placed);
     let planner = PlacingPlanner {
         scene: &scene,

@@ -27,9 +27,6 @@ pub struct TransportArguments {
     /// Number of scenes of each kind
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) seeds: u32,
-    /// Take only what is seen of an object as an obstacle, not its hidden side
-    #[arg(long)]
-    pub(crate) seen_sides_only: bool,
     /// Stand the arm at the far right corner of the table, opposite to the camera
     #[arg(long)]
     pub(crate) arm_opposite: bool,

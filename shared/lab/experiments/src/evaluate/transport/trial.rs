@@ -183,11 +183,7 @@ fn planned(
     let grasps = grasp_planner.plan(index);
     let begun = Instant::now();
     let region = reach_region(placed);
-    let obstacles = if arguments.seen_sides_only {
-        Obstacles::within(scene, &region)
-    } else {
-        Obstacles::with_hidden_sides(scene, &region)
-    };
+    let obstacles = Obstacles::within(scene, &region);
     trial.obstacles_ms = 1e3 * begun.elapsed().as_secs_f64();
     let planner = TransportPlanner {
         scene,
