@@ -99,7 +99,7 @@ impl<'a> Commander<'a> {
     }
 
     /// Begins a motion, and renews the lease until its end.
-    pub(crate) fn carry_out(&self, motion: ArmMotion) -> ArmReport {
+    pub(crate) fn carry_out(&self, motion: &ArmMotion) -> ArmReport {
         self.leased(|| {
             let mut report = self.begin(motion.clone())?;
             let id = report.command_id;

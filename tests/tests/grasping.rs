@@ -228,7 +228,7 @@ fn set_down(transport: &Value) -> Vec<ArmMotion> {
 /// Carries out motions until one does not end well; true if all do.
 fn carry_out(commander: &Commander<'_>, motions: Vec<ArmMotion>) -> bool {
     motions.into_iter().all(|motion| {
-        let report = commander.carry_out(motion);
+        let report = commander.carry_out(&motion);
         println!("{}: {}", report.activity, report.note);
         report.activity == "idle"
     })
@@ -246,8 +246,8 @@ fn is_set_down(commander: &Commander<'_>, transport: &Value) -> bool {
 
 /// Opens the hand, and moves the arm out of the camera's sight.
 fn give_up(commander: &Commander<'_>) {
-    commander.carry_out(ArmMotion::Open);
-    commander.carry_out(ArmMotion::Home);
+    commander.carry_out(&ArmMotion::Open);
+    commander.carry_out(&ArmMotion::Home);
 }
 
 /// Carries out a grasp; true if the object is held after the lift. Else the arm gives up.
