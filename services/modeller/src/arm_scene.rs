@@ -10,9 +10,26 @@ use grasp_scene::{SceneBodies, grasp_scene};
 use grasping::{GraspScene, PlacedArm};
 use scene_client::{DaemonModels, ModelShelf, PlanningFrame, Snapshot, SnapshotReceiver};
 use service::{CommonArguments, Configuration, Failure, exit_code};
+use std::path::Path;
 
 /// Section of the configuration with the gripper.
 const GRIPPER_SECTION: &str = "gripper";
+
+/// Stop signal and configuration of a command, whose picture can be written.
+///
+/// # Errors
+/// When the picture has no place, or the configuration is wrong.
+pub(crate) fn prepared(
+    common: &CommonArguments,
+    picture: Option<&Path>,
+) -> Result<(StopSignal, Configuration), Failure> {
+    if let Some(file) = picture {
+        dataset::check_output(file).map_err(Failure::usage)?;
+    }
+    let stop = StopSignal::install()?;
+    let configuration = Configuration::find(common.config.as_deref(), common.home().path())?;
+    Ok((stop, configuration))
+}
 
 /// Snapshot with everything that the planning of the arm's motions needs.
 pub(crate) struct ArmScene {

@@ -4,15 +4,15 @@ pub(crate) mod grasp_document;
 mod grasp_text;
 
 use crate::arguments::GraspArguments;
-use crate::arm_scene::ArmScene;
+use crate::arm_scene::{ArmScene, prepared};
 use crate::png_file;
 use crate::transit_document;
-use command_line::{Output, StopSignal};
+use command_line::Output;
 use control_client::TrackScope;
 use grasp_document::GraspDocument;
 use grasp_scene::draw_grasp;
 use grasping::{Grasp, GraspPlan, GraspPlanner, GraspScene, GraspSettings, Obstacles};
-use service::{CommonArguments, Configuration, Failure, exit_code};
+use service::{CommonArguments, Failure, exit_code};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -27,11 +27,7 @@ pub(crate) fn run(
     arguments: &GraspArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    if let Some(file) = &arguments.picture {
-        dataset::check_output(file).map_err(Failure::usage)?;
-    }
-    let stop = StopSignal::install()?;
-    let configuration = Configuration::find(common.config.as_deref(), common.home().path())?;
+    let (stop, configuration) = prepared(common, arguments.picture.as_deref())?;
     let track = arguments.track.resolve(common, TrackScope::LOOK, None)?;
     let Some(mut arm_scene) = ArmScene::receive(common, &configuration, &stop)? else {
         return Ok(ExitCode::SUCCESS);

@@ -8,9 +8,9 @@ mod place_text;
 pub(crate) use place_list::run as run_list;
 
 use crate::arguments::PlaceArguments;
-use crate::arm_scene::ArmScene;
+use crate::arm_scene::{ArmScene, prepared};
 use crate::grasp::{self, SEED, planned};
-use command_line::{Output, StopSignal};
+use command_line::Output;
 use control_client::TrackScope;
 use grasp_scene::{PLACES_SECTION, PlaceConfig, Places, draw_transport};
 use grasping::{Grasp, GraspSettings, Obstacles, contact_surface};
@@ -27,11 +27,7 @@ pub(crate) fn run(
     arguments: &PlaceArguments,
     output: &Output,
 ) -> Result<ExitCode, Failure> {
-    if let Some(file) = &arguments.picture {
-        dataset::check_output(file).map_err(Failure::usage)?;
-    }
-    let stop = StopSignal::install()?;
-    let configuration = Configuration::find(common.config.as_deref(), common.home().path())?;
+    let (stop, configuration) = prepared(common, arguments.picture.as_deref())?;
     let places = places(&configuration)?;
     let track = arguments.track.resolve(common, TrackScope::LOOK, None)?;
     let Some(arm_scene) = ArmScene::receive(common, &configuration, &stop)? else {

@@ -2,7 +2,7 @@
 
 use arm_kinematics::Arm;
 use serde::Serialize;
-use transport::{TransitKind, TransitPath};
+use transport::TransitPath;
 
 /// Path of the arm: straight motions of its joints from one configuration to the next.
 #[derive(Debug, Serialize)]
@@ -20,10 +20,7 @@ pub(crate) struct PathDocument {
 /// Document of a path.
 pub(crate) fn path(path: &TransitPath, arm: &Arm) -> PathDocument {
     PathDocument {
-        kind: match path.kind {
-            TransitKind::OverSafeHeight => "over_safe_height",
-            TransitKind::RandomTree => "random_tree",
-        },
+        kind: path.kind.word(),
         waypoints_rad: path
             .waypoints_rad
             .iter()

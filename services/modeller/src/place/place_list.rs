@@ -1,12 +1,12 @@
 //! `tabula place list`: places of the configuration, with their surfaces and the arm's reach.
 
 use super::places;
-use crate::arm_scene::ArmScene;
-use command_line::{Output, StopSignal, format_table};
+use crate::arm_scene::{ArmScene, prepared};
+use command_line::{Output, format_table};
 use grasp_scene::PlaceConfig;
 use grasping::{GraspScene, PlacedArm};
 use serde::Serialize;
-use service::{CommonArguments, Configuration, Failure};
+use service::{CommonArguments, Failure};
 use std::process::ExitCode;
 use transport::{PlaceArea, reached_share};
 
@@ -35,8 +35,7 @@ struct PlaceRow {
 
 /// Runs `tabula place list`.
 pub(crate) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
-    let stop = StopSignal::install()?;
-    let configuration = Configuration::find(common.config.as_deref(), common.home().path())?;
+    let (stop, configuration) = prepared(common, None)?;
     let places = places(&configuration)?;
     let Some(arm_scene) = ArmScene::receive(common, &configuration, &stop)? else {
         return Ok(ExitCode::SUCCESS);

@@ -156,15 +156,12 @@ impl<'a> GraspScene<'a> {
 
     /// Index of the surface that carries an object: the highest one below most of its points.
     pub fn carrier_of(&self, contacts: &[ContactPoint]) -> Option<usize> {
-        let places = contacts.iter().map(|contact| contact.position);
-        self.carrier_below(&mean(places))
-    }
-
-    fn carrier_below(&self, middle: &Point3<f64>) -> Option<usize> {
+        let places = contacts.iter().map(|contact| contact.position.coords);
+        let middle = Point3::from(places.sum::<Vector3<f64>>() / contacts.len().max(1) as f64);
         let carries = |(_, surface): &(usize, &SupportPlane)| {
-            surface.plane.height_m(middle) > 0.0 && surface.is_below(middle)
+            surface.plane.height_m(&middle) > 0.0 && surface.is_below(&middle)
         };
-        let height_m = |surface: &SupportPlane| surface.plane.height_m(middle);
+        let height_m = |surface: &SupportPlane| surface.plane.height_m(&middle);
         self.surfaces
             .iter()
             .enumerate()
@@ -172,12 +169,4 @@ impl<'a> GraspScene<'a> {
             .min_by(|a, b| height_m(a.1).total_cmp(&height_m(b.1)))
             .map(|(index, _)| index)
     }
-}
-
-/// Mean of places; the origin for none.
-fn mean(places: impl Iterator<Item = Point3<f64>>) -> Point3<f64> {
-    let (sum, n) = places.fold((Vector3::zeros(), 0.0_f64), |(sum, n), place| {
-        (sum + place.coords, n + 1.0)
-    });
-    (sum / n.max(1.0)).into()
 }

@@ -133,7 +133,7 @@ impl ArmCollision<'_> {
             .or_else(|| self.obstacles.hit_by_link(&grown, |o| self.is_ignored(o)))
     }
 
-    fn hit_by_box(&self, body: &OrientedBox) -> Option<Obstacle> {
+    pub(crate) fn hit_by_box(&self, body: &OrientedBox) -> Option<Obstacle> {
         let surfaces = self.scene.surfaces.iter();
         let surface = surfaces.enumerate().find(|(_, s)| s.is_hit_by_box(body));
         surface

@@ -9,8 +9,7 @@ use crate::place_rejection::PlaceRejection;
 use arm_kinematics::{JointVector, LineTrajectory};
 use geometry::{ConvexPolygon, OrientedBox, RigidTransform};
 use grasping::{
-    ContactPoint, Grasp, GraspScene, Obstacle, Obstacles, PlacedArm, SpaceState, hand_boxes,
-    swept_back,
+    ContactPoint, Grasp, GraspScene, Obstacles, PlacedArm, SpaceState, hand_boxes, swept_back,
 };
 use nalgebra::{Point2, Point3, Translation3, Vector3};
 
@@ -180,7 +179,9 @@ impl PlacingPlanner<'_> {
         let up_m = height_m + RELEASE_M - held.foot_m;
         let moved = candidate.motion(&held.body.centre(), up_m);
         let body = held.body.transformed(&moved);
-        if let Some(by) = self.hit_by_box(held, &swept_up(&grown_sides(&body))) {
+        let collision = self.collision(held, None, self.placed.joints_rad);
+        let swept = swept_up(&grown_sides(&body));
+        if let Some(by) = self.obstacles.hit_by(&swept, |o| collision.is_ignored(o)) {
             return Err(PlaceRejection::Occupied { by });
         }
         self.check_seen(&body, height_m)?;
@@ -244,24 +245,31 @@ impl PlacingPlanner<'_> {
             let up = Translation3::new(0.0, 0.0, share * WAY_M) * plan_from_tool;
             hand_boxes(gripper, grasp.width_m).map(|body| body.transformed(&up))
         });
-        let hit = |body: OrientedBox| {
-            let mut surfaces = self.scene.surfaces.iter();
-            let surface = surfaces.position(|surface| surface.is_hit_by_box(&body));
-            let surface = surface.map(Obstacle::Surface);
-            surface.or_else(|| self.hit_by_box(held, &body))
-        };
-        match back.into_iter().chain(down).find_map(hit) {
+        let collision = self.collision(held, None, self.placed.joints_rad);
+        let mut bodies = back.into_iter().chain(down);
+        match bodies.find_map(|body| collision.hit_by_box(&body)) {
             Some(what) => Err(PlaceRejection::HandHits { what }),
             None => Ok(()),
         }
     }
 
-    fn hit_by_box(&self, held: &Held<'_>, body: &OrientedBox) -> Option<Obstacle> {
-        self.obstacles.hit_by(body, |obstacle| match obstacle {
-            Obstacle::Object(index) => index == held.object.index,
-            Obstacle::Surface(_) => true,
-            Obstacle::Person | Obstacle::Other => false,
-        })
+    /// Collision test of the arm at the place, with or without the object.
+    fn collision<'a>(
+        &'a self,
+        held: &'a Held<'_>,
+        load: Option<&'a CarriedLoad>,
+        at_rad: JointVector,
+    ) -> ArmCollision<'a> {
+        let grasp = held.object.grasp;
+        ArmCollision {
+            scene: self.scene,
+            obstacles: self.obstacles,
+            placed: self.placed,
+            opening_m: load.map_or(grasp.opening_m, |_| grasp.width_m),
+            load,
+            released: Some(held.object.index),
+            ends: [at_rad, at_rad],
+        }
     }
 
     /// Joint angles with which the arm moves straight down to the place and straight back.
@@ -319,19 +327,9 @@ impl PlacingPlanner<'_> {
                 collision.hit(&line.sample(time_s).angles_rad)
             })
         };
-        let collision = |load, opening_m, at_rad| ArmCollision {
-            scene: self.scene,
-            obstacles: self.obstacles,
-            placed: self.placed,
-            opening_m,
-            load,
-            released: Some(held.object.index),
-            ends: [at_rad, at_rad],
-        };
-        let grasp = held.object.grasp;
         let at_rad = down.target_rad();
-        let with_load = collision(Some(&held.load), grasp.width_m, at_rad);
-        let without = collision(None, grasp.opening_m, at_rad);
+        let with_load = self.collision(held, Some(&held.load), at_rad);
+        let without = self.collision(held, None, at_rad);
         along(down, &with_load).or_else(|| along(back, &without))
     }
 }

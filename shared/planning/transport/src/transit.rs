@@ -40,6 +40,16 @@ pub enum TransitKind {
     RandomTree,
 }
 
+impl TransitKind {
+    /// Word of the kind in documents.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::OverSafeHeight => "over_safe_height",
+            Self::RandomTree => "random_tree",
+        }
+    }
+}
+
 /// Path of the arm: straight motions in joint space from one configuration to the next.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransitPath {

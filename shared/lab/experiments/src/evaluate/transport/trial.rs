@@ -16,9 +16,7 @@ use serde::Serialize;
 use service::Failure;
 use simulated_world::World;
 use std::time::Instant;
-use transport::{
-    NoTransport, PlaceArea, TransitKind, TransitPath, Transport, TransportPlanner, reach_region,
-};
+use transport::{NoTransport, PlaceArea, TransitPath, Transport, TransportPlanner, reach_region};
 
 /// Corners of the place on the table, world, metres: most of what the arm reaches.
 const PLACE_M: [[f64; 2]; 4] = [[-0.35, -0.32], [0.25, -0.32], [0.25, 0.12], [-0.35, 0.12]];
@@ -154,7 +152,7 @@ fn run_trial(
             placement: transport.placement.clone(),
         };
         trial.transits = [&transport.reached.path, &transport.path]
-            .map(|path| kind_word(path.kind))
+            .map(|path| path.kind.word())
             .to_vec();
         let seconds =
             |t: &Transport| t.reached.path.duration_s(&placed.arm) + t.path.duration_s(&placed.arm);
@@ -239,12 +237,5 @@ fn direct(path: &TransitPath) -> TransitPath {
     TransitPath {
         waypoints_rad: ends.into_iter().flatten().copied().collect(),
         ..path.clone()
-    }
-}
-
-fn kind_word(kind: TransitKind) -> &'static str {
-    match kind {
-        TransitKind::OverSafeHeight => "over_safe_height",
-        TransitKind::RandomTree => "random_tree",
     }
 }
