@@ -34,9 +34,6 @@ fn wait_for_tracks(scenes: &SceneRecorder, n: usize) {
 #[test]
 fn tracks_keep_their_ids_among_two_hundred() {
     let sandbox = Sandbox::new();
-    // Two equal blocks with a third one before the gap between them look like one body that is half
-    // hidden; of two hundred in rows it depends on the noise whether a pair is joined.
-    sandbox.configure("[perception]\njoin_object_parts = false\n");
     let scenes = SceneRecorder::start(&sandbox);
     let daemon = start_crowd(&sandbox, N_BLOCKS, "30");
     wait_for_tracks(&scenes, N_BLOCKS);

@@ -18,6 +18,10 @@ const LOG_ODDS_MIN: f32 = 0.0;
 /// larger region's: of two equal things with a gap between them it is larger. Chosen.
 const FOOTPRINT_RATIO_MAX: f32 = 2.4;
 
+/// Least share of its cluster that a region must have to join this to another cluster: a few mixed
+/// pixels at the foot of a thing say nothing about what stands beside it. Chosen.
+const CLUSTER_SHARE_MIN: f32 = 0.1;
+
 /// Prior log odds that two regions are one object because one track claims both, and that they
 /// are two because two tracks do. Chosen.
 const TRACK_LOG_ODDS: f32 = 2.5;
@@ -266,12 +270,20 @@ impl RegionAdjacency {
         }
     }
 
-    /// True if the regions of an edge, which are of two clusters, are apart on the table: equal
-    /// things in rows look like one in all other features.
+    /// True if the regions of an edge, which are of two clusters, are apart on the table, since
+    /// equal things in rows look like one in all other features; or if one is a scrap of its
+    /// cluster.
     fn are_apart(&self, edge: usize, features: &PairFeatures) -> bool {
-        let [a, b] = self.regions_of(edge).map(|region| region as usize);
-        self.cluster_of[a] != self.cluster_of[b]
-            && features[LOG_FOOTPRINT_RATIO].exp() > FOOTPRINT_RATIO_MAX
+        let regions = self.regions_of(edge).map(|region| region as usize);
+        let clusters = regions.map(|region| self.cluster_of[region] as usize);
+        let is_scrap = |(region, cluster): (usize, usize)| {
+            let [part, whole] =
+                [&self.regions[region], &self.clusters[cluster]].map(|of| of.n_pixels_at_1m);
+            part < CLUSTER_SHARE_MIN * whole
+        };
+        clusters[0] != clusters[1]
+            && (features[LOG_FOOTPRINT_RATIO].exp() > FOOTPRINT_RATIO_MAX
+                || regions.into_iter().zip(clusters).any(is_scrap))
     }
 
     /// Prior log odds of an edge by the claims of tracks on its regions.

@@ -128,6 +128,21 @@ fn a_surface_is_merged_and_a_track_on_each_side_parts_it() {
 }
 
 #[test]
+fn a_scrap_of_another_cluster_joins_no_clusters() {
+    let are_apart = |clusters: [u32; 3], share: f32| {
+        let mut graph = graph([0, 1, 2]);
+        graph.cluster_of.copy_from_slice(&clusters);
+        graph.describe_clusters();
+        graph.regions[1].n_pixels_at_1m = share * graph.clusters[1].n_pixels_at_1m;
+        graph.are_apart(0, &graph.features(0))
+    };
+    assert!(!are_apart([0, 1, 1], 0.5));
+    assert!(are_apart([0, 1, 1], 0.05));
+    // Within its own cluster a scrap belongs to what it touches.
+    assert!(!are_apart([1, 1, 1], 0.05));
+}
+
+#[test]
 fn examples_follow_the_known_objects() {
     let mut pairs = Vec::new();
     let objects = [Some(10), Some(10), Some(20)];
