@@ -1,9 +1,10 @@
 //! Conversion of world events to their documents.
 
-use crate::world_report::{answer, word};
+use crate::task_report::{step_word, word};
+use crate::world_report::answer;
 use control_protocol::{Command, LearningReport};
 use scene_document::{CategoryAnswer, EventDocument};
-use working_memory::{Event, EventKind, Lesson, LessonKind};
+use working_memory::{Event, EventKind, Lesson, LessonKind, StepChange};
 
 /// Document of a world-model event.
 pub(crate) fn event(event: &Event) -> EventDocument {
@@ -29,6 +30,7 @@ pub(crate) fn event(event: &Event) -> EventDocument {
             reason: reason.clone(),
             ..of_task(word(*outcome), *task, kind)
         },
+        EventKind::TaskStep(change) => of_step(change),
         kind => of_object(kind),
     };
     EventDocument {
@@ -63,6 +65,19 @@ fn of_task(what: &str, task: u64, kind: &str) -> EventDocument {
         event: format!("task_{what}"),
         task_id: Some(task),
         task_kind: Some(kind.to_owned()),
+        ..EventDocument::default()
+    }
+}
+
+fn of_step(change: &StepChange) -> EventDocument {
+    EventDocument {
+        event: format!("step_{}", step_word(change.state)),
+        track_id: Some(change.track_id),
+        task_id: Some(change.task),
+        task_kind: Some(change.kind.clone()),
+        step: Some(change.step),
+        primitive: Some(change.primitive.clone()),
+        reason: change.reason.clone(),
         ..EventDocument::default()
     }
 }
@@ -146,7 +161,7 @@ fn of_object(kind: &EventKind) -> EventDocument {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use working_memory::Outcome;
+    use working_memory::{Outcome, StepState};
 
     fn document(kind: EventKind) -> EventDocument {
         event(&Event {
@@ -197,6 +212,24 @@ mod tests {
             (Some(9), Some("anna"))
         );
         assert_eq!(taught.sentence, "anna taught track 7 as mug");
+        let slipped = document(EventKind::TaskStep(StepChange {
+            task: 2,
+            kind: "clear".into(),
+            step: 3,
+            track_id: 7,
+            state: StepState::Failed,
+            primitive: "lift".into(),
+            reason: "it slipped".into(),
+        }));
+        assert_eq!((slipped.task_id, slipped.step), (Some(2), Some(3)));
+        assert_eq!(
+            (slipped.track_id, slipped.primitive.as_deref()),
+            (Some(7), Some("lift"))
+        );
+        assert_eq!(
+            slipped.sentence,
+            "step 3 of task 2 (clear), lift of track 7, failed: it slipped"
+        );
         let started = document(EventKind::Started);
         assert_eq!(started.sentence, "the memory started");
     }

@@ -12,6 +12,7 @@ mod question_asker;
 mod request_router;
 mod run;
 mod scene_follower;
+mod task_report;
 mod working_memory;
 mod working_memory_requests;
 mod world_model_updater;

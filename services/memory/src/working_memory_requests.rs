@@ -1,6 +1,7 @@
 //! Requests to the working memory: facts, events and tasks.
 
 use crate::event_report::event;
+use crate::task_report;
 use crate::working_memory::{WorkingMemory, now_ns};
 use crate::world_report::{self as report, SceneFreshness};
 use control_protocol::{
@@ -8,13 +9,13 @@ use control_protocol::{
     WorldReply,
 };
 use perceptual_memory::MutationId;
-use scene_document::{EventsDocument, TaskDocument, TasksDocument};
+use scene_document::{EventsDocument, TaskDocument};
 use service::monotonic_ns;
 use std::time::Duration;
 use tokio::time::{Instant, timeout, timeout_at};
 use working_memory::{NewTask, Task, TaskEnd, TaskRefusal, WorldModel};
 
-/// Time limit for a task's start or end to be on disk; shorter than the time limit of
+/// Time limit for a task's start, step or end to be on disk; shorter than the time limit of
 /// clients.
 const ON_DISK: Duration = Duration::from_millis(1500);
 
@@ -38,8 +39,21 @@ impl WorkingMemory {
             }
             WorldCommand::Tasks { before, limit } => {
                 let n_most = (limit as usize).clamp(1, MAX_PAGE_TASKS);
-                WorldReply::Tasks(self.with(|model| tasks(model, before, n_most)))
+                WorldReply::Tasks(self.with(|model| task_report::tasks(model, before, n_most)))
             }
+            WorldCommand::Task { task_id } => {
+                WorldReply::Task(self.with(|model| task_report::whole_task(model, task_id))?)
+            }
+            WorldCommand::StartTask { .. }
+            | WorldCommand::EndTask { .. }
+            | WorldCommand::RecordStep { .. } => WorldReply::Task(self.note(command).await?),
+        };
+        Ok(Reply::World(reply))
+    }
+
+    /// Records what a command says about a task; answered when it is on disk.
+    async fn note(&self, command: WorldCommand) -> Result<TaskDocument, Refusal> {
+        match command {
             WorldCommand::StartTask {
                 id,
                 kind,
@@ -52,10 +66,8 @@ impl WorkingMemory {
                     parameters,
                     author,
                 };
-                WorldReply::Task(
-                    self.note_task(|model| model.start_task(&new, now_ns()))
-                        .await?,
-                )
+                self.note_task(|model| model.start_task(&new, now_ns()))
+                    .await
             }
             WorldCommand::EndTask {
                 id,
@@ -66,16 +78,21 @@ impl WorkingMemory {
                 let end = TaskEnd {
                     id: MutationId(id.0),
                     task: task_id,
-                    outcome: report::outcome(outcome),
+                    outcome: task_report::outcome(outcome),
                     reason,
                 };
-                WorldReply::Task(
-                    self.note_task(|model| model.end_task(&end, now_ns()))
-                        .await?,
-                )
+                self.note_task(|model| model.end_task(&end, now_ns())).await
             }
-        };
-        Ok(Reply::World(reply))
+            WorldCommand::RecordStep { task_id, step } => {
+                let content = task_report::content(step)?;
+                self.note_task(|model| model.record_step(task_id, content, now_ns()))
+                    .await
+            }
+            _ => {
+                let sentence = "this command records no task; this is a fault of tabula";
+                Err(Refusal::new(RefusalKind::Internal, sentence))
+            }
+        }
     }
 
     /// Long poll: the events after a sequence number, or none after the time limit.
@@ -95,24 +112,24 @@ impl WorkingMemory {
         }
     }
 
-    /// Records the start or end of a task; answered when it is on disk.
+    /// Records the start, a step or the end of a task; answered when it is on disk.
     async fn note_task(
         &self,
         note: impl FnOnce(&mut WorldModel) -> Result<&Task, TaskRefusal>,
     ) -> Result<TaskDocument, Refusal> {
         let (noted, version) = self.with(|model| {
-            let noted = note(model).map(report::task);
+            let noted = note(model).map(task_report::task_of_page);
             (noted, model.version())
         });
-        let task = noted.map_err(|refusal| report::task_refusal(&refusal))?;
+        let task = noted.map_err(|refusal| task_report::refusal(&refusal))?;
         let mut written = self.written();
         match timeout(ON_DISK, written.wait_for(|written| *written >= version)).await {
             Ok(Ok(_)) => Ok(task),
             _ => Err(Refusal::new(
                 RefusalKind::Unavailable,
                 format!(
-                    "task {} is noted but not on disk yet; send the same request again, with the \
-                     same id, and see the daemon's log if that goes on",
+                    "task {} is noted but not on disk yet; send the same request again, \
+                     unchanged, and see the daemon's log if that goes on",
                     task.task_id
                 ),
             )),
@@ -126,12 +143,4 @@ fn events(model: &WorldModel, since: u64) -> EventsDocument {
         events: events.map(event).collect(),
         newest: model.newest_event(),
     }
-}
-
-fn tasks(model: &WorldModel, before: Option<u64>, n_most: usize) -> TasksDocument {
-    let mut known = model.tasks_before(before.unwrap_or(u64::MAX));
-    let tasks: Vec<TaskDocument> = known.by_ref().take(n_most).map(report::task).collect();
-    let has_more = known.next().is_some();
-    let next = tasks.last().map(|task| task.task_id).filter(|_| has_more);
-    TasksDocument { tasks, next }
 }

@@ -1,16 +1,14 @@
 //! Conversion between the working memory's types and the control protocol.
 
-use control_protocol::{
-    FactFilter, MAX_PAGE_FACTS, Refusal, RefusalKind, TaskOutcome, WorldRegion,
-};
+use control_protocol::{FactFilter, MAX_PAGE_FACTS, Refusal, RefusalKind, WorldRegion};
 use message::{SceneTime, TrackState};
 use scene_document::{
-    CategoryAnswer, FactDocument, FactsDocument, PlaceDocument, RobotDocument, TaskDocument,
-    WorldDocument, WorldObjectDocument, WorldSurfaceDocument,
+    CategoryAnswer, FactDocument, FactsDocument, PlaceDocument, RobotDocument, WorldDocument,
+    WorldObjectDocument, WorldSurfaceDocument,
 };
 use working_memory::{
-    BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Outcome, Property, Region, Robot, Subject,
-    SurfaceRecord, Task, TaskRefusal, TaskState, Value, Window, WorldModel,
+    BoxPose, Fact, FactPage, FactQuery, ObjectRecord, Property, Region, Robot, Subject,
+    SurfaceRecord, Value, Window, WorldModel,
 };
 
 /// Freshness of the newest scene at the time of a report; all `None` before the first scene.
@@ -234,59 +232,6 @@ fn fact(fact: &Fact) -> FactDocument {
         start_ns: fact.start_ns,
         end_ns: fact.end_ns,
     }
-}
-
-/// Task as a wire report.
-pub(crate) fn task(task: &Task) -> TaskDocument {
-    let (state, ended_ns, reason) = match &task.state {
-        TaskState::Running => ("running", None, ""),
-        TaskState::Ended {
-            outcome,
-            reason,
-            ended_ns,
-            ..
-        } => (word(*outcome), Some(*ended_ns), reason.as_str()),
-    };
-    TaskDocument {
-        task_id: task.number,
-        kind: task.kind.clone(),
-        parameters: task.parameters.clone(),
-        author: task.author.clone(),
-        state: state.to_owned(),
-        phase: String::new(),
-        plan: Vec::new(),
-        track_ids: Vec::new(),
-        started_ns: task.started_ns,
-        ended_ns,
-        reason: reason.to_owned(),
-    }
-}
-
-pub(crate) fn word(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Succeeded => "succeeded",
-        Outcome::Failed => "failed",
-        Outcome::Cancelled => "cancelled",
-    }
-}
-
-/// Outcome of a task in the working memory's own type.
-pub(crate) fn outcome(outcome: TaskOutcome) -> Outcome {
-    match outcome {
-        TaskOutcome::Succeeded => Outcome::Succeeded,
-        TaskOutcome::Failed => Outcome::Failed,
-        TaskOutcome::Cancelled => Outcome::Cancelled,
-    }
-}
-
-/// Refusal of a task request as a wire refusal.
-pub(crate) fn task_refusal(refusal: &TaskRefusal) -> Refusal {
-    let kind = match refusal {
-        TaskRefusal::Unknown { .. } => RefusalKind::NotFound,
-        TaskRefusal::HasEnded { .. } | TaskRefusal::TooMany { .. } => RefusalKind::Conflict,
-        _ => RefusalKind::Invalid,
-    };
-    Refusal::new(kind, refusal.to_string())
 }
 
 #[cfg(test)]

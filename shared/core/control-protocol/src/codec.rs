@@ -84,8 +84,9 @@ pub fn decode_reply(bytes: &[u8]) -> Reply {
 mod tests {
     use super::*;
     use crate::{
-        Command, FactFilter, MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_TASKS, WorldCommand,
-        WorldReply,
+        Command, FactFilter, MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_STEPS, MAX_PAGE_TASKS,
+        MAX_PLAN_BYTES, MAX_STEP_REASON_BYTES, MAX_STEP_WORD_BYTES, MAX_TASK_PLAN_BYTES,
+        MAX_TASK_STEPS, RecordedStep, WorldCommand, WorldReply,
     };
     use constraint::{Constraint, Finding, Findings, Reason, Ternary};
     use message::{
@@ -94,7 +95,7 @@ mod tests {
     };
     use scene_document::{
         EventDocument, EventsDocument, FactDocument, FactsDocument, PlaceDocument, TaskDocument,
-        TasksDocument,
+        TaskStepDocument, TasksDocument,
     };
 
     use std::collections::BTreeMap;
@@ -140,6 +141,17 @@ mod tests {
                 category: "mug".into(),
             },
             Command::World(WorldCommand::Facts(FactFilter::default())),
+            Command::World(WorldCommand::RecordStep {
+                task_id: 2,
+                step: RecordedStep {
+                    number: 1,
+                    state: "held".into(),
+                    primitive: "lift".into(),
+                    label: Some("mug".into()),
+                    attempt: 1,
+                    ..RecordedStep::default()
+                },
+            }),
             Command::Arm(crate::ArmCommand::Move {
                 lease: crate::ArmLease {
                     id: u64::MAX,
@@ -268,6 +280,54 @@ mod tests {
         }
     }
 
+    /// Step whose every number and text has its longest form, with a plan of some bytes.
+    fn longest_step(plan_bytes: usize) -> TaskStepDocument {
+        let word = "x".repeat(MAX_STEP_WORD_BYTES);
+        TaskStepDocument {
+            number: u64::MAX,
+            state: "succeeded".into(),
+            primitive: word.clone(),
+            track_id: u64::MAX,
+            label: Some(word.clone()),
+            place: Some(word),
+            attempt: u32::MAX,
+            reason: "x".repeat(MAX_STEP_REASON_BYTES),
+            plan: "x".repeat(plan_bytes),
+            started_ns: u64::MAX,
+            ended_ns: Some(u64::MAX),
+        }
+    }
+
+    fn longest_task(steps: Vec<TaskStepDocument>) -> TaskDocument {
+        TaskDocument {
+            task_id: u64::MAX,
+            kind: "x".repeat(64),
+            parameters: "x".repeat(2048),
+            author: "x".repeat(256),
+            state: "succeeded".into(),
+            started_ns: u64::MAX,
+            ended_ns: Some(u64::MAX),
+            reason: "x".repeat(2048),
+            steps,
+            ..TaskDocument::default()
+        }
+    }
+
+    /// The task with the most steps and the longest plans fits, however the plans are spread.
+    #[test]
+    fn the_longest_task_fits() {
+        let even = MAX_TASK_PLAN_BYTES / MAX_TASK_STEPS;
+        let n_whole = MAX_TASK_PLAN_BYTES / MAX_PLAN_BYTES;
+        let uneven = |index| if index < n_whole { MAX_PLAN_BYTES } else { 0 };
+        let plan_bytes: [&dyn Fn(usize) -> usize; 2] = [&|_| even, &uneven];
+        for plan_bytes in plan_bytes {
+            let steps = (0..MAX_TASK_STEPS).map(|index| longest_step(plan_bytes(index)));
+            let reply = Reply::World(WorldReply::Task(longest_task(steps.collect())));
+            let bytes = encode(&reply).expect("it fits");
+            assert_eq!(decode_reply(&bytes), reply);
+        }
+    }
+
     /// The longest pages of the working memory fit, too.
     #[test]
     fn the_longest_pages_of_the_world_fit() {
@@ -281,21 +341,13 @@ mod tests {
             task_id: Some(u64::MAX),
             label: Some(name.clone()),
             task_kind: Some("x".repeat(64)),
+            step: Some(u64::MAX),
+            primitive: Some("x".repeat(MAX_STEP_WORD_BYTES)),
             reason: "x".repeat(2048),
             sentence: "x".repeat(2048 + 256),
             ..EventDocument::default()
         };
-        let task = TaskDocument {
-            task_id: u64::MAX,
-            kind: "x".repeat(64),
-            parameters: "x".repeat(2048),
-            author: "x".repeat(256),
-            state: "succeeded".into(),
-            started_ns: u64::MAX,
-            ended_ns: Some(u64::MAX),
-            reason: "x".repeat(2048),
-            ..TaskDocument::default()
-        };
+        let task = longest_task(vec![longest_step(0); MAX_PAGE_STEPS]);
         let next = Some(u64::MAX);
         let replies = [
             WorldReply::Facts(FactsDocument {

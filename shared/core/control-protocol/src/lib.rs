@@ -56,8 +56,9 @@ pub use report::{DepthNoiseReport, LearningReport};
 pub use request::TypedRequest;
 pub use user_role::UserRole;
 pub use world::{
-    FactFilter, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_TASKS, TaskOutcome,
-    WorldCommand, WorldRegion, WorldReply,
+    FactFilter, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_STEPS, MAX_PAGE_TASKS,
+    MAX_PLAN_BYTES, MAX_STEP_REASON_BYTES, MAX_STEP_WORD_BYTES, MAX_TASK_PLAN_BYTES,
+    MAX_TASK_STEPS, RecordedStep, TaskOutcome, WorldCommand, WorldRegion, WorldReply,
 };
 
 use process_registry::ProcessKind;

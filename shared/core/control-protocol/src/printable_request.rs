@@ -109,7 +109,7 @@ impl<'de> Visitor<'de> for Walk {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Command, MutationId, Request, WorldCommand};
+    use crate::{Command, MutationId, RecordedStep, Request, WorldCommand};
     use std::collections::BTreeMap;
 
     fn check(item: &impl serde::Serialize) -> Result<(), String> {
@@ -148,6 +148,24 @@ mod tests {
         ] {
             assert!(refused.unwrap_err().contains("character U+"));
         }
+    }
+
+    #[test]
+    fn texts_of_a_step_are_checked() {
+        let step = |reason: &str, plan: &str| {
+            let step = RecordedStep {
+                reason: reason.into(),
+                plan: plan.into(),
+                ..RecordedStep::default()
+            };
+            check(&Request::from(Command::World(WorldCommand::RecordStep {
+                task_id: 1,
+                step,
+            })))
+        };
+        step("sie rutschte", r#"{"grasp": [0.5, -1e-3]}"#).unwrap();
+        step("", "{\n}").unwrap_err();
+        step("\u{1b}[2J", "{}").unwrap_err();
     }
 
     #[test]

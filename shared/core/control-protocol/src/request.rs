@@ -10,8 +10,9 @@ use crate::{
     DocumentName, DocumentPage, DocumentReport, DocumentVersionReport, FactFilter, FindQuery,
     FindReport, HistoryReport, ImportCompletion, JobCommand, JobKind, JobReport, Labelling,
     LearningReport, MemoryAnswer, MemoryQuery, MemoryStats, MutationId, PageRequest,
-    QuestionsReport, Refusal, RefusalKind, ReloadReport, Reply, Revision, SnapshotCursor,
-    SnapshotPage, StoredView, TaskOutcome, UserRole, ViewId, ViewReport, WorldCommand, WorldReply,
+    QuestionsReport, RecordedStep, Refusal, RefusalKind, ReloadReport, Reply, Revision,
+    SnapshotCursor, SnapshotPage, StoredView, TaskOutcome, UserRole, ViewId, ViewReport,
+    WorldCommand, WorldReply,
 };
 use process_registry::ProcessKind;
 use scene_document::{
@@ -297,6 +298,12 @@ requests! {
         = [Command::World(WorldCommand::Tasks { before, limit })]
         => [Reply::World(WorldReply::Tasks(tasks)) => tasks];
 
+    MEMORY, Reader:
+    /// Reads one task with all its steps and their plans.
+    task(task_id: u64) -> TaskDocument
+        = [Command::World(WorldCommand::Task { task_id })]
+        => [Reply::World(WorldReply::Task(task)) => task];
+
     MEMORY, Teacher:
     /// Records the start of a task.
     start_task(id: MutationId, kind: String, parameters: String, author: String) -> TaskDocument
@@ -307,6 +314,12 @@ requests! {
     /// Records the end of a task.
     end_task(id: MutationId, task_id: u64, outcome: TaskOutcome, reason: String) -> TaskDocument
         = [Command::World(WorldCommand::EndTask { id, task_id, outcome, reason })]
+        => [Reply::World(WorldReply::Task(task)) => task];
+
+    MEMORY, Teacher:
+    /// Records a step of a running task, or another content of its newest step.
+    record_step(task_id: u64, step: RecordedStep) -> TaskDocument
+        = [Command::World(WorldCommand::RecordStep { task_id, step })]
         => [Reply::World(WorldReply::Task(task)) => task];
 
     MEMORY, Teacher:

@@ -15,7 +15,26 @@ pub const MAX_PAGE_FACTS: usize = 500;
 pub const MAX_PAGE_EVENTS: usize = 96;
 
 /// Maximum number of tasks per page.
-pub const MAX_PAGE_TASKS: usize = 64;
+pub const MAX_PAGE_TASKS: usize = 24;
+
+/// Maximum number of steps of a task on a page of tasks: the newest ones, without their plans.
+pub const MAX_PAGE_STEPS: usize = 16;
+
+/// Maximum number of steps of a task.
+pub const MAX_TASK_STEPS: usize = 256;
+
+/// Maximum length of a step's primitive, label and place, bytes.
+pub const MAX_STEP_WORD_BYTES: usize = 64;
+
+/// Maximum length of a step's reason, bytes.
+pub const MAX_STEP_REASON_BYTES: usize = 512;
+
+/// Maximum length of a step's plan, bytes.
+pub const MAX_PLAN_BYTES: usize = 8192;
+
+/// Maximum length of the plans of all steps of a task together, bytes, so that the answer about
+/// one task fits into a message.
+pub const MAX_TASK_PLAN_BYTES: usize = 256 * 1024;
 
 /// Query or update of the working memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,6 +59,11 @@ pub enum WorldCommand {
         /// Maximum number of tasks, up to [`MAX_PAGE_TASKS`].
         limit: u32,
     },
+    /// Read one task with all its steps and their plans.
+    Task {
+        /// Number of the task to read.
+        task_id: u64,
+    },
     /// Record the start of a task.
     StartTask {
         /// Idempotency key: a repeated id gets the answer of the first request.
@@ -62,6 +86,42 @@ pub enum WorldCommand {
         /// Reason, for people; may be empty after success.
         reason: String,
     },
+    /// Record a step of a running task, or another content of its newest step. The same content
+    /// again changes nothing.
+    RecordStep {
+        /// Number of the task that the step belongs to.
+        task_id: u64,
+        /// Content of the step.
+        step: RecordedStep,
+    },
+}
+
+/// Step of a task, as its author records it; the memory adds the times.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct RecordedStep {
+    /// Number of the step: that of the newest step of its task, or the next one, from 1.
+    pub number: u64,
+    /// State of the step: `running`, `held` while the object is in the gripper, `succeeded` or
+    /// `failed`. The last two end it.
+    pub state: String,
+    /// Primitive of the step, the present or the last one, up to [`MAX_STEP_WORD_BYTES`].
+    pub primitive: String,
+    /// Track-id of the object that the step handles.
+    pub track_id: u64,
+    /// Label of the object, up to [`MAX_STEP_WORD_BYTES`].
+    #[serde(default)]
+    pub label: Option<String>,
+    /// Name of the place where the object is to go, up to [`MAX_STEP_WORD_BYTES`].
+    #[serde(default)]
+    pub place: Option<String>,
+    /// Number of the attempt, from 1 for each object.
+    pub attempt: u32,
+    /// Reason of a failure or a delay, for people, up to [`MAX_STEP_REASON_BYTES`].
+    #[serde(default)]
+    pub reason: String,
+    /// Grasp and placement, as JSON of the author on one line, up to [`MAX_PLAN_BYTES`].
+    #[serde(default)]
+    pub plan: String,
 }
 
 /// Filter of facts: those that held at an instant at which all conditions were true.
@@ -144,6 +204,7 @@ pub enum WorldReply {
     Events(EventsDocument),
     /// Reply to [`WorldCommand::Tasks`].
     Tasks(TasksDocument),
-    /// Reply to the start and end of a task: the record is on disk.
+    /// Reply to [`WorldCommand::Task`]; and, with the steps of a page, to the start and end of a
+    /// task and the record of a step: the record is on disk.
     Task(TaskDocument),
 }

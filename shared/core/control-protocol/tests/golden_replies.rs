@@ -13,7 +13,7 @@ use control_protocol::{
 };
 use scene_document::{
     CategoryAnswer, CategoryDocument, EventsDocument, FactsDocument, HealthDocument,
-    ObjectDocument, SceneDocument, TaskDocument, TasksDocument, WorldDocument,
+    ObjectDocument, SceneDocument, TaskDocument, TaskStepDocument, TasksDocument, WorldDocument,
 };
 use std::path::Path;
 use test_data::golden;
@@ -451,7 +451,39 @@ fn golden_replies_of_the_world_and_to_processes_are_written_and_read() {
         ("changes", Reply::Changes(changes)),
         ("reload", Reply::Changes(ChangesPage::Reload)),
     ];
-    check("replies-of-the-world-2", &examples);
+    check("replies-of-the-world-3", &examples);
+}
+
+#[test]
+fn golden_task_with_steps_is_written_and_read() {
+    let step = TaskStepDocument {
+        number: 1,
+        state: "held".to_owned(),
+        primitive: "lift".to_owned(),
+        track_id: 7,
+        label: Some(mug()),
+        place: Some("shelf".to_owned()),
+        attempt: 2,
+        reason: "the first grasp slipped".to_owned(),
+        plan: "{}".to_owned(),
+        started_ns: 5,
+        ended_ns: None,
+    };
+    let task = TaskDocument {
+        task_id: 2,
+        steps: vec![step],
+        ..TaskDocument::default()
+    };
+    let reply = Reply::World(WorldReply::Task(task));
+    check("replies-with-steps", &[("task with a step", reply)]);
+}
+
+#[test]
+fn golden_task_without_steps_is_still_read() {
+    let Reply::World(WorldReply::Task(task)) = old_reply("replies-of-the-world-2", "task") else {
+        panic!("another reply");
+    };
+    assert_eq!(task, TaskDocument::default());
 }
 
 #[test]

@@ -5,8 +5,8 @@
 use control_protocol::{
     ArmCommand, ArmLease, ArmMotion, Command, ContentDigest, DescriptorBytes, DocumentKind,
     DocumentName, FactFilter, FindQuery, ImportCompletion, JobCommand, JobKind, Labelling,
-    MemoryQuery, MutationId, PageRequest, Peer, Request, Revision, RevisionChange, SnapshotCursor,
-    StoredView, TaskOutcome, UserRole, ViewId, WorldCommand, WorldRegion,
+    MemoryQuery, MutationId, PageRequest, Peer, RecordedStep, Request, Revision, RevisionChange,
+    SnapshotCursor, StoredView, TaskOutcome, UserRole, ViewId, WorldCommand, WorldRegion,
 };
 
 use std::path::Path;
@@ -298,6 +298,36 @@ fn golden_requests_of_the_world_are_written_and_read() {
     ];
     let commands = commands.map(|(name, command)| (name, Command::World(command)));
     check("requests-of-the-world", commands.into());
+}
+
+#[test]
+fn golden_requests_of_steps_are_written_and_read() {
+    let whole = RecordedStep {
+        number: 3,
+        state: "held".to_owned(),
+        primitive: "lift".to_owned(),
+        track_id: 7,
+        label: Some(mug()),
+        place: Some("shelf".to_owned()),
+        attempt: 2,
+        reason: "the first grasp slipped".to_owned(),
+        plan: "{}".to_owned(),
+    };
+    let short = RecordedStep {
+        label: None,
+        place: None,
+        reason: String::new(),
+        plan: String::new(),
+        ..whole.clone()
+    };
+    let record = |step| WorldCommand::RecordStep { task_id: 2, step };
+    let commands = [
+        ("task", WorldCommand::Task { task_id: 2 }),
+        ("record step", record(whole)),
+        ("record step without a plan", record(short)),
+    ];
+    let commands = commands.map(|(name, command)| (name, Command::World(command)));
+    check("requests-of-steps", commands.into());
 }
 
 #[test]

@@ -13,7 +13,8 @@ pub struct EventDocument {
     pub wall_ns: u64,
     /// Kind of the event: `started`, `appeared`, `vanished`, `relabelled`, `moved`, `question`,
     /// `taught`, `corrected`, `forgot`, `action_succeeded`, `action_failed`, `action_cancelled`,
-    /// `task_started`, `task_succeeded`, `task_failed` or `task_cancelled`.
+    /// `task_started`, `task_succeeded`, `task_failed`, `task_cancelled`, `step_running`,
+    /// `step_held`, `step_succeeded` or `step_failed`.
     pub event: String,
     /// Track-id; null when no object is involved.
     pub track_id: Option<u64>,
@@ -42,7 +43,14 @@ pub struct EventDocument {
     /// Kind of the task; null when no task is involved.
     #[serde(default)]
     pub task_kind: Option<String>,
-    /// Reason of the end of a task or an action; empty when none was given.
+    /// Number of the step in its task; null when no step is involved.
+    #[serde(default)]
+    pub step: Option<u64>,
+    /// Primitive of the step; null when no step is involved.
+    #[serde(default)]
+    pub primitive: Option<String>,
+    /// Reason of the end of a task or an action, or of the state of a step; empty when none was
+    /// given.
     #[serde(default)]
     pub reason: String,
     /// Author of a lesson; null for another event.
@@ -101,6 +109,14 @@ impl EventDocument {
                     let command = format!("the arm's command {}", number(self.command_id));
                     self.with_reason(&command, outcome)
                 }
+                Some(("step", state)) => {
+                    let (step, primitive) = (number(self.step), self.primitive.as_deref());
+                    let primitive = primitive.unwrap_or_default();
+                    self.with_reason(
+                        &format!("step {step} of {task}, {primitive} of {track},"),
+                        state,
+                    )
+                }
                 _ => event.to_owned(),
             },
         }
@@ -117,14 +133,16 @@ impl EventDocument {
         format!("{author} {did}{} {category}", track.unwrap_or_default())
     }
 
-    fn with_reason(&self, subject: &str, outcome: &str) -> String {
-        let ended = match outcome {
+    fn with_reason(&self, subject: &str, state: &str) -> String {
+        let predicate = match state {
             "cancelled" => "was cancelled",
-            outcome => outcome,
+            "running" => "is running",
+            "held" => "holds the object",
+            state => state,
         };
         match self.reason.as_str() {
-            "" => format!("{subject} {ended}"),
-            reason => format!("{subject} {ended}: {reason}"),
+            "" => format!("{subject} {predicate}"),
+            reason => format!("{subject} {predicate}: {reason}"),
         }
     }
 }
@@ -147,6 +165,8 @@ mod tests {
             task_kind: Some("clear".to_owned()),
             command_id: Some(4),
             task_id: Some(2),
+            step: Some(3),
+            primitive: Some("lift".to_owned()),
             position_m: Some([0.1, 0.2, 0.3]),
             from_m: Some([0.4, 0.5, 0.6]),
             ..EventDocument::default()
@@ -154,6 +174,10 @@ mod tests {
         let failed = EventDocument {
             reason: "out of reach".to_owned(),
             ..event("action_failed")
+        };
+        let slipped = EventDocument {
+            reason: "it slipped".to_owned(),
+            ..event("step_failed")
         };
         let probable = EventDocument {
             answer: CategoryAnswer::Probably,
@@ -181,6 +205,18 @@ mod tests {
             (event("task_started"), "task 2 (clear) began"),
             (event("task_cancelled"), "task 2 (clear) was cancelled"),
             (failed, "the arm's command 4 failed: out of reach"),
+            (
+                event("step_running"),
+                "step 3 of task 2 (clear), lift of track 7, is running",
+            ),
+            (
+                event("step_held"),
+                "step 3 of task 2 (clear), lift of track 7, holds the object",
+            ),
+            (
+                slipped,
+                "step 3 of task 2 (clear), lift of track 7, failed: it slipped",
+            ),
         ] {
             assert_eq!(document.in_words().sentence, sentence);
         }

@@ -46,7 +46,7 @@ pub use object::{
 pub use rejected::{FindingDocument, RejectedDocument};
 pub use scene::{AssumptionDocument, CameraPoseDocument, SceneDocument, SurfaceDocument};
 pub use schema::{Document, schema};
-pub use task::{TaskDocument, TasksDocument};
+pub use task::{TaskDocument, TaskStepDocument, TasksDocument};
 pub use track_state::TrackState;
 pub use world::{
     FactDocument, FactsDocument, PlaceDocument, RobotDocument, WorldDocument, WorldObjectDocument,

@@ -7,7 +7,8 @@ use scene_document::{
     ColorShareDocument, CovarianceDocument, EventDocument, FactDocument, FindingDocument,
     HealthDocument, ModelDocument, ModelViewDocument, NearCategoryDocument, ObjectDocument,
     PlaceDocument, RefusedViewDocument, RejectedDocument, RobotDocument, SceneDocument,
-    SurfaceDocument, TaskDocument, WorldDocument, WorldObjectDocument, WorldSurfaceDocument,
+    SurfaceDocument, TaskDocument, TaskStepDocument, WorldDocument, WorldObjectDocument,
+    WorldSurfaceDocument,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -182,6 +183,16 @@ fn golden_world_of_the_first_form_is_still_read() {
 }
 
 #[test]
+fn golden_events_and_tasks_without_steps_are_still_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
+    let bytes = |name: &str| golden::read(&folder.join(name)).remove(0).1;
+    let event: EventDocument = serde_json::from_slice(&bytes("event-2.txt")).unwrap();
+    assert_eq!((event.step, event.primitive), (None, None));
+    let task: TaskDocument = serde_json::from_slice(&bytes("task.txt")).unwrap();
+    assert_eq!((task.task_id, task.steps.len()), (2, 0));
+}
+
+#[test]
 fn golden_world_and_facts_are_written_and_read() {
     let object = WorldObjectDocument {
         track_id: 7,
@@ -260,12 +271,27 @@ fn golden_events_and_tasks_are_written_and_read() {
         from_m: Some([1.5; 3]),
         command_id: Some(9),
         task_kind: Some("clear".into()),
+        step: Some(3),
+        primitive: Some("lift".into()),
         reason: "reason".into(),
         author: Some("anna".into()),
         history_sequence: Some(8),
         sentence: String::new(),
     };
-    check("event-2", &[("event", event.in_words())]);
+    check("event-3", &[("event", event.in_words())]);
+    let step = TaskStepDocument {
+        number: 1,
+        state: "failed".into(),
+        primitive: "lift".into(),
+        track_id: 7,
+        label: Some("mug".into()),
+        place: Some("shelf".into()),
+        attempt: 1,
+        reason: "it slipped".into(),
+        plan: "{}".into(),
+        started_ns: 5,
+        ended_ns: Some(6),
+    };
     let task = TaskDocument {
         task_id: 2,
         kind: "clear".into(),
@@ -278,8 +304,9 @@ fn golden_events_and_tasks_are_written_and_read() {
         started_ns: 5,
         ended_ns: Some(6),
         reason: "reason".into(),
+        steps: vec![step],
     };
-    check("task", &[("task", task)]);
+    check("task-2", &[("task", task)]);
 }
 
 #[test]
