@@ -3,7 +3,8 @@
 use crate::daemon::{Daemon, KilledOnDrop, Sandbox, WATCHDOG, WITH_CAMERA, eventually, nearest};
 use crate::skeleton::{id, place_of, wait_for_all};
 use control_protocol::{
-    Command, MutationId, RefusalKind, Reply, TaskOutcome, WorldCommand, WorldReply, request,
+    Command, MutationId, RecordedStep, RefusalKind, Reply, TaskOutcome, WorldCommand, WorldReply,
+    request,
 };
 use daemon_client::DaemonClient;
 use message::ProcessKind;
@@ -272,6 +273,88 @@ fn task_is_recorded_once_and_survives_the_memory_process() {
     );
     kill_process(Pid::from_child(&memory.0), Signal::TERM).unwrap();
     assert!(memory.0.wait().unwrap().success());
+}
+
+/// Records a step of the first task.
+fn record(
+    client: &mut DaemonClient,
+    number: u64,
+    state: &str,
+    primitive: &str,
+) -> Result<TaskDocument, RefusalKind> {
+    let step = RecordedStep {
+        number,
+        state: state.into(),
+        primitive: primitive.into(),
+        track_id: 7,
+        label: Some("mug".into()),
+        place: Some("shelf".into()),
+        attempt: number as u32,
+        reason: if state == "failed" { "it slipped" } else { "" }.into(),
+        plan: format!(r#"{{"grasp": {number}}}"#),
+    };
+    task(client, WorldCommand::RecordStep { task_id: 1, step })
+}
+
+#[test]
+fn steps_of_a_task_survive_a_kill_and_go_on() {
+    let sandbox = Sandbox::new();
+    let _gateway = sandbox.start_program("tabula-gateway");
+    let memory = start_memory(&sandbox);
+    let mut client = connect(&sandbox);
+    task(&mut client, start_task()).unwrap();
+    let newest = events_since(&mut client, 0, 0).newest;
+    record(&mut client, 1, "running", "reach").unwrap();
+    record(&mut client, 1, "failed", "lift").unwrap();
+    record(&mut client, 2, "running", "approach").unwrap();
+    let held = record(&mut client, 2, "held", "lift").unwrap();
+    assert_eq!(record(&mut client, 2, "held", "lift"), Ok(held));
+    let whole = client.ask(&request::task(1)).unwrap();
+
+    // Killed: an executive that starts anew finds the plan of the step that holds its object.
+    drop(memory);
+    let _memory = start_memory(&sandbox);
+    let mut client = connect(&sandbox);
+    let found = client.ask(&request::task(1)).unwrap();
+    assert_eq!(found, whole);
+    let states: Vec<_> = found.steps.iter().map(|step| step.state.as_str()).collect();
+    assert_eq!(
+        (states, found.state.as_str()),
+        (vec!["failed", "held"], "running")
+    );
+    assert_eq!(found.steps[1].plan, r#"{"grasp": 2}"#);
+    assert_eq!(
+        record(&mut client, 1, "running", "reach"),
+        Err(RefusalKind::Conflict)
+    );
+    assert_eq!(
+        record(&mut client, 3, "running", "reach"),
+        Err(RefusalKind::Conflict)
+    );
+    assert_eq!(
+        record(&mut client, 2, "lost", "lift"),
+        Err(RefusalKind::Invalid)
+    );
+    let page = record(&mut client, 2, "succeeded", "release").unwrap();
+    let step = &page.steps[1];
+    assert_eq!((step.number, step.plan.as_str()), (2, ""));
+    assert!(step.ended_ns >= Some(found.steps[1].started_ns), "{step:?}");
+    record(&mut client, 3, "running", "reach").unwrap();
+    let ended = task(&mut client, end_task(2, 1)).unwrap();
+    assert_eq!(ended.steps[2].reason, "the mug slipped");
+
+    let events = events_since(&mut client, newest, 0).events;
+    let steps = events.iter().filter(|event| event.step.is_some());
+    let kinds: Vec<_> = steps.map(|event| event.event.as_str()).collect();
+    let (run, fail) = ("step_running", "step_failed");
+    assert_eq!(
+        kinds,
+        [run, fail, run, "step_held", "step_succeeded", run, fail]
+    );
+    let output = sandbox.tabula(&["world", "tasks"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let line = "    2 succeeded  release object 7 (mug) to shelf, attempt 2";
+    assert!(text.lines().any(|its| its == line), "{text}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use control_protocol::{FactFilter, WorldRegion, request};
 use daemon_client::DaemonClient;
 use scene_document::{
     EventDocument, EventsDocument, FactDocument, FactsDocument, RobotDocument, TaskDocument,
-    TasksDocument, WorldDocument, WorldObjectDocument, WorldSurfaceDocument,
+    TaskStepDocument, TasksDocument, WorldDocument, WorldObjectDocument, WorldSurfaceDocument,
 };
 use service::{CommonArguments, Failure, wall_clock_ns};
 use std::process::ExitCode;
@@ -359,10 +359,51 @@ fn tasks_text(report: &TasksDocument, now_ns: u64) -> String {
         "parameters",
         "reason",
     ];
-    let more = report
-        .next
-        .map_or("", |_| "\nand older ones; --limit shows more");
-    format!("{}{more}", format_table(&heading, &rows))
+    let table = format_table(&heading, &rows);
+    let mut lines = table.lines().map(str::to_owned);
+    let mut text: Vec<String> = lines.by_ref().take(1).collect();
+    for (line, task) in lines.zip(&report.tasks) {
+        text.push(line);
+        text.extend(step_lines(&task.steps));
+    }
+    text.extend(
+        report
+            .next
+            .map(|_| "and older ones; --limit shows more".to_owned()),
+    );
+    text.join("\n")
+}
+
+/// Indented lines of the steps of a task, after a line about those that are not shown.
+fn step_lines(steps: &[TaskStepDocument]) -> Vec<String> {
+    let n_earlier = steps
+        .first()
+        .map_or(0, |first| first.number.saturating_sub(1));
+    let earlier = match n_earlier {
+        0 => None,
+        1 => Some("    1 earlier step".to_owned()),
+        n => Some(format!("    {n} earlier steps")),
+    };
+    let lines = steps.iter().map(step_line);
+    earlier.into_iter().chain(lines).collect()
+}
+
+fn step_line(step: &TaskStepDocument) -> String {
+    let (number, state, track_id) = (step.number, &step.state, step.track_id);
+    let label = step.label.as_ref();
+    let label = label.map_or_else(String::new, |label| format!(" ({label})"));
+    let place = step.place.as_ref();
+    let place = place.map_or_else(String::new, |place| format!(" to {place}"));
+    let attempt = match step.attempt {
+        0 | 1 => String::new(),
+        attempt => format!(", attempt {attempt}"),
+    };
+    let reason = match step.reason.as_str() {
+        "" => String::new(),
+        reason => format!(": {reason}"),
+    };
+    let primitive = &step.primitive;
+    format!("    {number} {state}  {primitive} object {track_id}{label}{place}{attempt}{reason}")
 }
 
 /// Elapsed time in at most two units; zero for times in the future.
@@ -412,6 +453,57 @@ mod tests {
             "{stale}"
         );
         assert!(world_text(&report(None, true)).contains("since the memory"));
+    }
+
+    #[test]
+    fn text_of_tasks_has_their_steps_below_them() {
+        let slipped = TaskStepDocument {
+            number: 1,
+            state: "failed".into(),
+            primitive: "lift".into(),
+            track_id: 7,
+            label: Some("mug".into()),
+            place: Some("shelf".into()),
+            attempt: 1,
+            reason: "it slipped".into(),
+            ..TaskStepDocument::default()
+        };
+        let carried = TaskStepDocument {
+            number: 2,
+            state: "held".into(),
+            primitive: "carry".into(),
+            attempt: 2,
+            reason: String::new(),
+            ..slipped.clone()
+        };
+        let task = |task_id, steps| TaskDocument {
+            task_id,
+            kind: "clear".into(),
+            state: "running".into(),
+            steps,
+            ..TaskDocument::default()
+        };
+        let report = |steps| TasksDocument {
+            tasks: vec![task(2, steps), task(1, Vec::new())],
+            next: Some(1),
+        };
+        let text = tasks_text(&report(vec![slipped, carried.clone()]), 0);
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(
+            lines[1].starts_with("2 ") && lines[4].starts_with("1 "),
+            "{text}"
+        );
+        assert_eq!(
+            lines[2],
+            "    1 failed  lift object 7 (mug) to shelf: it slipped"
+        );
+        assert_eq!(
+            lines[3],
+            "    2 held  carry object 7 (mug) to shelf, attempt 2"
+        );
+        assert_eq!(lines[5], "and older ones; --limit shows more");
+        let text = tasks_text(&report(vec![carried]), 0);
+        assert!(text.contains("\n    1 earlier step\n    2 held"), "{text}");
     }
 
     #[test]
