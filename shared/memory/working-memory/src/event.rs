@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::task_step::StepState;
+
 /// Event with its sequence number and time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Event {
@@ -106,6 +108,27 @@ pub enum EventKind {
         /// Reason for the task's outcome.
         reason: String,
     },
+    /// Change of the state of a task's step, or its first state.
+    TaskStep(StepChange),
+}
+
+/// Change of the state of a step of a task.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StepChange {
+    /// Number of the task.
+    pub task: u64,
+    /// Kind of the task.
+    pub kind: String,
+    /// Number of the step in its task.
+    pub step: u64,
+    /// Track-id of the object that the step handles.
+    pub track_id: u64,
+    /// State of the step after the change.
+    pub state: StepState,
+    /// Primitive of the step.
+    pub primitive: String,
+    /// Reason of a failure or a delay; may be empty.
+    pub reason: String,
 }
 
 /// Lesson of a person: the label of an object or a category changed.

@@ -12,6 +12,7 @@
 //! - A fact never ends before it begins, and a subject has one value of a property at a time.
 //! - Unchanged observations write nothing and allocate nothing.
 //! - Unwritten changes take no more memory than the model, however slow the disk.
+//! - A step of a task begins when the one before it has ended, and never changes after its end.
 //! - Numbers of facts, events and tasks are never reused, also after a restart.
 //!
 //! ```
@@ -69,9 +70,11 @@ mod record_key;
 mod robot;
 mod robot_update;
 mod scene_update;
+mod step_record;
 mod surface;
 mod surface_update;
 mod task;
+mod task_step;
 mod task_table;
 mod task_update;
 mod working_memory;
@@ -84,13 +87,17 @@ mod tests;
 
 pub use durable_leveldb::{MutationId, WRITE_BUFFER_BYTES};
 pub use error::{Error, StorageError};
-pub use event::{Event, EventKind, Lesson, LessonKind, Outcome};
+pub use event::{Event, EventKind, Lesson, LessonKind, Outcome, StepChange};
 pub use fact::{BoxPose, Fact, Property, Subject, Value};
 pub use object::{ObjectRecord, Sighting};
 pub use query::{FactPage, FactQuery, Region, Window};
 pub use robot::{Robot, RobotSighting};
 pub use surface::{SurfaceRecord, SurfaceSighting};
 pub use task::{NewTask, Task, TaskEnd, TaskRefusal, TaskState};
+pub use task_step::{
+    MAX_PLAN_BYTES, MAX_STEP_REASON_BYTES, MAX_STEP_WORD_BYTES, MAX_TASK_PLAN_BYTES,
+    MAX_TASK_STEPS, StepContent, StepRefusal, StepState, TaskStep,
+};
 pub use working_memory::{WorkingMemory, WorldCondition, WorldReport};
 pub use world_config::WorldConfig;
 pub use world_model::WorldModel;

@@ -4,6 +4,7 @@ use durable_leveldb::MutationId;
 use serde::{Deserialize, Serialize};
 
 use crate::event::Outcome;
+use crate::task_step::{StepRefusal, TaskStep};
 
 /// Maximum length of a task kind, bytes.
 const MAX_KIND_BYTES: usize = 64;
@@ -54,6 +55,9 @@ pub struct Task {
     /// State of the task.
     pub state: TaskState,
     pub(crate) start_id: u128,
+    /// Steps of the task in order; each has its index plus one as its number.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub steps: Vec<TaskStep>,
 }
 
 /// State of a task: running or ended.
@@ -74,7 +78,7 @@ pub enum TaskState {
     },
 }
 
-/// Reason for refusing to start or end a task.
+/// Reason for refusing to start or end a task, or to record a step.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TaskRefusal {
@@ -86,7 +90,7 @@ pub enum TaskRefusal {
         /// Task number in the request.
         task: u64,
     },
-    /// Refusal to end a task that has ended already.
+    /// Refusal to end a task, or to record a step of it, that has ended already.
     #[error("task {task} has ended already; start another one to do it again")]
     HasEnded {
         /// Number of the task that has ended.
@@ -108,6 +112,9 @@ pub enum TaskRefusal {
         /// Number of running tasks.
         n_running: usize,
     },
+    /// Refusal to record a step.
+    #[error(transparent)]
+    Step(#[from] StepRefusal),
 }
 
 fn text_sentence(what: &str, n_bytes: usize, most: usize) -> String {

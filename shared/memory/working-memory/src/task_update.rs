@@ -1,8 +1,9 @@
-//! Task update: start and end of tasks, with their facts and events.
+//! Task update: start, steps and end of tasks, with their facts and events.
 
-use crate::event::EventKind;
+use crate::event::{EventKind, StepChange};
 use crate::fact::{Property, Subject, ValueRef};
 use crate::task::{NewTask, Task, TaskEnd, TaskRefusal};
+use crate::task_step::StepContent;
 use crate::task_table::RequestEffect;
 use crate::world_model::WorldModel;
 
@@ -27,14 +28,43 @@ impl WorldModel {
         self.task_of(done)
     }
 
-    /// Ends a task. A repeated request gets the same answer.
+    /// Records a step of a running task: the next one, or another content of the newest one. The
+    /// same content again changes nothing.
+    ///
+    /// # Errors
+    ///
+    /// When the task does not run, the step has another number or has ended with another content,
+    /// the step before it has not ended, or a limit is exceeded; nothing changed.
+    pub fn record_step(
+        &mut self,
+        task: u64,
+        content: StepContent,
+        now_ns: u64,
+    ) -> Result<&Task, TaskRefusal> {
+        let (number, state) = (content.number, content.state);
+        let known = self.tasks.get(task).and_then(|task| task.step(number));
+        let is_other_state = known.is_none_or(|known| known.content.state != state);
+        let done = self.tasks.record(task, content, now_ns, &mut self.dirty)?;
+        if is_other_state {
+            self.add_step_event(task, number, now_ns);
+        }
+        self.task_of(done)
+    }
+
+    /// Ends a task, and without success a step that is open. A repeated request gets the same
+    /// answer.
     ///
     /// # Errors
     ///
     /// When there is no such task, or another request has ended it; nothing changed.
     pub fn end_task(&mut self, end: &TaskEnd, now_ns: u64) -> Result<&Task, TaskRefusal> {
+        let open = self.tasks.get(end.task).and_then(Task::open_step);
+        let open = open.map(|step| step.content.number);
         let done = self.tasks.end(end, now_ns, &mut self.dirty)?;
         if let RequestEffect::Now(task) = done {
+            if let Some(open) = open {
+                self.add_step_event(task, open, now_ns);
+            }
             let dirty = &mut self.dirty;
             self.facts
                 .retract(Subject::Task(task), Property::State, now_ns, dirty);
@@ -48,6 +78,27 @@ impl WorldModel {
             self.events.add(ended, now_ns, dirty);
         }
         self.task_of(done)
+    }
+
+    /// Adds the event of a step that is in another state.
+    fn add_step_event(&mut self, task: u64, number: u64, now_ns: u64) {
+        let known = self.tasks.get(task);
+        let Some((kind, step)) = known.and_then(|task| Some((&task.kind, task.step(number)?)))
+        else {
+            return;
+        };
+        let content = &step.content;
+        let change = StepChange {
+            task,
+            kind: kind.clone(),
+            step: number,
+            track_id: content.track_id,
+            state: content.state,
+            primitive: content.primitive.clone(),
+            reason: content.reason.clone(),
+        };
+        let event = EventKind::TaskStep(change);
+        self.events.add(event, now_ns, &mut self.dirty);
     }
 
     fn task_of(&self, done: RequestEffect) -> Result<&Task, TaskRefusal> {

@@ -1,6 +1,7 @@
 //! Model-based test of the world model against a naive reference implementation.
 
 mod golden;
+mod steps;
 
 use durable_leveldb::MutationId;
 use proptest::prelude::*;
@@ -31,6 +32,8 @@ enum WorldStep {
     LoseRobot,
     Start(u128),
     End(u128, u64),
+    /// Record of a step: task, number, state and reason.
+    Record(u64, u64, usize, usize),
     Wait(i64),
 }
 
@@ -71,6 +74,8 @@ fn steps() -> impl Strategy<Value = Vec<WorldStep>> {
         1 => Just(WorldStep::LoseRobot),
         1 => (0..3_u128).prop_map(WorldStep::Start),
         1 => (10..13_u128, 1..4_u64).prop_map(|(id, task)| WorldStep::End(id, task)),
+        3 => (1..4_u64, 0..5_u64, 0..4_usize, 0..2_usize)
+            .prop_map(|(task, number, state, reason)| WorldStep::Record(task, number, state, reason)),
         4 => (-3..20_i64).prop_map(|seconds| WorldStep::Wait(seconds * SECOND as i64)),
     ];
     prop::collection::vec(step, 0..60)
@@ -80,6 +85,7 @@ struct NaiveTask {
     number: u64,
     start_id: u128,
     end: Option<(u128, u64)>,
+    steps: Vec<TaskStep>,
 }
 
 /// Naive reference: a list of all facts, searched linearly.
@@ -150,6 +156,7 @@ impl NaiveModel {
             number: self.n_tasks,
             start_id: id,
             end: None,
+            steps: Vec::new(),
         });
         let running = Value::State("running".to_owned());
         self.set(Subject::Task(self.n_tasks), running, now_ns);
@@ -167,10 +174,21 @@ impl NaiveModel {
             let is_its = |fact: &&Fact| fact.subject == subject;
             let start_ns = self.facts.iter().find(is_its).unwrap().start_ns;
             let task = self.tasks.iter_mut().find(|task| task.number == number);
-            task.unwrap().end = Some((id, now_ns.max(start_ns)));
+            let (task, ended_ns) = (task.unwrap(), now_ns.max(start_ns));
+            task.end = Some((id, ended_ns));
+            steps::end_naively(&mut task.steps, ended_ns);
             return true;
         }
         task.end.is_some_and(|end| end.0 == id)
+    }
+
+    /// Records a step; `true` if it is recorded now.
+    fn record(&mut self, task: u64, content: StepContent, now_ns: u64) -> bool {
+        let known = self.tasks.iter_mut().find(|known| known.number == task);
+        known.is_some_and(|task| {
+            let is_running = task.end.is_none();
+            steps::record_naively(&mut task.steps, is_running, content, now_ns)
+        })
     }
 
     fn forget(&mut self, now_ns: u64) {
@@ -304,10 +322,19 @@ fn play(steps: &[WorldStep]) -> (WorldModel, NaiveModel, u64) {
                 let has_ended = model.end_task(&end, now_ns).is_ok();
                 assert_eq!(has_ended, slow.end_task(*id, *task, now_ns));
             }
+            WorldStep::Record(task, number, state, reason) => {
+                let content = steps::content(*number, *state, *reason);
+                let recorded = model.record_step(*task, content.clone(), now_ns).is_ok();
+                assert_eq!(recorded, slow.record(*task, content, now_ns));
+            }
             WorldStep::Wait(ns) => now_ns = now_ns.saturating_add_signed(*ns),
         }
         while model.expire(now_ns) {}
         slow.forget(now_ns);
+        for task in &slow.tasks {
+            let known = model.task(task.number).map(|known| &known.steps);
+            assert_eq!(known, Some(&task.steps));
+        }
     }
     (model, slow, now_ns)
 }

@@ -16,7 +16,7 @@ use crate::world_config::WorldConfig;
 use crate::world_model::WorldModel;
 
 /// Newest schema version that this program reads.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 /// Maximum number of records in a write batch, which bounds the memory of a full write. Chosen.
 const BATCH_RECORDS: usize = 2048;
 

@@ -157,6 +157,11 @@ impl WorldModel {
         self.tasks.before(before)
     }
 
+    /// Task with this number; `None` if it was never started or is forgotten.
+    pub fn task(&self, number: u64) -> Option<&Task> {
+        self.tasks.get(number)
+    }
+
     /// Version of the model, incremented by each change.
     pub fn version(&self) -> u64 {
         self.dirty.version()

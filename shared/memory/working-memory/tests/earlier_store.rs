@@ -1,7 +1,7 @@
 //! Stores of earlier versions open with nothing lost.
 //!
-//! The fixture was written by the first version that pinned its records, by the steps of
-//! [`fill`]. It must hold what the same steps give today.
+//! The fixture of a schema was written by a version of that schema, by the steps of [`fill`]. It
+//! must hold what the same steps give today.
 
 #![expect(clippy::unwrap_used, reason = "the helpers of tests fail as tests do")]
 
@@ -9,9 +9,10 @@ use std::fs;
 use std::path::Path;
 
 use working_memory::{
-    BoxPose, Event, Fact, FactQuery, Lesson, LessonKind, MutationId, NewTask, ObjectRecord,
-    Outcome, Robot, RobotSighting, Sighting, Task, TaskEnd, WRITE_BUFFER_BYTES, WorkingMemory,
-    WorldCondition, WorldConfig, WorldModel,
+    BoxPose, Event, EventKind, Fact, FactQuery, Lesson, LessonKind, MutationId, NewTask,
+    ObjectRecord, Outcome, Robot, RobotSighting, Sighting, StepContent, StepState, Subject,
+    SurfaceSighting, Task, TaskEnd, WRITE_BUFFER_BYTES, WorkingMemory, WorldCondition, WorldConfig,
+    WorldModel,
 };
 
 const SECOND: u64 = 1_000_000_000;
@@ -93,6 +94,48 @@ fn fill(model: &mut WorldModel) {
     model.record_teaching(lesson, 10 * SECOND);
 }
 
+/// A surface that is kept, and an object whose label is only probable: new in schema 2.
+fn fill_doubts_and_surfaces(model: &mut WorldModel) {
+    let probable = Sighting {
+        is_probable: true,
+        ..sighting(9, Some("mug"), 0.6, 11)
+    };
+    let scene = [sighting(7, Some("bowl"), 0.4, 11), probable];
+    model.observe(scene, true, 11 * SECOND);
+    let corners_m = [[0.0, 0.0, 0.7], [1.0, 0.0, 0.7], [1.0, 1.0, 0.7]];
+    for now_s in [11, 12] {
+        let surface = SurfaceSighting {
+            kind: "table",
+            plane: [0.0, 0.0, 1.0, -0.7],
+            corners_m: &corners_m,
+        };
+        model.observe_surfaces([surface], now_s * SECOND, &mut Vec::new());
+    }
+}
+
+/// Steps of the running task, of which one failed and one holds its object: new in schema 3.
+fn fill_steps(model: &mut WorldModel) {
+    for (second, number, state, reason) in [
+        (13, 1, StepState::Running, ""),
+        (14, 1, StepState::Failed, "it slipped"),
+        (15, 2, StepState::Running, ""),
+        (16, 2, StepState::Held, ""),
+    ] {
+        let content = StepContent {
+            number,
+            state,
+            primitive: "lift".to_owned(),
+            track_id: 7,
+            label: Some("bowl".to_owned()),
+            place: Some("shelf".to_owned()),
+            attempt: number as u32,
+            reason: reason.to_owned(),
+            plan: "{}".to_owned(),
+        };
+        model.record_step(2, content, second * SECOND).unwrap();
+    }
+}
+
 /// All that a store holds.
 type Content = (
     Vec<Fact>,
@@ -124,12 +167,13 @@ fn content(folder: &Path) -> Content {
     )
 }
 
-#[test]
-fn store_of_schema_1_opens_with_nothing_lost() {
+/// Checks that the fixture of a schema holds what the steps of `fill` give today, and returns it.
+fn check_fixture(schema: &str, fill: impl FnOnce(&mut WorldModel)) -> Content {
     let earlier = tempfile::tempdir().unwrap();
     let database = earlier.path().join("database");
     fs::create_dir(&database).unwrap();
-    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/schema-1/database");
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    let fixture = fixtures.join(schema).join("database");
     for file in fs::read_dir(fixture).unwrap().flatten() {
         fs::copy(file.path(), database.join(file.file_name())).unwrap();
     }
@@ -138,12 +182,41 @@ fn store_of_schema_1_opens_with_nothing_lost() {
     fill(&mut model);
     memory.write_changes(&mut model).unwrap();
     memory.close().unwrap();
-    let (facts, events, tasks, objects, robot) = content(earlier.path());
+    let earlier = content(earlier.path());
+    assert_eq!(earlier, content(today.path()));
+    earlier
+}
+
+#[test]
+fn store_of_schema_1_opens_with_nothing_lost() {
+    let (facts, events, tasks, objects, robot) = check_fixture("schema-1", fill);
     assert_eq!((facts.len(), tasks.len(), objects.len()), (13, 2, 2));
     assert_eq!(events.len(), 12, "eleven, and the start of the memory");
     assert!(robot.is_some());
-    assert_eq!(
-        (facts, events, tasks, objects, robot),
-        content(today.path())
-    );
+}
+
+#[test]
+fn store_of_schema_2_opens_with_nothing_lost() {
+    let (facts, _, tasks, objects, _) = check_fixture("schema-2", |model| {
+        fill(model);
+        fill_doubts_and_surfaces(model);
+    });
+    let is_surface = |fact: &&Fact| matches!(fact.subject, Subject::Surface(_));
+    assert_eq!(facts.iter().filter(is_surface).count(), 2);
+    assert!(objects.iter().any(|object| object.is_probable));
+    assert!(tasks.iter().all(|task| task.steps.is_empty()));
+}
+
+#[test]
+fn store_of_schema_3_opens_with_nothing_lost() {
+    let (_, events, tasks, _, _) = check_fixture("schema-3", |model| {
+        fill(model);
+        fill_doubts_and_surfaces(model);
+        fill_steps(model);
+    });
+    let steps: Vec<_> = tasks.iter().flat_map(|task| &task.steps).collect();
+    assert_eq!(steps.len(), 2);
+    assert_eq!(steps[1].content.state, StepState::Held);
+    let is_step = |event: &&Event| matches!(event.kind, EventKind::TaskStep(_));
+    assert_eq!(events.iter().filter(is_step).count(), 4);
 }

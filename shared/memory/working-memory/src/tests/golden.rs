@@ -8,13 +8,14 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use test_data::golden;
 
-use crate::event::{Event, EventKind, Lesson, LessonKind, Outcome};
+use crate::event::{Event, EventKind, Lesson, LessonKind, Outcome, StepChange};
 use crate::fact::{BoxPose, Fact, Subject, Value};
 use crate::object::ObjectRecord;
 use crate::record_key::RecordKey;
 use crate::robot::Robot;
 use crate::surface::SurfaceRecord;
 use crate::task::{Task, TaskState};
+use crate::task_step::{StepContent, StepState, TaskStep};
 use crate::working_memory::WorkingMeta;
 
 fn check<T>(kind: &str, key: RecordKey, examples: &[(&str, T)])
@@ -234,6 +235,7 @@ fn golden_records_of_subjects_are_written_and_read() {
         started_ns: 5,
         state,
         start_id: 6,
+        steps: Vec::new(),
     };
     let ended = TaskState::Ended {
         outcome: Outcome::Failed,
@@ -307,4 +309,66 @@ fn golden_records_with_probable_labels_are_written_and_read() {
         kind,
     };
     check("event-2", RecordKey::Event(4), &[("relabelled", event)]);
+}
+
+/// States of a step with the name of each.
+const STEP_STATES: [(&str, StepState); 4] = [
+    ("running", StepState::Running),
+    ("held", StepState::Held),
+    ("succeeded", StepState::Succeeded),
+    ("failed", StepState::Failed),
+];
+
+#[test]
+fn golden_records_of_steps_are_written_and_read() {
+    let step = |state, name: Option<&str>| TaskStep {
+        content: StepContent {
+            number: 1,
+            state,
+            primitive: "lift".to_owned(),
+            track_id: 7,
+            label: name.map(str::to_owned),
+            place: name.map(str::to_owned),
+            attempt: 2,
+            reason: "reason".to_owned(),
+            plan: "{}".to_owned(),
+        },
+        started_ns: 5,
+        ended_ns: state.is_ended().then_some(6),
+    };
+    let task = |step| Task {
+        number: 2,
+        kind: "clear".to_owned(),
+        parameters: "all".to_owned(),
+        author: "anna".to_owned(),
+        started_ns: 5,
+        state: TaskState::Running,
+        start_id: 6,
+        steps: vec![step],
+    };
+    let examples: Vec<_> = STEP_STATES
+        .iter()
+        .map(|(name, state)| {
+            (
+                *name,
+                task(step(*state, state.is_ended().then_some("word"))),
+            )
+        })
+        .collect();
+    check("task-2", RecordKey::Task(2), &examples);
+    let event = |state| Event {
+        sequence: 4,
+        wall_ns: 5,
+        kind: EventKind::TaskStep(StepChange {
+            task: 2,
+            kind: "word".to_owned(),
+            step: 1,
+            track_id: 7,
+            state,
+            primitive: "lift".to_owned(),
+            reason: "reason".to_owned(),
+        }),
+    };
+    let examples = STEP_STATES.map(|(name, state)| (name, event(state)));
+    check("event-3", RecordKey::Event(4), &examples);
 }

@@ -6,7 +6,9 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::tests::{CONFIG, place, sighting};
-use crate::{EventKind, FactQuery, NewTask, Outcome, Subject, TaskEnd, Value};
+use crate::{
+    EventKind, FactQuery, NewTask, Outcome, StepContent, StepState, Subject, TaskEnd, Value,
+};
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -100,6 +102,47 @@ fn task_continues_after_a_restart_and_a_retry_is_answered() {
         assert_eq!(ended_ns, 30 * SECOND);
         memory.write_changes(&mut model).unwrap();
     }
+}
+
+#[test]
+fn steps_go_on_after_a_restart() {
+    let folder = folder();
+    let (mut memory, mut model, _) = open(folder.path(), SECOND);
+    fill(&mut memory, &mut model);
+    let step = |number, state| StepContent {
+        number,
+        state,
+        primitive: "lift".to_owned(),
+        track_id: 7,
+        label: None,
+        place: None,
+        attempt: 1,
+        reason: String::new(),
+        plan: "{}".to_owned(),
+    };
+    for (number, state) in [
+        (1, StepState::Running),
+        (1, StepState::Succeeded),
+        (2, StepState::Held),
+    ] {
+        model
+            .record_step(1, step(number, state), 21 * SECOND)
+            .unwrap();
+    }
+    memory.write_changes(&mut model).unwrap();
+    let before = model.task(1).unwrap().clone();
+    // Killed: nothing is closed.
+    drop(memory);
+    let (_memory, mut model, report) = open(folder.path(), 100 * SECOND);
+    assert_eq!(report.condition, WorldCondition::Sound, "{report}");
+    assert_eq!(model.task(1), Some(&before));
+    assert_eq!(before.open_step().unwrap().content.number, 2);
+    let held = step(2, StepState::Held);
+    assert_eq!(model.record_step(1, held, 101 * SECOND).unwrap(), &before);
+    let released = step(2, StepState::Succeeded);
+    let task = model.record_step(1, released, 101 * SECOND).unwrap();
+    assert_eq!(task.steps[1].started_ns, 21 * SECOND);
+    assert_eq!(task.steps[1].ended_ns, Some(101 * SECOND));
 }
 
 #[test]
