@@ -200,7 +200,7 @@ fn connect(sandbox: &Sandbox) -> DaemonClient {
 
 fn task(client: &mut DaemonClient, command: WorldCommand) -> Result<TaskDocument, RefusalKind> {
     match client.call(Command::World(command)).unwrap() {
-        Reply::World(WorldReply::Task(task)) => Ok(task),
+        Reply::World(WorldReply::Task(task)) => Ok(*task),
         Reply::Refused(refusal) => Err(refusal.kind),
         other => panic!("{other:?}"),
     }

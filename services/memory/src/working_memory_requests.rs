@@ -9,7 +9,7 @@ use control_protocol::{
     WorldReply,
 };
 use perceptual_memory::MutationId;
-use scene_document::{EventsDocument, TaskDocument};
+use scene_document::EventsDocument;
 use service::monotonic_ns;
 use std::time::Duration;
 use tokio::time::{Instant, timeout, timeout_at};
@@ -23,12 +23,7 @@ impl WorkingMemory {
     /// Reply to a command; a refusal gives the reason.
     pub(crate) async fn answer(&self, command: WorldCommand) -> Result<Reply, Refusal> {
         let reply = match command {
-            WorldCommand::Now => {
-                let freshness = SceneFreshness::of(self.scene_time(), monotonic_ns());
-                WorldReply::Now(Box::new(
-                    self.with(|model| report::world(model, &freshness, now_ns())),
-                ))
-            }
+            WorldCommand::Now => self.now(),
             WorldCommand::Facts(filter) => {
                 let query = report::query(filter)?;
                 let page = self.with(|model| model.facts(&query));
@@ -42,18 +37,9 @@ impl WorkingMemory {
                 WorldReply::Tasks(self.with(|model| task_report::tasks(model, before, n_most)))
             }
             WorldCommand::Task { task_id } => {
-                WorldReply::Task(self.with(|model| task_report::whole_task(model, task_id))?)
+                let task = self.with(|model| task_report::whole_task(model, task_id));
+                WorldReply::Task(Box::new(task?))
             }
-            WorldCommand::StartTask { .. }
-            | WorldCommand::EndTask { .. }
-            | WorldCommand::RecordStep { .. } => WorldReply::Task(self.note(command).await?),
-        };
-        Ok(Reply::World(reply))
-    }
-
-    /// Records what a command says about a task; answered when it is on disk.
-    async fn note(&self, command: WorldCommand) -> Result<TaskDocument, Refusal> {
-        match command {
             WorldCommand::StartTask {
                 id,
                 kind,
@@ -66,8 +52,7 @@ impl WorkingMemory {
                     parameters,
                     author,
                 };
-                self.note_task(|model| model.start_task(&new, now_ns()))
-                    .await
+                self.noted(|model| model.start_task(&new, now_ns())).await?
             }
             WorldCommand::EndTask {
                 id,
@@ -81,18 +66,22 @@ impl WorkingMemory {
                     outcome: task_report::outcome(outcome),
                     reason,
                 };
-                self.note_task(|model| model.end_task(&end, now_ns())).await
+                self.noted(|model| model.end_task(&end, now_ns())).await?
             }
             WorldCommand::RecordStep { task_id, step } => {
                 let content = task_report::content(step)?;
-                self.note_task(|model| model.record_step(task_id, content, now_ns()))
-                    .await
+                self.noted(|model| model.record_step(task_id, content, now_ns()))
+                    .await?
             }
-            _ => {
-                let sentence = "this command records no task; this is a fault of tabula";
-                Err(Refusal::new(RefusalKind::Internal, sentence))
-            }
-        }
+        };
+        Ok(Reply::World(reply))
+    }
+
+    /// Report of the present.
+    fn now(&self) -> WorldReply {
+        let freshness = SceneFreshness::of(self.scene_time(), monotonic_ns());
+        let report = self.with(|model| report::world(model, &freshness, now_ns()));
+        WorldReply::Now(Box::new(report))
     }
 
     /// Long poll: the events after a sequence number, or none after the time limit.
@@ -113,10 +102,10 @@ impl WorkingMemory {
     }
 
     /// Records the start, a step or the end of a task; answered when it is on disk.
-    async fn note_task(
+    async fn noted(
         &self,
         note: impl FnOnce(&mut WorldModel) -> Result<&Task, TaskRefusal>,
-    ) -> Result<TaskDocument, Refusal> {
+    ) -> Result<WorldReply, Refusal> {
         let (noted, version) = self.with(|model| {
             let noted = note(model).map(task_report::task_of_page);
             (noted, model.version())
@@ -124,7 +113,7 @@ impl WorkingMemory {
         let task = noted.map_err(|refusal| task_report::refusal(&refusal))?;
         let mut written = self.written();
         match timeout(ON_DISK, written.wait_for(|written| *written >= version)).await {
-            Ok(Ok(_)) => Ok(task),
+            Ok(Ok(_)) => Ok(WorldReply::Task(Box::new(task))),
             _ => Err(Refusal::new(
                 RefusalKind::Unavailable,
                 format!(

@@ -322,7 +322,8 @@ mod tests {
         let plan_bytes: [&dyn Fn(usize) -> usize; 2] = [&|_| even, &uneven];
         for plan_bytes in plan_bytes {
             let steps = (0..MAX_TASK_STEPS).map(|index| longest_step(plan_bytes(index)));
-            let reply = Reply::World(WorldReply::Task(longest_task(steps.collect())));
+            let task = Box::new(longest_task(steps.collect()));
+            let reply = Reply::World(WorldReply::Task(task));
             let bytes = encode(&reply).expect("it fits");
             assert_eq!(decode_reply(&bytes), reply);
         }

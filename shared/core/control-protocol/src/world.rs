@@ -206,5 +206,5 @@ pub enum WorldReply {
     Tasks(TasksDocument),
     /// Reply to [`WorldCommand::Task`]; and, with the steps of a page, to the start and end of a
     /// task and the record of a step: the record is on disk.
-    Task(TaskDocument),
+    Task(Box<TaskDocument>),
 }

@@ -440,7 +440,7 @@ fn golden_replies_of_the_world_and_to_processes_are_written_and_read() {
                 next: None,
             })),
         ),
-        ("task", world(WorldReply::Task(TaskDocument::default()))),
+        ("task", world(WorldReply::Task(Box::default()))),
         ("track ids", Reply::TrackIds { first: 64 }),
         ("stored", Reply::Stored),
         ("snapshot", Reply::Snapshot(snapshot)),
@@ -474,7 +474,7 @@ fn golden_task_with_steps_is_written_and_read() {
         steps: vec![step],
         ..TaskDocument::default()
     };
-    let reply = Reply::World(WorldReply::Task(task));
+    let reply = Reply::World(WorldReply::Task(Box::new(task)));
     check("replies-with-steps", &[("task with a step", reply)]);
 }
 
@@ -483,7 +483,7 @@ fn golden_task_without_steps_is_still_read() {
     let Reply::World(WorldReply::Task(task)) = old_reply("replies-of-the-world-2", "task") else {
         panic!("another reply");
     };
-    assert_eq!(task, TaskDocument::default());
+    assert_eq!(*task, TaskDocument::default());
 }
 
 #[test]

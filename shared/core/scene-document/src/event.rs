@@ -165,8 +165,6 @@ mod tests {
             task_kind: Some("clear".to_owned()),
             command_id: Some(4),
             task_id: Some(2),
-            step: Some(3),
-            primitive: Some("lift".to_owned()),
             position_m: Some([0.1, 0.2, 0.3]),
             from_m: Some([0.4, 0.5, 0.6]),
             ..EventDocument::default()
@@ -174,10 +172,6 @@ mod tests {
         let failed = EventDocument {
             reason: "out of reach".to_owned(),
             ..event("action_failed")
-        };
-        let slipped = EventDocument {
-            reason: "it slipped".to_owned(),
-            ..event("step_failed")
         };
         let probable = EventDocument {
             answer: CategoryAnswer::Probably,
@@ -205,19 +199,29 @@ mod tests {
             (event("task_started"), "task 2 (clear) began"),
             (event("task_cancelled"), "task 2 (clear) was cancelled"),
             (failed, "the arm's command 4 failed: out of reach"),
-            (
-                event("step_running"),
-                "step 3 of task 2 (clear), lift of track 7, is running",
-            ),
-            (
-                event("step_held"),
-                "step 3 of task 2 (clear), lift of track 7, holds the object",
-            ),
-            (
-                slipped,
-                "step 3 of task 2 (clear), lift of track 7, failed: it slipped",
-            ),
         ] {
+            assert_eq!(document.in_words().sentence, sentence);
+        }
+    }
+
+    #[test]
+    fn sentence_of_a_step_names_task_primitive_and_object() {
+        let event = |event: &str, reason: &str| EventDocument {
+            event: event.to_owned(),
+            track_id: Some(7),
+            task_kind: Some("clear".to_owned()),
+            task_id: Some(2),
+            step: Some(3),
+            primitive: Some("lift".to_owned()),
+            reason: reason.to_owned(),
+            ..EventDocument::default()
+        };
+        for (document, predicate) in [
+            (event("step_running", ""), "is running"),
+            (event("step_held", ""), "holds the object"),
+            (event("step_failed", "it slipped"), "failed: it slipped"),
+        ] {
+            let sentence = format!("step 3 of task 2 (clear), lift of track 7, {predicate}");
             assert_eq!(document.in_words().sentence, sentence);
         }
     }

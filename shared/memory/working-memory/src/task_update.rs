@@ -34,7 +34,8 @@ impl WorldModel {
     /// # Errors
     ///
     /// When the task does not run, the step has another number or has ended with another content,
-    /// the step before it has not ended, or a limit is exceeded; nothing changed.
+    /// the step before it has not ended, or a limit is exceeded; nothing changed, but for ended tasks
+    /// that were forgotten to make room.
     pub fn record_step(
         &mut self,
         task: u64,
