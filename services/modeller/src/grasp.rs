@@ -4,22 +4,20 @@ pub(crate) mod grasp_document;
 mod grasp_text;
 
 use crate::arguments::GraspArguments;
-use crate::arm_scene::{ArmScene, prepared};
+use crate::arm_scene::{prepared, receive, seen_object};
 use crate::png_file;
 use crate::transit_document;
+use arm_scene::{ArmScene, SEED};
 use command_line::Output;
 use control_client::TrackScope;
 use grasp_document::GraspDocument;
 use grasp_scene::draw_grasp;
-use grasping::{Grasp, GraspPlan, GraspPlanner, GraspScene, GraspSettings, Obstacles};
+use grasping::{Grasp, GraspPlan, GraspScene, Obstacles};
 use service::{CommonArguments, Failure, exit_code};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 use transport::{ReachedGrasp, TransportPlanner, reach_region};
-
-/// Seed of the random trees.
-pub(crate) const SEED: u64 = 1;
 
 /// Plans the grasps of an object; without any the exit code is that of a refusal.
 pub(crate) fn run(
@@ -29,10 +27,10 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     let (stop, configuration) = prepared(common, arguments.picture.as_deref())?;
     let track = arguments.track.resolve(common, TrackScope::LOOK, None)?;
-    let Some(mut arm_scene) = ArmScene::receive(common, &configuration, &stop)? else {
+    let Some(arm_scene) = receive(common, &configuration, &stop)? else {
         return Ok(ExitCode::SUCCESS);
     };
-    let document = document(&mut arm_scene, track, arguments)?;
+    let document = document(&arm_scene, track, arguments)?;
     output.answer(&document, || grasp_text::text(&document));
     Ok(if document.grasps.is_empty() {
         ExitCode::from(exit_code::REFUSED)
@@ -42,14 +40,14 @@ pub(crate) fn run(
 }
 
 fn document(
-    arm_scene: &mut ArmScene,
+    arm_scene: &ArmScene,
     track: u64,
     arguments: &GraspArguments,
 ) -> Result<GraspDocument, Failure> {
     let begun = Instant::now();
-    let object = arm_scene.seen_object(track)?;
+    let object = seen_object(arm_scene, track)?;
     let scene = arm_scene.scene();
-    let mut plan = planned(arm_scene, &scene, object, &arguments.settings());
+    let mut plan = arm_scene.grasps(&scene, object, &arguments.settings());
     let mut notes = arm_scene.notes.clone();
     let reached = reached(arm_scene, &scene, &mut plan, &mut notes);
     if let Some(file) = &arguments.picture {
@@ -64,24 +62,6 @@ fn document(
     document.notes = notes;
     document.processing_ms = 1e3 * begun.elapsed().as_secs_f64();
     Ok(document)
-}
-
-/// Grasps of an object of the scene.
-pub(crate) fn planned(
-    arm_scene: &ArmScene,
-    scene: &GraspScene<'_>,
-    object: usize,
-    settings: &GraspSettings,
-) -> GraspPlan {
-    let obstacles = Obstacles::of(scene);
-    let planner = GraspPlanner {
-        scene,
-        obstacles: &obstacles,
-        gripper: &arm_scene.gripper,
-        arm: arm_scene.arm.as_ref(),
-        settings,
-    };
-    planner.plan(object)
 }
 
 /// First grasp to which the arm finds a way, which becomes the first of the plan. Notes tell where it

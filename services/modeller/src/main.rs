@@ -2,7 +2,6 @@
 //! plans the next best view, grasps and transports, beside a running daemon and at low priority.
 
 mod arguments;
-mod arm_and_people;
 mod arm_scene;
 mod awaited_snapshot;
 mod build;

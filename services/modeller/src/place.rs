@@ -8,18 +8,19 @@ mod place_text;
 pub(crate) use place_list::run as run_list;
 
 use crate::arguments::PlaceArguments;
-use crate::arm_scene::{ArmScene, prepared};
-use crate::grasp::{self, SEED, planned};
+use crate::arm_scene::{prepared, receive, seen_object};
+use crate::grasp;
+use arm_scene::ArmScene;
 use command_line::Output;
 use control_client::TrackScope;
 use grasp_scene::{PLACES_SECTION, PlaceConfig, Places, draw_transport};
-use grasping::{Grasp, GraspSettings, Obstacles, contact_surface};
+use grasping::{Grasp, GraspSettings};
 use place_document::PlaceDocument;
 use service::{CommonArguments, Configuration, Failure, exit_code};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-use transport::{NoTransport, Transport, TransportPlanner, reach_region};
+use transport::Transport;
 
 /// Plans the transport of an object; without one the exit code is that of a refusal.
 pub(crate) fn run(
@@ -30,7 +31,7 @@ pub(crate) fn run(
     let (stop, configuration) = prepared(common, arguments.picture.as_deref())?;
     let places = places(&configuration)?;
     let track = arguments.track.resolve(common, TrackScope::LOOK, None)?;
-    let Some(arm_scene) = ArmScene::receive(common, &configuration, &stop)? else {
+    let Some(arm_scene) = receive(common, &configuration, &stop)? else {
         return Ok(ExitCode::SUCCESS);
     };
     let document = document(&arm_scene, track, (arguments, &places))?;
@@ -88,28 +89,18 @@ fn document(
     (arguments, places): (&PlaceArguments, &Places),
 ) -> Result<PlaceDocument, Failure> {
     let begun = Instant::now();
-    let object = arm_scene.seen_object(track)?;
+    let object = seen_object(arm_scene, track)?;
     let label = arm_scene.snapshot.objects[object].label.as_deref();
     let (name, place) = chosen(places, arguments.at.as_deref(), label)?;
     let mut document = PlaceDocument::new(&arm_scene.snapshot, object, name);
     document.notes.clone_from(&arm_scene.notes);
     let scene = arm_scene.scene();
-    let grasps = planned(arm_scene, &scene, object, &GraspSettings::default());
+    let grasps = arm_scene.grasps(&scene, object, &GraspSettings::default());
     let area = place.area(name, &arm_scene.frame);
-    let placed = arm_scene.arm.as_ref();
-    let planned = placed.ok_or(NoTransport::NoGrasp).and_then(|placed| {
-        let obstacles = Obstacles::within(&scene, &reach_region(placed));
-        let planner = TransportPlanner {
-            scene: &scene,
-            obstacles: &obstacles,
-            placed,
-            seed: SEED,
-        };
-        let contacts = contact_surface(&scene, object);
-        let transport = planner.plan((object, &contacts), &grasps.grasps, &area)?;
-        document.set(&transport, &grasps, (&arm_scene.frame, &placed.arm));
-        Ok(transport)
-    });
+    let planned = arm_scene.transport(&scene, object, &grasps, &area);
+    if let Some((transport, placed)) = planned.as_ref().ok().zip(arm_scene.arm.as_ref()) {
+        document.set(transport, &grasps, (&arm_scene.frame, &placed.arm));
+    }
     document.sentence = planned.as_ref().err().map(|reason| {
         let why_no_grasp = grasps.why_none(&scene, track);
         why_no_grasp.unwrap_or_else(|| reason.words(&scene, Some(&area)))

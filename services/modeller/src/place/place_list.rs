@@ -1,7 +1,8 @@
 //! `tabula place list`: places of the configuration, with their surfaces and the arm's reach.
 
 use super::places;
-use crate::arm_scene::{ArmScene, prepared};
+use crate::arm_scene::{prepared, receive};
+use arm_scene::ArmScene;
 use command_line::{Output, format_table};
 use grasp_scene::PlaceConfig;
 use grasping::{GraspScene, PlacedArm};
@@ -37,7 +38,7 @@ struct PlaceRow {
 pub(crate) fn run(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure> {
     let (stop, configuration) = prepared(common, None)?;
     let places = places(&configuration)?;
-    let Some(arm_scene) = ArmScene::receive(common, &configuration, &stop)? else {
+    let Some(arm_scene) = receive(common, &configuration, &stop)? else {
         return Ok(ExitCode::SUCCESS);
     };
     let scene = arm_scene.scene();

@@ -13,5 +13,5 @@ mod snapshot_scene;
 pub use arm_placement::placed_arm;
 pub use hand_drawing::{draw_grasp, draw_transport};
 pub use model_contacts::model_contacts;
-pub use places::{PLACES_SECTION, PlaceConfig, Places, UNKNOWN_PLACE};
+pub use places::{PLACES_SECTION, PlaceConfig, Places};
 pub use snapshot_scene::{SceneBodies, grasp_scene};

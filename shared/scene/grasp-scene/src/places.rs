@@ -5,12 +5,11 @@ use nalgebra::{Point2, Point3};
 use scene_client::PlanningFrame;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use tasks::place_of_category;
 use transport::PlaceArea;
 
 /// Section of the configuration with the places.
 pub const PLACES_SECTION: &str = "places";
-/// Name of the place for objects without a category.
-pub const UNKNOWN_PLACE: &str = "unknown";
 
 /// One place of the configuration.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -64,12 +63,11 @@ impl Places {
 
     /// Name of the place of a category; that of unknown objects for none.
     pub fn of_category(&self, category: Option<&str>) -> Option<&str> {
-        let mut names = self.by_name.iter();
-        let found = names.find(|(name, place)| match category {
-            Some(category) => place.categories.iter().any(|one| one == category),
-            None => *name == UNKNOWN_PLACE,
-        });
-        found.map(|(name, _)| name.as_str())
+        let places = self.iter();
+        place_of_category(
+            places.map(|(name, place)| (name, &*place.categories)),
+            category,
+        )
     }
 }
 

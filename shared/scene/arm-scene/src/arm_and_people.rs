@@ -17,12 +17,12 @@ const ARM_PATIENCE: Duration = Duration::from_millis(300);
 const POLL_PERIOD: Duration = Duration::from_millis(5);
 
 /// Arm and people of the daemon.
-pub(crate) struct ArmAndPeople {
+pub struct ArmAndPeople {
     arms: Subscriber<ArmStates>,
     people: Subscriber<PersonBodies>,
     arm: Option<(JointVector, RigidTransform)>,
     /// Bodies in the world.
-    pub(crate) in_world: SceneBodies,
+    pub in_world: SceneBodies,
 }
 
 impl ArmAndPeople {
@@ -30,7 +30,7 @@ impl ArmAndPeople {
     ///
     /// # Errors
     /// When a topic has no room for another subscriber, or shared memory fails.
-    pub(crate) fn new(domain: &Domain) -> Result<Self, Error> {
+    pub fn new(domain: &Domain) -> Result<Self, Error> {
         Ok(Self {
             arms: Subscriber::polled(domain)?,
             people: Subscriber::polled(domain)?,
@@ -39,23 +39,16 @@ impl ArmAndPeople {
         })
     }
 
-    /// Receives the newest states; without an arm nothing comes.
+    /// Receives the newest states; the first one of an arm is awaited for a moment.
     ///
     /// # Errors
     /// When shared memory fails.
-    pub(crate) fn receive(&mut self) -> Result<(), Failure> {
+    pub fn receive(&mut self) -> Result<(), Failure> {
         let begun = Instant::now();
+        self.receive_arm()?;
         while self.arm.is_none() && begun.elapsed() < ARM_PATIENCE {
-            while let Received::Message(message) = self.arms.receive()? {
-                let state = message.header();
-                let joints = JointVector::from(state.joint_angles_rad);
-                self.arm = state
-                    .world_from_gripper
-                    .checked()
-                    .map(|pose| (joints, pose));
-                self.in_world.robot = checked(message.items());
-            }
             std::thread::sleep(POLL_PERIOD);
+            self.receive_arm()?;
         }
         while let Received::Message(message) = self.people.receive()? {
             self.in_world.people = checked(message.items());
@@ -63,8 +56,21 @@ impl ArmAndPeople {
         Ok(())
     }
 
+    fn receive_arm(&mut self) -> Result<(), Failure> {
+        while let Received::Message(message) = self.arms.receive()? {
+            let state = message.header();
+            let joints = JointVector::from(state.joint_angles_rad);
+            self.arm = state
+                .world_from_gripper
+                .checked()
+                .map(|pose| (joints, pose));
+            self.in_world.robot = checked(message.items());
+        }
+        Ok(())
+    }
+
     /// Arm in the frame of planning; `None`, and a note, where its place is not known.
-    pub(crate) fn placed(
+    pub fn placed(
         &self,
         gripper: GripperModel,
         snapshot: &Snapshot,
