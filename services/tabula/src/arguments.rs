@@ -3,6 +3,7 @@
 mod config;
 mod memory;
 mod model;
+mod task;
 mod view;
 mod world;
 
@@ -14,6 +15,8 @@ pub(crate) use memory::{
 };
 
 pub(crate) use model::ModelVerb;
+
+pub(crate) use task::{FetchArguments, StartArguments, TaskArgument, TaskChoice, TaskVerb};
 
 use view::{GraspVerb, PlaceVerb, ViewVerb};
 
@@ -152,6 +155,12 @@ pub(crate) enum Verb {
         #[command(subcommand)]
         verb: ArmVerb,
     },
+    /// Start, follow and end the tasks of the robot, such as clearing the table
+    Task {
+        /// Action on tasks
+        #[command(subcommand)]
+        verb: TaskVerb,
+    },
     /// Write recordings and views of the simulated table; needs no daemon
     #[command(disable_help_flag = true, disable_help_subcommand = true)]
     Simulate(LabArguments),
@@ -220,6 +229,7 @@ impl Verb {
             | Self::Model { .. }
             | Self::World(_)
             | Self::Arm { .. }
+            | Self::Task { .. }
             | Self::Status => OptionUse::Daemon,
         }
     }

@@ -23,7 +23,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
         ],
     ),
     ("Memory", &["memory", "knowledge", "model"]),
-    ("Robot", &["view", "grasp", "place", "arm"]),
+    ("Robot", &["view", "grasp", "place", "arm", "task"]),
     (
         "Recordings and measurements",
         &["record", "replay", "simulate", "evaluate", "latency"],

@@ -18,6 +18,7 @@ mod objects;
 mod sensor;
 mod status;
 mod supervision;
+mod task;
 mod time;
 mod track_or_name;
 mod world;
@@ -88,5 +89,6 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Record(words) => lab_program::become_recorder(arguments, "record", &words.words),
         Verb::Replay(words) => lab_program::become_recorder(arguments, "replay", &words.words),
         Verb::Arm { verb } => arm::run(&arguments.common, verb, output),
+        Verb::Task { verb } => task::run(&arguments.common, verb, output),
     }
 }

@@ -1,6 +1,6 @@
 //! Sensor process: camera or simulator.
 
-use message::ProcessKind;
+use message::{Duty, ProcessKind};
 use serde::Deserialize;
 use service::{CommonArguments, Configuration, Failure};
 
@@ -76,8 +76,19 @@ impl Sensor {
 
     /// Processes of the daemon in the order of their start.
     pub(crate) fn processes(&self) -> Vec<ProcessKind> {
+        let is_absent = |process: &ProcessKind| {
+            *process == self.other() || (process.has(Duty::Commander) && !self.has_arm())
+        };
         let all = ProcessKind::all();
-        all.filter(|process| *process != self.other()).collect()
+        all.filter(|process| !is_absent(process)).collect()
+    }
+
+    /// True if the sensor may drive an arm.
+    fn has_arm(&self) -> bool {
+        match self {
+            Self::Camera => false,
+            Self::Simulator { .. } => true,
+        }
     }
 
     /// The other sensor process, which is not started.
@@ -123,9 +134,12 @@ mod tests {
                 ProcessKind::GATEWAY,
                 ProcessKind::MEMORY,
                 ProcessKind::PERCEPTION,
-                ProcessKind::SIMULATOR
+                ProcessKind::SIMULATOR,
+                ProcessKind::EXECUTIVE
             ]
         );
-        assert!(!Sensor::Camera.processes().contains(&ProcessKind::SIMULATOR));
+        let of_camera = Sensor::Camera.processes();
+        assert!(!of_camera.contains(&ProcessKind::SIMULATOR));
+        assert!(!of_camera.contains(&ProcessKind::EXECUTIVE));
     }
 }

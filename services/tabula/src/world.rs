@@ -44,12 +44,29 @@ pub(crate) fn run(
             let report = events(&mut client, wanted)?;
             output.answer(&report, || events_text(&report.events, now_ns()));
         }
-        Some(WorldVerb::Tasks { limit }) => {
-            let report = tasks(&mut client, *limit)?;
-            output.answer(&report, || tasks_text(&report, now_ns()));
-        }
+        Some(WorldVerb::Tasks { limit }) => return list_tasks(common, *limit, output),
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Prints the newest tasks with their newest steps.
+pub(crate) fn list_tasks(
+    common: &CommonArguments,
+    limit: u32,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
+    let report = tasks(&mut connect(common)?, limit)?;
+    output.answer(&report, || tasks_text(&report, now_ns()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Task with all its steps, as text.
+pub(crate) fn task_text(task: &TaskDocument) -> String {
+    let page = TasksDocument {
+        tasks: vec![task.clone()],
+        next: None,
+    };
+    tasks_text(&page, now_ns())
 }
 
 fn now_ns() -> u64 {

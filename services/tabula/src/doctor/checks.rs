@@ -183,7 +183,7 @@ fn crashed_run(state: &DomainState) -> Finding {
 fn control_socket(health: &Asked, state: &DomainState) -> Finding {
     let name = "control socket";
     match health {
-        Ok(Ok(processes)) => all_processes(name, processes.len()),
+        Ok(Ok(processes)) => all_processes(name, processes.len(), has_arm(processes)),
         Ok(Err(error)) => Finding::new(name, Severity::Failure, error.to_string()),
         Err(error) if state.is_alive => Finding::new(name, Severity::Warning, error.to_string()),
         Err(_) => Finding::new(name, Severity::Ok, "no daemon runs, so there is none"),
@@ -201,10 +201,18 @@ fn noise(common: &CommonArguments, state: &DomainState) -> Finding {
     }
 }
 
-fn all_processes(name: &'static str, n_processes: usize) -> Finding {
-    // Either the camera or the simulator runs.
+/// True if the sensor that reports drives an arm.
+fn has_arm(processes: &[HealthDocument]) -> bool {
+    let simulator = ProcessKind::SIMULATOR.word();
+    processes.iter().any(|report| report.process == simulator)
+}
+
+fn all_processes(name: &'static str, n_processes: usize, has_arm: bool) -> Finding {
+    // Either the camera or the simulator runs; a commander of the arm only beside the latter.
     let sensors = ProcessKind::all().filter(|process| process.has(Duty::Sensor));
-    let n_expected = ProcessKind::all().count() - sensors.count() + 1;
+    let commanders = ProcessKind::all().filter(|process| process.has(Duty::Commander));
+    let n_absent = if has_arm { 0 } else { commanders.count() };
+    let n_expected = ProcessKind::all().count() - sensors.count() + 1 - n_absent;
     // One that was stopped a moment ago is still counted.
     let n_processes = n_processes.min(n_expected);
     let severity = if n_processes == n_expected {

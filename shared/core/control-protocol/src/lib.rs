@@ -28,6 +28,7 @@ mod refusal;
 mod reload;
 mod report;
 pub mod request;
+mod task;
 mod user_role;
 mod world;
 
@@ -54,6 +55,9 @@ pub use refusal::{Refusal, RefusalKind};
 pub use reload::{KeyChange, ReloadReport};
 pub use report::{DepthNoiseReport, LearningReport};
 pub use request::TypedRequest;
+pub use task::{
+    LeftObjectReport, PlannedObjectReport, TaskCommand, TaskKind, TaskOrder, TaskReport,
+};
 pub use user_role::UserRole;
 pub use world::{
     FactFilter, MAX_EVENT_WAIT_MS, MAX_PAGE_EVENTS, MAX_PAGE_FACTS, MAX_PAGE_STEPS, MAX_PAGE_TASKS,
@@ -138,6 +142,8 @@ pub enum Command {
     Job(JobCommand),
     /// Command the arm.
     Arm(ArmCommand),
+    /// Command the tasks of the robot.
+    Task(TaskCommand),
     /// Query or update the working memory.
     World(WorldCommand),
     /// Lease a block of track-ids that are never issued again.
@@ -234,6 +240,8 @@ pub enum Reply {
     Categories(Vec<CategoryDocument>),
     /// Reply to [`Command::Arm`]: state of the arm after it accepted the command.
     Arm(ArmReport),
+    /// Reply to [`Command::Task`].
+    Task(Box<TaskReport>),
     /// Reply to [`Command::World`].
     World(WorldReply),
     /// Reply to [`Command::LeaseTrackIds`]: the leased block.

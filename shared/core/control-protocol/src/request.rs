@@ -11,8 +11,8 @@ use crate::{
     FindReport, HistoryReport, ImportCompletion, JobCommand, JobKind, JobReport, Labelling,
     LearningReport, MemoryAnswer, MemoryQuery, MemoryStats, MutationId, PageRequest,
     QuestionsReport, RecordedStep, Refusal, RefusalKind, ReloadReport, Reply, Revision,
-    SnapshotCursor, SnapshotPage, StoredView, TaskOutcome, UserRole, ViewId, ViewReport,
-    WorldCommand, WorldReply,
+    SnapshotCursor, SnapshotPage, StoredView, TaskCommand, TaskOrder, TaskOutcome, TaskReport,
+    UserRole, ViewId, ViewReport, WorldCommand, WorldReply,
 };
 use process_registry::ProcessKind;
 use scene_document::{
@@ -269,6 +269,37 @@ requests! {
     move_arm(lease: ArmLease, motion: ArmMotion) -> ArmReport
         = [Command::Arm(ArmCommand::Move { lease, motion })] => [Reply::Arm(report) => report];
 
+    EXECUTIVE, Reader:
+    /// Reports the running task, or the last one.
+    task_state() -> TaskReport
+        = [Command::Task(TaskCommand::State)] => [Reply::Task(report) => *report];
+
+    EXECUTIVE, Reader:
+    /// Tells what a task would do with the table as it is.
+    preview_task(order: TaskOrder) -> TaskReport
+        = [Command::Task(TaskCommand::Preview(order))] => [Reply::Task(report) => *report];
+
+    EXECUTIVE, Teacher:
+    /// Starts a task.
+    order_task(id: MutationId, author: String, order: TaskOrder) -> TaskReport
+        = [Command::Task(TaskCommand::Start { id, author, order })]
+        => [Reply::Task(report) => *report];
+
+    EXECUTIVE, Teacher:
+    /// Lets a task wait.
+    pause_task(task_id: u64) -> TaskReport
+        = [Command::Task(TaskCommand::Pause { task_id })] => [Reply::Task(report) => *report];
+
+    EXECUTIVE, Teacher:
+    /// Lets a task go on.
+    resume_task(task_id: u64) -> TaskReport
+        = [Command::Task(TaskCommand::Resume { task_id })] => [Reply::Task(report) => *report];
+
+    EXECUTIVE, Teacher:
+    /// Cancels a task.
+    cancel_task(task_id: u64) -> TaskReport
+        = [Command::Task(TaskCommand::Cancel { task_id })] => [Reply::Task(report) => *report];
+
     SIMULATOR, Reader:
     /// Stops the arm immediately; open to everybody.
     stop_arm() -> ArmReport
@@ -302,25 +333,25 @@ requests! {
     /// Reads one task with all its steps and their plans.
     task(task_id: u64) -> TaskDocument
         = [Command::World(WorldCommand::Task { task_id })]
-        => [Reply::World(WorldReply::Task(task)) => task];
+        => [Reply::World(WorldReply::Task(task)) => *task];
 
     MEMORY, Teacher:
     /// Records the start of a task.
     start_task(id: MutationId, kind: String, parameters: String, author: String) -> TaskDocument
         = [Command::World(WorldCommand::StartTask { id, kind, parameters, author })]
-        => [Reply::World(WorldReply::Task(task)) => task];
+        => [Reply::World(WorldReply::Task(task)) => *task];
 
     MEMORY, Teacher:
     /// Records the end of a task.
     end_task(id: MutationId, task_id: u64, outcome: TaskOutcome, reason: String) -> TaskDocument
         = [Command::World(WorldCommand::EndTask { id, task_id, outcome, reason })]
-        => [Reply::World(WorldReply::Task(task)) => task];
+        => [Reply::World(WorldReply::Task(task)) => *task];
 
     MEMORY, Teacher:
     /// Records a step of a running task, or another content of its newest step.
     record_step(task_id: u64, step: RecordedStep) -> TaskDocument
         = [Command::World(WorldCommand::RecordStep { task_id, step })]
-        => [Reply::World(WorldReply::Task(task)) => task];
+        => [Reply::World(WorldReply::Task(task)) => *task];
 
     MEMORY, Teacher:
     /// Leases a block of track-ids that are never issued again; returns the first of them.

@@ -36,6 +36,8 @@ pub enum Duty {
     Store,
     /// Owns requests of the control protocol, and serves them.
     Owner,
+    /// Commands the arm, and runs only in a daemon that has one.
+    Commander,
 }
 
 /// Process of the daemon: an entry of the registry.
@@ -66,6 +68,8 @@ processes! {
     CAMERA = 1, "camera", [Sensor];
     /// `tabula-simulator`: replaces the camera by a simulated scene, and drives its arm.
     SIMULATOR = 4, "simulator", [Sensor, Owner];
+    /// `tabula-executive`: carries out tasks with the arm.
+    EXECUTIVE = 6, "executive", [Owner, Commander];
 }
 
 impl ProcessKind {
@@ -130,6 +134,7 @@ mod tests {
             ("perception", 2),
             ("camera", 1),
             ("simulator", 4),
+            ("executive", 6),
         ];
         let known: Vec<_> = ProcessKind::all()
             .map(|process| (process.word(), process.code()))

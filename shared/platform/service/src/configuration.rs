@@ -25,7 +25,7 @@ use toml::{Table, Value};
 
 /// Sections of the configuration: one for each process, `run` for their parent, and those that
 /// several processes read.
-pub const SECTIONS: [&str; 9] = [
+pub const SECTIONS: [&str; 10] = [
     "run",
     "shared_memory",
     "gateway",
@@ -33,6 +33,7 @@ pub const SECTIONS: [&str; 9] = [
     "simulator",
     "gripper",
     "places",
+    "executive",
     "perception",
     "memory",
 ];
