@@ -49,6 +49,7 @@ const OWNERS: [(&str, &[&str]); 21] = [
             "perception",
             "memory",
             "gateway",
+            "executive",
         ],
     ),
 ];

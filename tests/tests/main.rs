@@ -95,6 +95,8 @@ mod standard_output;
 mod stress;
 /// Supervision of processes: hangs, endless restarts, expected processes.
 mod supervision;
+
+mod tasks;
 /// Undo and redo through all kinds of changes.
 mod undo;
 /// systemd units: accepted, hardened, restarted for ever.
