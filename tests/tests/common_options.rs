@@ -10,7 +10,7 @@ const NO_CONFIG: &str = "/nowhere/tabula.toml";
 const REFUSAL: &str = "has no meaning for this command";
 
 /// Commands that ask a daemon or its memory, and read no configuration.
-const OF_DAEMON: [&str; 45] = [
+const OF_DAEMON: [&str; 56] = [
     "tabula objects",
     "tabula ask 1",
     "tabula find mug",
@@ -48,6 +48,17 @@ const OF_DAEMON: [&str; 45] = [
     "tabula arm open",
     "tabula arm close",
     "tabula arm stop",
+    "tabula task preview clear-table",
+    "tabula task preview fetch 1",
+    "tabula task start clear-table",
+    "tabula task start fetch 1",
+    "tabula task state",
+    "tabula task list",
+    "tabula task show",
+    "tabula task watch",
+    "tabula task pause",
+    "tabula task resume",
+    "tabula task cancel",
     "tabula config reload",
     "tabula status",
     "tabula-lab learn a",
@@ -59,7 +70,7 @@ const OF_DAEMON: [&str; 45] = [
 ];
 
 /// Commands that need neither a daemon nor a configuration.
-const ALONE: [&str; 31] = [
+const ALONE: [&str; 32] = [
     "tabula-latency stop",
     "tabula-lab simulate scene --out o",
     "tabula-lab simulate views --out o",
@@ -91,6 +102,7 @@ const ALONE: [&str; 31] = [
     "tabula simulate categories",
     "tabula evaluate detection a --out o",
     "tabula record --info a.mcap",
+    "tabula task graph clear-table",
 ];
 
 /// Commands that start a daemon of their own, with a configuration.

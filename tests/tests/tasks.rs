@@ -72,7 +72,9 @@ fn state(daemon: &Daemon<'_>, verb: &[&str]) -> Value {
     check_shape(&report, TASK);
     for (key, shape) in [("planned", PLANNED), ("left", LEFT)] {
         let rows = report[key].as_array().unwrap();
-        rows.iter().for_each(|row| check_shape(row, shape));
+        for row in rows {
+            check_shape(row, shape);
+        }
     }
     report
 }

@@ -59,7 +59,7 @@ impl Executor {
     pub(crate) fn run(mut self, requests: &Receiver<WaitingTaskRequest>) -> Result<(), Failure> {
         while !self.context.shutdown.is_requested() {
             self.context.health.record_progress();
-            self.restore()?;
+            self.restore();
             let is_running = self.task.as_ref().is_some_and(|task| !task.is_over());
             let period = if is_running { TASK_PERIOD } else { IDLE_PERIOD };
             if let Ok(request) = requests.recv_timeout(period) {
@@ -121,7 +121,7 @@ impl Executor {
 
     fn preview(&mut self, order: TaskOrder) -> Result<TaskReport, Refusal> {
         let config = self.live.get();
-        let mut robot = robot(&self.context, &mut self.watch, &mut self.link, &self.common)
+        let robot = robot(&self.context, &mut self.watch, &mut self.link, &self.common)
             .map_err(|failure| unavailable(&failure))?;
         let begun = Instant::now();
         while !robot.watch.is_fresh() && begun.elapsed() < PREVIEW_PATIENCE {
@@ -136,7 +136,7 @@ impl Executor {
                             `tabula status`";
             return Err(Refusal::new(RefusalKind::Unavailable, sentence));
         }
-        TaskRun::preview(order, config, &mut robot)
+        TaskRun::preview(order, config, &robot)
     }
 
     /// Starts a task, which the memory records first.
@@ -185,30 +185,29 @@ impl Executor {
     }
 
     /// Takes up a task that an earlier executive of this daemon has left.
-    fn restore(&mut self) -> Result<(), Failure> {
+    fn restore(&mut self) {
         if self.restore_at.is_none_or(|at| Instant::now() < at) || self.task.is_some() {
-            return Ok(());
+            return;
         }
         self.restore_at = Some(Instant::now() + RESTORE_PERIOD);
         let Ok(page) = self.link.ask(&request::tasks(None, 16)) else {
-            return Ok(());
+            return;
         };
         let mut tasks = page.tasks.iter();
         let left = tasks.find_map(|task| {
             let order = serde_json::from_str::<TaskOrder>(&task.parameters).ok()?;
             let is_own = task.state == "running" && task.kind == order.kind.word();
-            is_own.then(|| (task.task_id, order))
+            is_own.then_some((task.task_id, order))
         });
         let Some((number, order)) = left else {
             self.restore_at = None;
-            return Ok(());
+            return;
         };
         let known = self.link.ask(&request::task(number));
         if let (Ok(document), Ok(is_holding)) = (known, self.is_holding()) {
             self.restore_at = None;
             self.take_up(&document, order, is_holding);
         }
-        Ok(())
     }
 
     fn is_holding(&mut self) -> Result<bool, Unanswered> {

@@ -18,7 +18,7 @@ use service::{CommonArguments, Failure};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tasks::{
-    MachineState, Selection, Step, StepState, TableObject, TaskGoal, TaskPhase, TaskRules,
+    CarryStep, MachineState, Selection, StepState, TableObject, TaskGoal, TaskPhase, TaskRules,
     TaskSignal, n_attempts, object_words, report,
 };
 use transport_record::TransportRecord;
@@ -39,7 +39,7 @@ pub(crate) struct TaskRun {
     config: Arc<Config>,
     rules: TaskRules,
     state: MachineState,
-    steps: Vec<Step>,
+    steps: Vec<CarryStep>,
     /// Transport of the present step.
     record: Option<TransportRecord>,
     /// Object of the present step as it stood before it was grasped.
@@ -48,7 +48,7 @@ pub(crate) struct TaskRun {
     journal: Journal,
     selection: Selection,
     is_paused: bool,
-    /// What the task waits for, in words; empty while it goes on.
+    /// Cause of a wait, in words; empty while the task goes on.
     waits_for: String,
     /// Reason of the newest failure, a sentence without its full stop.
     reason: String,
@@ -122,7 +122,7 @@ impl TaskRun {
         if task.record.is_some() {
             task.change_step(StepState::Held);
         } else if open.is_some() {
-            task.reason = "the executive was started anew during the attempt".to_owned();
+            task.reason = "the executive was started anew during the attempt".into();
             task.change_step(StepState::Failed);
         }
         Ok(task)
@@ -146,7 +146,7 @@ impl TaskRun {
     /// Lets the arm rest and the task wait.
     pub(crate) fn pause(&mut self) {
         self.is_paused = true;
-        self.waits_for = "the task is paused; `tabula task resume` lets it go on".to_owned();
+        self.waits_for = "the task is paused; `tabula task resume` lets it go on".into();
         tracing::info!("task {}: paused", self.number);
     }
 
@@ -171,7 +171,7 @@ impl TaskRun {
     pub(crate) fn cancel(&mut self) {
         tracing::info!("task {}: cancelled", self.number);
         self.is_paused = false;
-        self.reason = "the task was cancelled".to_owned();
+        self.reason = "the task was cancelled".into();
         self.advance(TaskSignal::Cancel);
     }
 
@@ -296,12 +296,12 @@ impl TaskRun {
     }
 
     /// Step under way; `None` between two of them.
-    fn present_step(&self) -> Option<&Step> {
+    fn present_step(&self) -> Option<&CarryStep> {
         self.steps.last().filter(|step| step.state.is_open())
     }
 
     /// Begins a step, which the memory records before the arm moves.
-    fn begin_step(&mut self, step: Step) {
+    fn begin_step(&mut self, step: CarryStep) {
         self.record = None;
         self.n_tries = 0;
         self.reason.clear();
@@ -373,8 +373,8 @@ impl TaskRun {
 }
 
 /// Step of a record.
-fn step_of(recorded: &scene_document::TaskStepDocument) -> Step {
-    Step {
+fn step_of(recorded: &scene_document::TaskStepDocument) -> CarryStep {
+    CarryStep {
         track: recorded.track_id,
         label: recorded.label.clone(),
         place: recorded.place.clone().unwrap_or_default(),

@@ -209,6 +209,9 @@ impl Verb {
             | Self::Config {
                 verb: ConfigVerb::Check | ConfigVerb::Show | ConfigVerb::Explain { .. },
             } => OptionUse::Everything,
+            Self::Task {
+                verb: TaskVerb::Graph { .. },
+            } => OptionUse::Nothing,
             // At a reload the daemon reads its own configuration again.
             Self::Config {
                 verb: ConfigVerb::Reload,

@@ -102,22 +102,7 @@ impl ArmDriver {
 
     fn advance(&mut self, link: &mut DaemonLink) -> Result<MotionProgress, Unanswered> {
         let Some(command) = self.command else {
-            let next = self.motions.front().filter(|_| !self.is_halted).cloned();
-            return match next {
-                Some(motion) => {
-                    self.command = Some(self.command_arm(link, &motion)?);
-                    Ok(MotionProgress::Moving)
-                }
-                None => {
-                    self.hold(link)?;
-                    let is_done = self.motions.is_empty();
-                    Ok(if is_done {
-                        MotionProgress::Done
-                    } else {
-                        MotionProgress::Moving
-                    })
-                }
-            };
+            return self.begin_next(link);
         };
         let report = self.hold(link)?;
         if report.command_id != command {
@@ -135,6 +120,21 @@ impl ArmDriver {
                 self.advance(link)
             }
         }
+    }
+
+    /// Begins the first motion that waits; without one the lease is renewed.
+    fn begin_next(&mut self, link: &mut DaemonLink) -> Result<MotionProgress, Unanswered> {
+        let next = self.motions.front().filter(|_| !self.is_halted).cloned();
+        if let Some(motion) = next {
+            self.command = Some(self.command_arm(link, &motion)?);
+            return Ok(MotionProgress::Moving);
+        }
+        self.hold(link)?;
+        Ok(if self.motions.is_empty() {
+            MotionProgress::Done
+        } else {
+            MotionProgress::Moving
+        })
     }
 
     fn hold(&mut self, link: &mut DaemonLink) -> Result<ArmReport, Unanswered> {
@@ -159,13 +159,12 @@ impl ArmDriver {
 
     /// The lease, a new one where none is held.
     fn lease(&mut self) -> Result<ArmLease, Unanswered> {
-        let id = match self.lease {
-            Some(id) => id,
-            None => {
-                let random = MutationId::random();
-                let random = random.map_err(|error| Unanswered::NoAnswer(error.to_string()))?;
-                *self.lease.insert(random.0 as u64)
-            }
+        let id = if let Some(id) = self.lease {
+            id
+        } else {
+            let random = MutationId::random();
+            let random = random.map_err(|error| Unanswered::NoAnswer(error.to_string()))?;
+            *self.lease.insert(random.0 as u64)
         };
         Ok(ArmLease {
             id,

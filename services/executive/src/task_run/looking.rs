@@ -3,7 +3,7 @@
 use super::{Robot, TaskRun};
 use std::time::Duration;
 use tasks::{
-    NextObject, Step, StepState, TaskSignal, TaskView, is_hopeless, is_place_empty, object_at,
+    CarryStep, NextObject, StepState, TaskSignal, TaskView, is_hopeless, is_place_empty, object_at,
     object_words, select,
 };
 
@@ -25,7 +25,7 @@ impl TaskRun {
     /// Looks at the table for a while.
     pub(super) fn look(&mut self, robot: &Robot<'_>) -> Option<TaskSignal> {
         if !robot.watch.is_fresh() {
-            self.waits_for = "a scene of the camera that is newer than 0.3 s".to_owned();
+            self.waits_for = "a scene of the camera that is newer than 0.3 s".into();
             let is_late = self.elapsed() > SCENE_PATIENCE;
             return is_late.then(|| self.fail("no scene has come for 20 s; see `tabula status`"));
         }
@@ -49,7 +49,7 @@ impl TaskRun {
             return self.nothing_next();
         };
         if is_hopeless(&self.steps) {
-            self.reason = "nine attempts in a row have failed".to_owned();
+            self.reason = "nine attempts in a row have failed".into();
             return TaskSignal::GoalMissed;
         }
         let mut objects = robot.watch.objects().into_iter();
@@ -65,7 +65,7 @@ impl TaskRun {
         } else if self.selection.is_goal_reached(&self.goal, &self.steps) {
             TaskSignal::NothingLeft
         } else {
-            self.reason = "not everything could be done".to_owned();
+            self.reason = "not everything could be done".into();
             TaskSignal::GoalMissed
         }
     }
@@ -135,8 +135,8 @@ impl TaskRun {
 }
 
 /// First state of the step to an object.
-fn step_to(next: &NextObject) -> Step {
-    Step {
+fn step_to(next: &NextObject) -> CarryStep {
+    CarryStep {
         track: next.track,
         label: next.label.clone(),
         place: next.place.clone(),

@@ -72,7 +72,7 @@ impl TaskRun {
         if is_motion && !self.driver.is_halted() {
             self.driver.halt(robot.link);
             if is_person_near {
-                self.waits_for = "a person within reach of the arm to step back".to_owned();
+                self.waits_for = "a person within reach of the arm to step back".into();
                 tracing::info!(
                     "task {}: waits, since a person is near the arm",
                     self.number()
@@ -127,7 +127,7 @@ impl TaskRun {
     }
 
     fn dropped(&mut self) -> TaskSignal {
-        self.reason = "the fingers have lost the object".to_owned();
+        self.reason = "the fingers have lost the object".into();
         TaskSignal::Dropped
     }
 

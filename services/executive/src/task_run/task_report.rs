@@ -41,7 +41,7 @@ impl TaskRun {
         }
     }
 
-    /// What the task does, or its outcome, in words.
+    /// Sentence about the present phase, or the outcome of the task.
     fn sentence(&self) -> String {
         if self.state.phase.is_end() {
             return self.outcome.clone();

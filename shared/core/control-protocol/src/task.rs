@@ -17,7 +17,7 @@ pub enum TaskCommand {
         id: MutationId,
         /// Author of the task.
         author: String,
-        /// What is to be done.
+        /// Order of the task.
         order: TaskOrder,
     },
     /// Let the arm rest, and the task wait.
@@ -87,7 +87,7 @@ pub struct TaskReport {
     pub phase: String,
     /// True if a person has paused the task.
     pub is_paused: bool,
-    /// What the task waits for, in words; empty while it goes on.
+    /// Cause of a wait, in words; empty while the task goes on.
     pub waits_for: String,
     /// Track-id of the object of the present step.
     pub track_id: Option<u64>,

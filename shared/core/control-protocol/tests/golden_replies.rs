@@ -6,10 +6,10 @@ use control_protocol::{
     AheadDecision, ArmReport, ChangesPage, ContentDigest, DepthNoiseReport, DescriptorBytes,
     DocumentKind, DocumentName, DocumentPage, DocumentReport, DocumentVersionReport, ExportReport,
     FindReport, FoundObjectReport, HistoryOperation, HistoryReport, ImportReport, JobOutcome,
-    JobReport, KeyChange, LearnedChange, LearnedView, LearningReport, MemoryAnswer, MemoryStats,
-    MutationId, QuestionKind, QuestionReport, QuestionsReport, Refusal, RefusalKind, ReloadReport,
-    Reply, SnapshotCursor, SnapshotPage, VerificationReport, ViewId, ViewReport, WordUseReport,
-    WorldReply,
+    JobReport, KeyChange, LearnedChange, LearnedView, LearningReport, LeftObjectReport,
+    MemoryAnswer, MemoryStats, MutationId, PlannedObjectReport, QuestionKind, QuestionReport,
+    QuestionsReport, Refusal, RefusalKind, ReloadReport, Reply, SnapshotCursor, SnapshotPage,
+    TaskReport, VerificationReport, ViewId, ViewReport, WordUseReport, WorldReply,
 };
 use scene_document::{
     CategoryAnswer, CategoryDocument, EventsDocument, FactsDocument, HealthDocument,
@@ -100,6 +100,28 @@ fn golden_reply_of_the_arm_is_written_and_read() {
         commander: Some("anna".to_owned()),
     };
     check("replies-of-the-arm", &[("arm", Reply::Arm(arm))]);
+    let report = TaskReport {
+        task_id: Some(5),
+        kind: "fetch".to_owned(),
+        phase: "carry".to_owned(),
+        track_id: Some(3),
+        label: Some(mug()),
+        attempt: 1,
+        planned: vec![PlannedObjectReport {
+            track_id: 3,
+            label: Some(mug()),
+            place: "shelf".to_owned(),
+        }],
+        left: vec![LeftObjectReport {
+            track_id: 4,
+            reason: "Left unknown object 4: it needs a name.".to_owned(),
+        }],
+        ..TaskReport::default()
+    };
+    check(
+        "replies-of-tasks",
+        &[("task", Reply::Task(Box::new(report)))],
+    );
 }
 
 #[test]

@@ -6,7 +6,8 @@ use control_protocol::{
     ArmCommand, ArmLease, ArmMotion, Command, ContentDigest, DescriptorBytes, DocumentKind,
     DocumentName, FactFilter, FindQuery, ImportCompletion, JobCommand, JobKind, Labelling,
     MemoryQuery, MutationId, PageRequest, Peer, RecordedStep, Request, Revision, RevisionChange,
-    SnapshotCursor, StoredView, TaskOutcome, UserRole, ViewId, WorldCommand, WorldRegion,
+    SnapshotCursor, StoredView, TaskCommand, TaskKind, TaskOrder, TaskOutcome, UserRole, ViewId,
+    WorldCommand, WorldRegion,
 };
 
 use std::path::Path;
@@ -242,6 +243,32 @@ fn golden_requests_of_the_arm_are_written_and_read() {
     let all = others.into_iter().chain(motions);
     let all = all.map(|(name, command)| (name, Command::Arm(command)));
     check("requests-of-the-arm", all.collect());
+}
+
+#[test]
+fn golden_requests_of_tasks_are_written_and_read() {
+    let start = |order| TaskCommand::Start {
+        id: MutationId(7),
+        author: anna(),
+        order,
+    };
+    let fetch = TaskOrder {
+        kind: TaskKind::Fetch,
+        category: Some(mug()),
+        track_id: Some(3),
+        place: Some("shelf".to_owned()),
+    };
+    let all = [
+        ("task state", TaskCommand::State),
+        ("task preview", TaskCommand::Preview(TaskOrder::default())),
+        ("task start", start(TaskOrder::default())),
+        ("task fetch", start(fetch)),
+        ("task pause", TaskCommand::Pause { task_id: 5 }),
+        ("task resume", TaskCommand::Resume { task_id: 5 }),
+        ("task cancel", TaskCommand::Cancel { task_id: 5 }),
+    ];
+    let all = all.map(|(name, command)| (name, Command::Task(command)));
+    check("requests-of-tasks", all.into_iter().collect());
 }
 
 #[test]

@@ -26,6 +26,6 @@ pub use selection::{
     UNKNOWN_PLACE, UnnamedPolicy, place_of_category, select,
 };
 pub use state_machine::MachineState;
-pub use step::{Step, StepState, is_hopeless, n_attempts, set_aside};
+pub use step::{CarryStep, StepState, is_hopeless, n_attempts, set_aside};
 pub use table_object::TableObject;
 pub use verification::{is_place_empty, object_at};

@@ -90,7 +90,7 @@ words! {
         Dropped = "dropped",
         /// No object is left for the task.
         NothingLeft = "nothing_left",
-        /// What is left could not be done.
+        /// The objects that are left could not be carried.
         GoalMissed = "goal_missed",
         /// The objects that are left need a name.
         NamesNeeded = "names_needed",

@@ -1,10 +1,10 @@
 //! Report of a task in words: what was done, what was not, and why.
 
 use crate::selection::{LeftObject, LeftReason, TaskGoal};
-use crate::step::{Step, StepState};
+use crate::step::{CarryStep, StepState};
 
 /// Report of a task with its steps and the objects that are left.
-pub fn report(goal: &TaskGoal, steps: &[Step], left: &[LeftObject]) -> String {
+pub fn report(goal: &TaskGoal, steps: &[CarryStep], left: &[LeftObject]) -> String {
     let mut sentences = vec![done(steps)];
     let is_worth_a_word = |object: &&LeftObject| match &object.reason {
         LeftReason::AtItsPlace | LeftReason::NotWanted => false,
@@ -33,7 +33,7 @@ pub fn report(goal: &TaskGoal, steps: &[Step], left: &[LeftObject]) -> String {
 }
 
 /// Objects that were carried to their places, as a sentence.
-fn done(steps: &[Step]) -> String {
+fn done(steps: &[CarryStep]) -> String {
     let succeeded = steps
         .iter()
         .filter(|step| step.state == StepState::Succeeded);

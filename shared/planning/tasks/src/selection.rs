@@ -1,6 +1,6 @@
 //! Choice of the next object of a task, with the reasons for which others are left.
 
-use crate::step::{Step, StepState, set_aside};
+use crate::step::{CarryStep, StepState, set_aside};
 use crate::table_object::TableObject;
 use geometry::ConvexPolygon;
 use nalgebra::Point2;
@@ -135,7 +135,7 @@ pub struct Selection {
 
 impl Selection {
     /// True if nothing is left that the task is about: what stays is to stay, or unknown.
-    pub fn is_goal_reached(&self, goal: &TaskGoal, steps: &[Step]) -> bool {
+    pub fn is_goal_reached(&self, goal: &TaskGoal, steps: &[CarryStep]) -> bool {
         let is_failure = |object: &LeftObject| match &object.reason {
             LeftReason::SetAside(_) | LeftReason::Carries(_) | LeftReason::NotSeen => true,
             LeftReason::StandardItem
@@ -169,7 +169,7 @@ pub struct TaskView<'a> {
     /// Places of the configuration.
     pub places: &'a [NamedPlace],
     /// Steps of the task until now.
-    pub steps: &'a [Step],
+    pub steps: &'a [CarryStep],
     /// Base of the arm seen from above, world, metres.
     pub arm_base: Point2<f64>,
 }
@@ -265,7 +265,7 @@ fn place_of(
                 .ok_or(LeftReason::NotWanted)?
         }
     };
-    let is_done = |step: &Step| step.state == StepState::Succeeded;
+    let is_done = |step: &CarryStep| step.state == StepState::Succeeded;
     if *goal != TaskGoal::ClearTable && view.steps.iter().any(is_done) {
         return Err(LeftReason::NotWanted);
     }

@@ -77,10 +77,7 @@ fn after_success(phase: TaskPhase) -> TaskPhase {
         TaskPhase::Leave => TaskPhase::CheckPlace,
         TaskPhase::SetBack => TaskPhase::LetGo,
         TaskPhase::LetGo => TaskPhase::Return,
-        TaskPhase::Halt => TaskPhase::Halt,
-        TaskPhase::Succeeded => TaskPhase::Succeeded,
-        TaskPhase::Failed => TaskPhase::Failed,
-        TaskPhase::Cancelled => TaskPhase::Cancelled,
+        TaskPhase::Halt | TaskPhase::Succeeded | TaskPhase::Failed | TaskPhase::Cancelled => phase,
     }
 }
 
@@ -88,23 +85,19 @@ fn after_success(phase: TaskPhase) -> TaskPhase {
 /// ends with the object in the hand.
 fn after_failure(phase: TaskPhase) -> TaskPhase {
     match phase {
-        TaskPhase::Look | TaskPhase::Replan | TaskPhase::Return => TaskPhase::Failed,
+        TaskPhase::Look | TaskPhase::Replan | TaskPhase::Return | TaskPhase::Failed => {
+            TaskPhase::Failed
+        }
         TaskPhase::Choose | TaskPhase::Ask | TaskPhase::Plan | TaskPhase::CheckPlace => {
             TaskPhase::Look
         }
-        TaskPhase::Reach => TaskPhase::Return,
-        TaskPhase::Approach | TaskPhase::Close => TaskPhase::LetGo,
+        TaskPhase::Reach | TaskPhase::Leave | TaskPhase::LetGo => TaskPhase::Return,
+        TaskPhase::Approach | TaskPhase::Close | TaskPhase::SetBack => TaskPhase::LetGo,
         TaskPhase::Lift | TaskPhase::CheckLift => TaskPhase::SetBack,
         TaskPhase::Carry | TaskPhase::Lower => TaskPhase::Replan,
         TaskPhase::Release => TaskPhase::Retreat,
         TaskPhase::Retreat => TaskPhase::Leave,
-        TaskPhase::Leave => TaskPhase::Return,
-        TaskPhase::SetBack => TaskPhase::LetGo,
-        TaskPhase::LetGo => TaskPhase::Return,
-        TaskPhase::Halt => TaskPhase::Halt,
-        TaskPhase::Succeeded => TaskPhase::Succeeded,
-        TaskPhase::Failed => TaskPhase::Failed,
-        TaskPhase::Cancelled => TaskPhase::Cancelled,
+        TaskPhase::Halt | TaskPhase::Succeeded | TaskPhase::Cancelled => phase,
     }
 }
 

@@ -23,7 +23,7 @@ pub enum StepState {
 
 /// Step of a task.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Step {
+pub struct CarryStep {
     /// Track-id of the object.
     pub track: u64,
     /// Label of the object when the step began.
@@ -60,25 +60,25 @@ impl StepState {
 }
 
 /// Number of attempts for an object among the steps of a task.
-pub fn n_attempts(steps: &[Step], track: u64) -> u32 {
+pub fn n_attempts(steps: &[CarryStep], track: u64) -> u32 {
     let of_track = steps.iter().filter(|step| step.track == track);
     of_track.count() as u32
 }
 
 /// True if so many attempts in a row have failed that no further one is made.
-pub fn is_hopeless(steps: &[Step]) -> bool {
+pub fn is_hopeless(steps: &[CarryStep]) -> bool {
     let newest = steps.iter().rev();
     let failed = newest.take_while(|step| step.state == StepState::Failed);
     failed.count() >= FAILURES_IN_A_ROW_MAX
 }
 
 /// Reason for which an object is set aside, after as many failures as are tried.
-pub fn set_aside(steps: &[Step], track: u64) -> Option<&str> {
-    let failed = steps
+pub fn set_aside(steps: &[CarryStep], track: u64) -> Option<&str> {
+    let mut failed = steps
         .iter()
         .filter(|step| step.track == track && step.state == StepState::Failed);
     let n_failed = failed.clone().count() as u32;
-    let last = failed.last()?;
+    let last = failed.next_back()?;
     (n_failed >= ATTEMPTS_MAX).then_some(last.reason.as_str())
 }
 
@@ -87,8 +87,8 @@ pub(crate) mod tests {
     use super::*;
 
     /// Step of a mug to the shelf.
-    pub(crate) fn step(track: u64, state: StepState) -> Step {
-        Step {
+    pub(crate) fn step(track: u64, state: StepState) -> CarryStep {
+        CarryStep {
             track,
             label: Some("mug".to_owned()),
             place: "shelf".to_owned(),

@@ -33,7 +33,7 @@ fn select_from(
     goal: &TaskGoal,
     rules: &TaskRules,
     objects: &[TableObject],
-    steps: &[Step],
+    steps: &[CarryStep],
 ) -> Selection {
     let places = [
         place("shelf", &["cup", "tray"], 1.0),
