@@ -54,6 +54,14 @@ const OWNERS: [(&str, &[&str]); 21] = [
     ),
 ];
 
+/// Types of the topics with ground truth, and the only crates that may name them: whoever plans or acts
+/// knows only what the camera sees.
+const TRUTH_TOPICS: [&str; 2] = ["TrueObjects", "TrueMasks"];
+const TRUTH_OWNERS: [&str; 4] = ["channel", "message", "simulator", "tests"];
+
+/// Readings of a clock, which no kernel takes: times are arguments.
+const CLOCKS: [&str; 3] = ["Instant::now", "SystemTime::now", "monotonic_ns("];
+
 /// Folders whose crates never log.
 const SILENT_FOLDERS: [&str; 3] = ["core", "perception", "planning"];
 
@@ -248,6 +256,56 @@ fn layering_keeps_kernels_from_logging() {
         if home.is_some_and(|(folder, _)| SILENT_FOLDERS.contains(&folder.as_str())) {
             let logs = dependencies(package).any(|name| name == "tracing");
             assert!(!logs, "{} logs", package.name);
+        }
+    }
+}
+
+/// Source files of a package with their text, tests and benches apart.
+fn sources(package: &Package) -> Vec<(String, String)> {
+    let mut folders = vec![package.manifest_path.parent().unwrap().join("src")];
+    let mut found = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in folder.read_dir_utf8().into_iter().flatten() {
+            let entry = entry.unwrap();
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path.to_owned());
+            } else if path.extension() == Some("rs") {
+                let text = std::fs::read_to_string(path).unwrap();
+                found.push((path.to_string(), text));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn layering_leaves_ground_truth_to_the_simulation_and_the_tests() {
+    let metadata = workspace();
+    let mut n_sources = 0;
+    for package in metadata.workspace_packages() {
+        if TRUTH_OWNERS.contains(&package.name.as_str()) {
+            continue;
+        }
+        for (path, text) in sources(package) {
+            n_sources += 1;
+            let named = TRUTH_TOPICS.iter().find(|topic| text.contains(*topic));
+            assert!(named.is_none(), "{path} names {named:?}");
+        }
+    }
+    assert!(n_sources > 500, "{n_sources}");
+}
+
+#[test]
+fn layering_keeps_kernels_from_clocks() {
+    let homes = homes();
+    for package in workspace().workspace_packages() {
+        let home = homes.get(package.name.as_str());
+        let is_kernel =
+            home.is_some_and(|(folder, _)| ["perception", "planning"].contains(&&**folder));
+        for (path, text) in is_kernel.then(|| sources(package)).into_iter().flatten() {
+            let read = CLOCKS.iter().find(|clock| text.contains(*clock));
+            assert!(read.is_none(), "{path} reads a clock: {read:?}");
         }
     }
 }

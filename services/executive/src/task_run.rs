@@ -23,6 +23,9 @@ use tasks::{
 };
 use transport_record::TransportRecord;
 
+/// Number of ways from where the arm is that are tried, before it tries something else. Chosen.
+const N_WAYS_MAX: u32 = 2;
+
 /// The robot as a task uses it.
 pub(crate) struct Robot<'a> {
     pub(crate) link: &'a mut DaemonLink,
@@ -42,6 +45,8 @@ pub(crate) struct TaskRun {
     steps: Vec<CarryStep>,
     /// Transport of the present step.
     record: Option<TransportRecord>,
+    /// Transports that have failed, with the tracks of their objects: another attempt has another grasp.
+    failed: Vec<(u64, TransportRecord)>,
     /// Object of the present step as it stood before it was grasped.
     stood: Option<TableObject>,
     driver: ArmDriver,
@@ -83,6 +88,7 @@ impl TaskRun {
             state: MachineState::START,
             steps: Vec::new(),
             record: None,
+            failed: Vec::new(),
             stood: None,
             driver: ArmDriver::default(),
             journal: Journal::default(),
@@ -262,6 +268,8 @@ impl TaskRun {
         let is_over = self.has_ended() || self.state.phase == TaskPhase::Look;
         if is_over && self.steps.last().is_some_and(|step| step.state.is_open()) {
             self.change_step(StepState::Failed);
+            let track = self.steps.last().map(|step| step.track);
+            self.failed.extend(track.zip(self.record.take()));
         }
         self.phase_began = Instant::now();
         self.is_begun = false;

@@ -107,7 +107,12 @@ impl TaskRun {
 
     /// Checks that the object is seen at its place.
     pub(super) fn check_place(&mut self, robot: &Robot<'_>) -> Option<TaskSignal> {
-        let foot = self.record.as_ref()?.foot();
+        let record = self.record.as_ref()?;
+        if record.is_set_back {
+            let reason = format!("it was set back, since {}", self.reason);
+            return Some(self.fail(reason));
+        }
+        let foot = record.foot();
         let objects = robot.watch.objects();
         if let Some(found) = object_at(&foot, &objects)
             && robot.watch.is_fresh()

@@ -1,6 +1,6 @@
 //! Phases in which the arm moves, and what interrupts its motions.
 
-use super::{Robot, TaskRun};
+use super::{N_WAYS_MAX, Robot, TaskRun};
 use crate::robot::MotionProgress;
 use control_protocol::ArmReport;
 use std::time::Duration;
@@ -11,6 +11,9 @@ const ARM_PATIENCE: Duration = Duration::from_secs(20);
 /// Height over the planned place at which an object that meets the surface counts as set down,
 /// metres. Chosen: it may have turned between the fingers.
 const TOUCH_DOWN_M: f64 = 0.06;
+/// As [`TOUCH_DOWN_M`], after all ways were tried: a long object that hangs from the fingers is set
+/// down as it hangs.
+const LAST_TOUCH_DOWN_M: f64 = 0.15;
 /// Distance from the planned place seen from above, metres, at which that holds.
 const BESIDE_M: f64 = 0.02;
 
@@ -137,7 +140,12 @@ impl TaskRun {
         let pair = self.record.as_ref().zip(self.driver.report());
         pair.is_some_and(|(record, report)| {
             let [over_m, beside_m] = record.over_release_m(report.position_m);
-            report.is_holding && (0.0..=TOUCH_DOWN_M).contains(&over_m) && beside_m <= BESIDE_M
+            let most_m = if self.n_tries < N_WAYS_MAX {
+                TOUCH_DOWN_M
+            } else {
+                LAST_TOUCH_DOWN_M
+            };
+            report.is_holding && (0.0..=most_m).contains(&over_m) && beside_m <= BESIDE_M
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::transport_record::TransportRecord;
 use super::way_home::{is_at_home, transit, way_home, way_up};
-use super::{Robot, TaskRun};
+use super::{N_WAYS_MAX, Robot, TaskRun};
 use arm_kinematics::JointVector;
 use arm_scene::ArmScene;
 use grasping::GraspSettings;
@@ -14,8 +14,6 @@ use tasks::TaskSignal;
 const POINTS_PATIENCE: Duration = Duration::from_millis(1500);
 /// Time without a usable scene after which a plan has failed.
 const SCENE_PATIENCE: Duration = Duration::from_secs(10);
-/// Number of ways from where the arm is that are tried.
-const N_WAYS_MAX: u32 = 3;
 
 impl TaskRun {
     /// Plans the transport of the present object by the newest scene.
@@ -30,16 +28,18 @@ impl TaskRun {
         let Some(step) = self.present_step().cloned() else {
             return Ok(Some(self.fail("no object was chosen")));
         };
-        Ok(
-            match transport(&arm_scene, step.track, self.place(&step.place)) {
-                Ok(record) => {
-                    self.record = Some(record);
-                    self.record_step();
-                    None
-                }
-                Err(reason) => Some(self.fail(reason)),
-            },
-        )
+        let failed = self.failed.iter();
+        let failed: Vec<&TransportRecord> = failed
+            .filter(|(track, _)| *track == step.track)
+            .map(|(_, record)| record)
+            .collect();
+        let place = self.place(&step.place);
+        match transport(&arm_scene, (step.track, &failed), place) {
+            Ok(record) => self.record = Some(record),
+            Err(reason) => return Ok(Some(self.fail(reason))),
+        }
+        self.record_step();
+        Ok(None)
     }
 
     /// Plans the way to the place anew, with the object in the hand.
@@ -51,7 +51,7 @@ impl TaskRun {
             return Ok(self.no_scene());
         };
         self.n_tries += 1;
-        if self.n_tries > N_WAYS_MAX {
+        if self.n_tries > 2 * N_WAYS_MAX {
             let reason = format!("the hand holds the object, {}", self.reason);
             return Ok(Some(self.fail(reason)));
         }
@@ -61,20 +61,22 @@ impl TaskRun {
         let Some(record) = &mut self.record else {
             return Ok(Some(self.fail("the plan of the transport is lost")));
         };
+        if self.n_tries > N_WAYS_MAX && !record.is_set_back {
+            let (number, reason) = (self.number, &self.reason);
+            tracing::info!("task {number}: sets the object back, since {reason}");
+            record.set_back();
+        }
         let load = record.load(index);
         let goal = JointVector::from(record.above_rad);
-        Ok(
-            match transit(&arm_scene, &goal, (record.width_m, load.as_ref())) {
-                Ok(path) => {
-                    record.go_by(&path);
-                    Some(TaskSignal::Done)
-                }
-                Err(reason) => {
-                    self.reason = reason;
-                    None
-                }
-            },
-        )
+        match transit(&arm_scene, &goal, (record.width_m, load.as_ref())) {
+            Ok(path) => record.go_by(&path),
+            Err(reason) => {
+                self.reason = reason;
+                return Ok(None);
+            }
+        }
+        self.record_step();
+        Ok(Some(TaskSignal::Done))
     }
 
     /// Moves the arm home on a planned way.
@@ -131,13 +133,14 @@ impl TaskRun {
     }
 }
 
-/// Transport of an object to a place of the configuration.
+/// Transport of an object to a place of the configuration, by another grasp than those of transports
+/// that have failed.
 ///
 /// # Errors
 /// The reason why there is none, in words.
 fn transport(
     arm_scene: &ArmScene,
-    track: u64,
+    (track, failed): (u64, &[&TransportRecord]),
     place: Option<(String, grasp_scene::PlaceConfig)>,
 ) -> Result<TransportRecord, String> {
     let (name, place) = place.ok_or("its place is no longer in the configuration")?;
@@ -145,7 +148,16 @@ fn transport(
         .seen_object(track)
         .ok_or("it is not seen at the moment")?;
     let scene = arm_scene.scene();
-    let grasps = arm_scene.grasps(&scene, object, &GraspSettings::default());
+    let mut grasps = arm_scene.grasps(&scene, object, &GraspSettings::default());
+    let n_possible = grasps.grasps.len();
+    grasps.grasps.retain(|grasp| {
+        let world_from_tool = arm_scene.frame.world_from_plan * grasp.plan_from_tool;
+        let mut failed = failed.iter();
+        !failed.any(|record| record.is_grasp_near(&world_from_tool))
+    });
+    if n_possible > 0 && grasps.grasps.is_empty() {
+        return Err("all grasps that are possible have failed".to_owned());
+    }
     let area = place.area(&name, &arm_scene.frame);
     let transport = arm_scene.transport(&scene, object, &grasps, &area);
     let transport = transport.map_err(|reason| {

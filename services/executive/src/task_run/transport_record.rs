@@ -10,6 +10,11 @@ use serde::{Deserialize, Serialize};
 use tasks::TaskPhase;
 use transport::{CarriedLoad, PlacePose, TransitPath, Transport};
 
+/// Distance and turn within which two grasps are one: those of plans from two views of an object that
+/// stands still. Chosen.
+const SAME_GRASP_M: f64 = 0.015;
+const SAME_GRASP_RAD: f64 = 0.26;
+
 /// Pose of the tool, world.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct ToolPose {
@@ -36,6 +41,8 @@ pub(super) struct TransportRecord {
     lifted: ToolPose,
     /// Joint angles of the way from the end of the lift to over the place.
     to_place_rad: Vec<[f64; 6]>,
+    /// Joint angles at the end of the lift.
+    lift_rad: [f64; 6],
     /// Joint angles over the place.
     pub(super) above_rad: [f64; 6],
     release: ToolPose,
@@ -48,6 +55,8 @@ pub(super) struct TransportRecord {
     pub(super) width_m: f64,
     /// Box around the object, tool.
     load: Option<BoxRecord>,
+    /// True if the object goes back to where it was lifted.
+    pub(super) is_set_back: bool,
 }
 
 impl ToolPose {
@@ -104,6 +113,10 @@ impl TransportRecord {
             grasp: tool(grasp.plan_from_tool),
             lifted: tool(up * grasp.plan_from_tool),
             to_place_rad: angles(&transport.path),
+            lift_rad: grasp
+                .joints
+                .map_or(*above_rad, |joints| joints.lift_rad)
+                .into(),
             above_rad: (*above_rad).into(),
             release: tool(*plan_from_tool),
             release_opening_m: *opening_m,
@@ -114,6 +127,7 @@ impl TransportRecord {
                 pose: ToolPose::of(&load.body_in_tool.frame_from_box),
                 half_sides_m: load.body_in_tool.half_sides_m.into(),
             }),
+            is_set_back: false,
         }
     }
 
@@ -153,6 +167,23 @@ impl TransportRecord {
     /// Replaces the way to the place by one from where the arm is.
     pub(super) fn go_by(&mut self, path: &TransitPath) {
         self.to_place_rad = angles(path);
+    }
+
+    /// Makes the place from which the object was lifted its goal.
+    pub(super) fn set_back(&mut self) {
+        self.above_rad = self.lift_rad;
+        self.release = self.grasp;
+        self.release_opening_m = self.opening_m;
+        self.retreat = self.approach;
+        self.is_set_back = true;
+    }
+
+    /// True if a pose of the tool is that of the grasp, as near as two plans of one grasp are.
+    pub(super) fn is_grasp_near(&self, world_from_tool: &RigidTransform) -> bool {
+        let own = self.grasp.pose();
+        let offset_m = (own.translation.vector - world_from_tool.translation.vector).norm();
+        offset_m <= SAME_GRASP_M
+            && own.rotation.angle_to(&world_from_tool.rotation) <= SAME_GRASP_RAD
     }
 
     /// Middle of the object's foot at its place.
@@ -209,13 +240,15 @@ pub(super) mod tests {
             grasp: pose(0.1),
             lifted: pose(0.25),
             to_place_rad: vec![[0.2; 6], [0.4; 6]],
+            lift_rad: [0.2; 6],
             above_rad: [0.4; 6],
-            release: pose(0.1),
+            release: pose(0.12),
             release_opening_m: 0.08,
             retreat: pose(0.2),
             foot_m: [0.3, 0.0, 0.0],
             width_m: 0.06,
             load: None,
+            is_set_back: false,
         }
     }
 
@@ -226,6 +259,17 @@ pub(super) mod tests {
             serde_json::from_str::<TransportRecord>(&text).unwrap(),
             record()
         );
+    }
+
+    #[test]
+    fn object_that_is_set_back_goes_to_where_it_was_lifted() {
+        let mut record = record();
+        record.set_back();
+        assert_eq!(record.above_rad, [0.2; 6]);
+        let down = record.motions(TaskPhase::Lower);
+        assert_eq!(down, record.motions(TaskPhase::SetBack));
+        let pose = |z_m: f64| RigidTransform::translation(0.3, 0.0, z_m);
+        assert!(record.is_grasp_near(&pose(0.105)) && !record.is_grasp_near(&pose(0.13)));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::{SimulatedArm, in_world};
 use crate::physics::{Physics, STEPS_PER_SECOND};
 use crate::scene_object::SimulatedObject;
 use arm_kinematics::{ArmController, BodyPoses, MotionState};
+use nalgebra::Isometry3;
 
 /// Contact force on an object at which the arm stops, newtons. Chosen.
 const MAX_CONTACT_FORCE_N: f64 = 60.0;
@@ -35,7 +36,8 @@ impl CollisionGuard {
 impl SimulatedArm {
     /// Collision test of the current step: returns the message for an arm or held object that
     /// would penetrate a fixture, now or where the arm stands if it brakes now, or for excessive
-    /// contact force.
+    /// contact force. What touches a fixture already may leave it upwards: the far end of a long
+    /// object drags over the table while the object turns between the fingers.
     pub(super) fn collision_message(
         &mut self,
         before: &ArmController,
@@ -48,9 +50,12 @@ impl SimulatedArm {
         self.guard.n_steps += 1;
         let now = self.controller.body_poses();
         let stopped = self.controller.stopped_body_poses();
+        let held = self.held_object(objects);
+        let is_leaving = held.is_some_and(|held| self.is_leaving(held, before, &now, physics));
+        let held = held.filter(|_| !is_leaving);
         [now, stopped]
             .iter()
-            .find_map(|poses| self.collision_at(poses, physics, objects))
+            .find_map(|poses| self.collision_at(poses, physics, held))
             .or_else(|| self.excess_force(physics))
     }
 
@@ -60,7 +65,7 @@ impl SimulatedArm {
         &self,
         poses: &BodyPoses,
         physics: &Physics,
-        objects: &[SimulatedObject],
+        held: Option<&SimulatedObject>,
     ) -> Option<String> {
         let poses = in_world(poses, &self.world_from_base);
         let bodies = self.parts.shapes.iter().zip(&poses).enumerate();
@@ -72,18 +77,47 @@ impl SimulatedArm {
                 "the arm stopped: its {part} would have hit the table or the room"
             ));
         }
-        let grasped = self.grasped.as_ref()?;
-        let object = objects.iter().find(|object| object.id == grasped.object)?;
-        let mut pose = poses[TOOL_BODY] * grasped.gripper_from_object;
-        pose.translation.z += TOUCH_M;
-        physics
-            .intersects_fixture(&object.model.shape, &pose)
+        let held = held?;
+        self.touches_fixture(held, &poses[TOOL_BODY], physics)
             .then(|| {
                 format!(
                     "the arm stopped: {} in its hand would have come against the table or the room",
-                    object.model.name
+                    held.model.name
                 )
             })
+    }
+
+    /// Object between the fingers.
+    fn held_object<'a>(&self, objects: &'a [SimulatedObject]) -> Option<&'a SimulatedObject> {
+        let grasped = self.grasped.as_ref()?;
+        objects.iter().find(|object| object.id == grasped.object)
+    }
+
+    /// True if a held object touches a fixture with the tool at a pose, world.
+    fn touches_fixture(
+        &self,
+        held: &SimulatedObject,
+        world_from_tool: &Isometry3<f64>,
+        physics: &Physics,
+    ) -> bool {
+        self.grasped.as_ref().is_some_and(|grasped| {
+            let mut pose = world_from_tool * grasped.gripper_from_object;
+            pose.translation.z += TOUCH_M;
+            physics.intersects_fixture(&held.model.shape, &pose)
+        })
+    }
+
+    /// True if a held object touched a fixture before this step, and the hand rises.
+    fn is_leaving(
+        &self,
+        held: &SimulatedObject,
+        before: &ArmController,
+        now: &BodyPoses,
+        physics: &Physics,
+    ) -> bool {
+        let tool = |poses: &BodyPoses| in_world(poses, &self.world_from_base)[TOOL_BODY];
+        let (before, now) = (tool(&before.body_poses()), tool(now));
+        now.translation.z > before.translation.z && self.touches_fixture(held, &before, physics)
     }
 
     fn excess_force(&self, physics: &Physics) -> Option<String> {
