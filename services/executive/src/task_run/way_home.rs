@@ -9,6 +9,9 @@ use transport::{CarriedLoad, TransitPath, TransitPlanner, reach_region};
 
 /// Greatest joint angle from home at which the arm is there, radians.
 const AT_HOME_RAD: f64 = 0.02;
+/// Margin around a held object in which everything that is seen is the object itself, metres. Chosen:
+/// it has turned between the fingers.
+const HELD_MARGIN_M: f64 = 0.04;
 /// Length of a straight way up that may free the hand, metres.
 const UP_M: f64 = 0.1;
 
@@ -50,7 +53,13 @@ pub(super) fn transit(
         .as_ref()
         .ok_or("no arm is there, or the pose of the camera is unknown")?;
     let scene = arm_scene.scene();
-    let obstacles = Obstacles::within(&scene, &reach_region(placed));
+    let region = reach_region(placed);
+    let plan_from_tool = placed.plan_from_base * placed.arm.tool_pose(&placed.joints_rad);
+    let held = load.map(|load| load.body_in_tool.transformed(&plan_from_tool));
+    let obstacles = match &held {
+        Some(body) => Obstacles::beside(&scene, &region, (body, HELD_MARGIN_M)),
+        None => Obstacles::within(&scene, &region),
+    };
     let planner = TransitPlanner {
         scene: &scene,
         obstacles: &obstacles,

@@ -63,11 +63,22 @@ impl Obstacles {
         Self::of_voxels(measured_voxels(scene, region), scene)
     }
 
+    /// Obstacles between two corners, but for those within a margin of a body, metres: an object in the
+    /// hand, by whatever name it is seen.
+    pub fn beside(
+        scene: &GraspScene<'_>,
+        region: &[Point3<f64>; 2],
+        (body, margin_m): (&OrientedBox, f64),
+    ) -> Self {
+        let mut owners = measured_voxels(scene, region);
+        owners.retain(|cell, _| !body.contains(&middle_of(cell), margin_m));
+        Self::of_voxels(owners, scene)
+    }
+
     fn of_voxels(owners: BTreeMap<[i32; 3], Obstacle>, scene: &GraspScene<'_>) -> Self {
-        let middle = |cell: i32| (f64::from(cell) + 0.5) * VOXEL_M;
         let voxels: Vec<(Point3<f64>, Obstacle)> = owners
             .into_iter()
-            .map(|(cell, owner)| (Point3::from(cell.map(middle)), owner))
+            .map(|(cell, owner)| (middle_of(&cell), owner))
             .collect();
         let half = Vector::splat(VOXEL_M as f32 / 2.0);
         let leaves: Vec<Aabb> = voxels
@@ -169,6 +180,11 @@ fn measured_voxels(
 fn is_robot(scene: &GraspScene<'_>, place: &Point3<f64>) -> bool {
     let mut links = scene.robot.iter();
     links.any(|link| link.distance_m(place) < ROBOT_MARGIN_M)
+}
+
+/// Middle of a voxel, metres.
+fn middle_of(cell: &[i32; 3]) -> Point3<f64> {
+    Point3::from(cell.map(|index| (f64::from(index) + 0.5) * VOXEL_M))
 }
 
 /// Cell of a place.

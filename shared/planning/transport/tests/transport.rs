@@ -4,7 +4,7 @@
 mod solid_scene;
 
 use arm_kinematics::{Arm, HOME, JointVector, link_capsules};
-use geometry::{Capsule, ConvexPolygon, RigidTransform};
+use geometry::{Capsule, ConvexPolygon, OrientedBox, RigidTransform};
 use grasping::{
     ContactPoint, Grasp, GraspPlanner, GraspScene, GraspSettings, N_BASE_CAPSULES, Obstacle,
     Obstacles, PlacedArm, contact_surface,
@@ -118,6 +118,30 @@ fn transit_leads_over_what_stands_between_its_ends() {
     };
     assert!(depth_m(&straight, &placed, 0.08, &solids) > 0.02);
     assert!(path.duration_s(&placed.arm) > straight.duration_s(&placed.arm));
+}
+
+#[test]
+fn object_in_the_hand_is_no_obstacle_though_it_is_seen() {
+    let held = cuboid(0.0, -0.20, [0.05, 0.05, 0.16]);
+    let beside = cuboid(0.0, 0.0, [0.08, 0.08, 0.20]);
+    let solids = [held, beside];
+    let (image, placed) = (SolidScene::new(&solids), arm());
+    let scene = image.grasp_scene();
+    let start = tool_down_at(&placed, 0.0, -0.20, 0.12);
+    let goal = tool_down_at(&placed, 0.0, 0.22, 0.12);
+    let seen = Obstacles::within(&scene, &REGION);
+    let blocked = transit(&scene, &seen, &placed).plan(&start, &goal);
+    assert!(blocked.is_err(), "{blocked:?}");
+    let body = OrientedBox {
+        frame_from_box: RigidTransform::translation(0.0, -0.20, 0.08),
+        half_sides_m: Vector3::new(0.03, 0.03, 0.08),
+    };
+    let without = Obstacles::beside(&scene, &REGION, (&body, 0.03));
+    let path = transit(&scene, &without, &placed)
+        .plan(&start, &goal)
+        .unwrap();
+    let deepest_m = depth_m(&path, &placed, 0.08, &solids[1..]);
+    assert!(deepest_m < DEPTH_MAX_M, "{deepest_m}");
 }
 
 #[test]
