@@ -241,6 +241,8 @@ fn paused_task_waits_and_a_cancelled_one_sets_its_object_down() {
 fn order_that_cannot_be_carried_out_is_a_sentence() {
     let sandbox = Sandbox::new();
     let (_scene, daemon, _) = start(&sandbox, CAN, 1);
+    // The gateway closes a connection that was silent for 10 s.
+    std::thread::sleep(Duration::from_secs(11));
     let refused = |words: &[&str], part: &str| {
         let (code, sentence) = daemon.refused(&[&["task"], words].concat());
         assert_eq!(code, REFUSED, "{sentence}");

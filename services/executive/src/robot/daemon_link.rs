@@ -2,10 +2,13 @@
 
 use control_protocol::{Refusal, TypedRequest};
 use daemon_client::{CallError, DaemonClient, DomainName, RunFolder};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Time limit of a call. Chosen: less than the silence after which a lease of the arm ends.
 const DEADLINE: Duration = Duration::from_millis(400);
+
+/// Silence after which a connection is made anew: the gateway closes one after 10 s.
+const IDLE_MAX: Duration = Duration::from_secs(5);
 
 /// Reason for which a request has no answer in its own type.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +32,8 @@ impl std::fmt::Display for Unanswered {
 #[derive(Debug)]
 pub(crate) struct DaemonLink {
     domain: DomainName,
-    client: Option<DaemonClient>,
+    /// Connection with the time of its last answer.
+    client: Option<(DaemonClient, Instant)>,
 }
 
 impl DaemonLink {
@@ -46,13 +50,15 @@ impl DaemonLink {
     /// The refusal, or the reason for which nobody answers.
     pub(crate) fn ask<T>(&mut self, request: &TypedRequest<T>) -> Result<T, Unanswered> {
         let no_answer = |error: CallError| Unanswered::NoAnswer(error.to_string());
-        let mut client = match self.client.take() {
-            Some(client) => client,
+        let known = self.client.take();
+        let fresh = known.filter(|(_, used)| used.elapsed() < IDLE_MAX);
+        let mut client = match fresh {
+            Some((client, _)) => client,
             None => DaemonClient::connect(&self.domain, &[RunFolder::of_user()], DEADLINE)
                 .map_err(no_answer)?,
         };
         let reply = client.call(request.command().clone()).map_err(no_answer)?;
-        self.client = Some(client);
+        self.client = Some((client, Instant::now()));
         request.read(reply).map_err(Unanswered::Refused)
     }
 }
