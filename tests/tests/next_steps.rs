@@ -161,8 +161,13 @@ fn command_for_the_arm_beside_a_camera_is_told_that_there_is_none() {
     let sandbox = Sandbox::new();
     let daemon = sandbox.start(&TABLE);
     daemon.pids();
-    for verb in ["state", "home", "stop"] {
-        let (code, sentence) = daemon.refused(&["arm", verb]);
+    for words in [
+        ["arm", "state"],
+        ["arm", "home"],
+        ["arm", "stop"],
+        ["task", "state"],
+    ] {
+        let (code, sentence) = daemon.refused(&words);
         assert_eq!(code, NO_DAEMON, "{sentence}");
         for part in ["this daemon has no arm", "tabula run --source simulation"] {
             assert!(sentence.contains(part), "{sentence}");

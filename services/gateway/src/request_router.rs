@@ -1,6 +1,6 @@
 //! Request router: passes each command to the process that owns it.
 
-use crate::absent_arm::arm_refusal;
+use crate::absent_arm::{arm_refusal, is_without_arm};
 use crate::history_position::HistoryPosition;
 use crate::process_table::ProcessTable;
 use channel::Domain;
@@ -69,9 +69,14 @@ impl RequestRouter {
             command
         };
         let reply = owner.call_for(user, command, deadline).await;
-        reply.map_err(|error| match process {
-            ProcessKind::SIMULATOR => arm_refusal(&error, &self.processes),
-            process => refusal(&error, process, is_change),
+        reply.map_err(|error| {
+            let is_armless =
+                process.has(Duty::Commander) && is_without_arm(&error, &self.processes);
+            if process == ProcessKind::SIMULATOR || is_armless {
+                arm_refusal(&error, &self.processes)
+            } else {
+                refusal(&error, process, is_change)
+            }
         })
     }
 }
