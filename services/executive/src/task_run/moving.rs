@@ -1,5 +1,6 @@
 //! Phases in which the arm moves, and what interrupts its motions.
 
+use super::way_home::way_up;
 use super::{N_WAYS_MAX, Robot, TaskRun};
 use crate::robot::MotionProgress;
 use control_protocol::ArmReport;
@@ -44,6 +45,26 @@ impl TaskRun {
                 is_lost.then(|| self.dropped())
             }
             progress => self.signal_of(progress),
+        }
+    }
+
+    /// Lifts the hand a little, as far as that goes, and keeps it at rest there. `None` when it rests with
+    /// the object.
+    pub(super) fn rise(&mut self, robot: &mut Robot<'_>) -> Option<Option<TaskSignal>> {
+        if !self.is_begun {
+            let Some(report) = self.look_at_arm(robot) else {
+                return Some(None);
+            };
+            self.driver.begin(way_up(&report));
+            self.is_begun = true;
+        }
+        match self.driver.poll(robot.link) {
+            MotionProgress::Failed(_) => {
+                self.driver.begin([]);
+                Some(None)
+            }
+            MotionProgress::Done => self.is_hand_empty().then(|| Some(self.dropped())),
+            progress => Some(self.signal_of(progress)),
         }
     }
 

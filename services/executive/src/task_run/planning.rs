@@ -42,10 +42,11 @@ impl TaskRun {
         Ok(None)
     }
 
-    /// Plans the way to the place anew, with the object in the hand.
+    /// Plans the way to the place anew, with the object in the hand, from a little higher: it may have
+    /// met something.
     pub(super) fn replan(&mut self, robot: &mut Robot<'_>) -> Result<Option<TaskSignal>, Failure> {
-        if let Some(signal) = self.hold_still(robot) {
-            return Ok(Some(signal));
+        if let Some(waits) = self.rise(robot) {
+            return Ok(waits);
         }
         let Some(arm_scene) = self.arm_scene(robot)? else {
             return Ok(self.no_scene());
