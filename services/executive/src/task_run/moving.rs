@@ -4,6 +4,7 @@ use super::way_home::way_up;
 use super::{N_WAYS_MAX, Robot, TaskRun};
 use crate::robot::MotionProgress;
 use control_protocol::ArmReport;
+use std::ops::ControlFlow;
 use std::time::Duration;
 use tasks::{TaskPhase, TaskSignal};
 
@@ -48,12 +49,12 @@ impl TaskRun {
         }
     }
 
-    /// Lifts the hand a little, as far as that goes, and keeps it at rest there. `None` when it rests with
-    /// the object.
-    pub(super) fn rise(&mut self, robot: &mut Robot<'_>) -> Option<Option<TaskSignal>> {
+    /// Lifts the hand a little, as far as that goes, and keeps it at rest there. Breaks, perhaps with a
+    /// signal, until it rests with the object.
+    pub(super) fn rise(&mut self, robot: &mut Robot<'_>) -> ControlFlow<Option<TaskSignal>> {
         if !self.is_begun {
             let Some(report) = self.look_at_arm(robot) else {
-                return Some(None);
+                return ControlFlow::Break(None);
             };
             self.driver.begin(way_up(&report));
             self.is_begun = true;
@@ -61,10 +62,13 @@ impl TaskRun {
         match self.driver.poll(robot.link) {
             MotionProgress::Failed(_) => {
                 self.driver.begin([]);
-                Some(None)
+                ControlFlow::Break(None)
             }
-            MotionProgress::Done => self.is_hand_empty().then(|| Some(self.dropped())),
-            progress => Some(self.signal_of(progress)),
+            MotionProgress::Done if self.is_hand_empty() => {
+                ControlFlow::Break(Some(self.dropped()))
+            }
+            MotionProgress::Done => ControlFlow::Continue(()),
+            progress => ControlFlow::Break(self.signal_of(progress)),
         }
     }
 

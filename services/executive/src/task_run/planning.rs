@@ -7,6 +7,7 @@ use arm_kinematics::JointVector;
 use arm_scene::ArmScene;
 use grasping::GraspSettings;
 use service::Failure;
+use std::ops::ControlFlow;
 use std::time::Duration;
 use tasks::TaskSignal;
 
@@ -45,8 +46,8 @@ impl TaskRun {
     /// Plans the way to the place anew, with the object in the hand, from a little higher: it may have
     /// met something.
     pub(super) fn replan(&mut self, robot: &mut Robot<'_>) -> Result<Option<TaskSignal>, Failure> {
-        if let Some(waits) = self.rise(robot) {
-            return Ok(waits);
+        if let ControlFlow::Break(signal) = self.rise(robot) {
+            return Ok(signal);
         }
         let Some(arm_scene) = self.arm_scene(robot)? else {
             return Ok(self.no_scene());
