@@ -47,6 +47,8 @@ pub(crate) struct Config {
     pub(crate) gripper: GripperModel,
     /// Places of the configuration.
     pub(crate) places: Places,
+    /// The same places as a task sees them.
+    pub(crate) named_places: Vec<NamedPlace>,
 }
 
 impl Config {
@@ -58,7 +60,9 @@ impl Config {
         let raw: RawConfig = found.section_with_defaults(SECTION)?;
         let by_name = found.section(PLACES_SECTION)?;
         let wrong = |cause: String| found.wrong(PLACES_SECTION, &[], cause);
+        let places = Places::checked(by_name).map_err(wrong)?;
         Ok(Self {
+            named_places: named(&places),
             rules: TaskRules {
                 standard_items: raw.standard_items,
                 unnamed: match raw.unnamed {
@@ -72,23 +76,23 @@ impl Config {
             ask_patience: Duration::from_secs_f64(raw.ask_patience_s),
             person_distance_m: raw.person_distance_m,
             gripper: found.section(GRIPPER_SECTION)?,
-            places: Places::checked(by_name).map_err(wrong)?,
+            places,
         })
     }
+}
 
-    /// Places as a task sees them.
-    pub(crate) fn named_places(&self) -> Vec<NamedPlace> {
-        let named = self.places.iter().map(|(name, place)| {
-            let corners = place.outline.iter().copied();
-            let mut corners: Vec<Point2<f64>> = corners.map(Point2::from).collect();
-            NamedPlace {
-                name: name.to_owned(),
-                categories: place.categories.clone(),
-                outline: ConvexPolygon::convex_hull_of(&mut corners),
-            }
-        });
-        named.collect()
-    }
+/// Places as a task sees them.
+fn named(places: &Places) -> Vec<NamedPlace> {
+    let named = places.iter().map(|(name, place)| {
+        let corners = place.outline.iter().copied();
+        let mut corners: Vec<Point2<f64>> = corners.map(Point2::from).collect();
+        NamedPlace {
+            name: name.to_owned(),
+            categories: place.categories.clone(),
+            outline: ConvexPolygon::convex_hull_of(&mut corners),
+        }
+    });
+    named.collect()
 }
 
 #[cfg(test)]

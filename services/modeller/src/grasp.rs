@@ -7,17 +7,17 @@ use crate::arguments::GraspArguments;
 use crate::arm_scene::{prepared, receive, seen_object};
 use crate::png_file;
 use crate::transit_document;
-use arm_scene::{ArmScene, SEED};
+use arm_scene::ArmScene;
 use command_line::Output;
 use control_client::TrackScope;
 use grasp_document::GraspDocument;
 use grasp_scene::draw_grasp;
-use grasping::{Grasp, GraspPlan, GraspScene, Obstacles};
+use grasping::{Grasp, GraspPlan, GraspScene};
 use service::{CommonArguments, Failure, exit_code};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
-use transport::{ReachedGrasp, TransportPlanner, reach_region};
+use transport::ReachedGrasp;
 
 /// Plans the grasps of an object; without any the exit code is that of a refusal.
 pub(crate) fn run(
@@ -72,15 +72,10 @@ fn reached(
     plan: &mut GraspPlan,
     notes: &mut Vec<String>,
 ) -> Option<ReachedGrasp> {
-    let placed = arm_scene.arm.as_ref().filter(|_| !plan.grasps.is_empty())?;
-    let obstacles = Obstacles::within(scene, &reach_region(placed));
-    let planner = TransportPlanner {
-        scene,
-        obstacles: &obstacles,
-        placed,
-        seed: SEED,
-    };
-    match planner.reach(&plan.grasps) {
+    if arm_scene.arm.is_none() || plan.grasps.is_empty() {
+        return None;
+    }
+    match arm_scene.reach(scene, &plan.grasps) {
         Ok(reached) => {
             if reached.grasp > 0 {
                 notes.push(format!(

@@ -1,12 +1,17 @@
 //! Journal of a task: its steps and its end on their way to the working memory.
 
 use crate::robot::{DaemonLink, Unanswered};
-use control_protocol::{MutationId, RecordedStep, RefusalKind, TaskOutcome, request};
+use control_protocol::{
+    MAX_STEP_REASON_BYTES, MutationId, RecordedStep, RefusalKind, TaskOutcome, request,
+};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 /// Time between two attempts to reach the memory. Chosen.
 const RETRY_PERIOD: Duration = Duration::from_millis(500);
+
+/// Greatest length of the report with which a task ends, bytes: the memory refuses a longer one.
+const MAX_END_REASON_BYTES: usize = 2048;
 
 /// Change that the memory has not acknowledged.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,14 +33,16 @@ pub(super) struct Journal {
 
 impl Journal {
     /// Records a step. A change of the same step that still waits is replaced.
-    pub(super) fn step(&mut self, step: RecordedStep) {
+    pub(super) fn step(&mut self, mut step: RecordedStep) {
+        shorten(&mut step.reason, MAX_STEP_REASON_BYTES);
         self.waiting
             .retain(|entry| !matches!(entry, Entry::Step(old) if old.number == step.number));
         self.waiting.push_back(Entry::Step(step));
     }
 
     /// Records the end of the task.
-    pub(super) fn end(&mut self, outcome: TaskOutcome, reason: String) {
+    pub(super) fn end(&mut self, outcome: TaskOutcome, mut reason: String) {
+        shorten(&mut reason, MAX_END_REASON_BYTES);
         // Without random numbers the system is beyond help; a repeated number is refused.
         let id = MutationId::random().unwrap_or(MutationId(1));
         self.waiting.push_back(Entry::End {
@@ -87,6 +94,13 @@ impl Journal {
     }
 }
 
+/// Cuts a text to so many bytes at most.
+fn shorten(text: &mut String, n_bytes_max: usize) {
+    let mut ends = (0..=n_bytes_max.min(text.len())).rev();
+    let end = ends.find(|end| text.is_char_boundary(*end));
+    text.truncate(end.unwrap_or_default());
+}
+
 /// True for a refusal that a repetition does not change.
 fn is_final(kind: RefusalKind) -> bool {
     matches!(
@@ -126,5 +140,19 @@ mod tests {
         let expected = [step(1, "held"), step(2, "running")].map(Entry::Step);
         assert!(journal.waiting.iter().eq(&expected));
         assert!(!journal.is_empty());
+    }
+
+    #[test]
+    fn texts_are_as_long_as_the_memory_takes_them() {
+        let mut journal = Journal::default();
+        let mut long = step(1, "failed");
+        long.reason = "é".repeat(300);
+        journal.step(long);
+        journal.end(TaskOutcome::Failed, "x".repeat(3000));
+        let lengths = journal.waiting.iter().map(|entry| match entry {
+            Entry::Step(step) => step.reason.len(),
+            Entry::End { reason, .. } => reason.len(),
+        });
+        assert_eq!(lengths.collect::<Vec<_>>(), [512, 2048]);
     }
 }

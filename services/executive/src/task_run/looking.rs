@@ -128,10 +128,9 @@ impl TaskRun {
     /// Chooses anew among the objects of the newest scene.
     pub(super) fn select(&mut self, robot: &Robot<'_>) {
         let objects = robot.watch.objects();
-        let places = self.config.named_places();
         let view = TaskView {
             objects: &objects,
-            places: &places,
+            places: &self.config.named_places,
             steps: &self.steps,
             arm_base: robot.watch.arm_base().unwrap_or_default(),
         };

@@ -167,5 +167,10 @@ fn transport(
         why_no_grasp.unwrap_or_else(|| reason.words(&scene, Some(&area)))
     })?;
     let grasp = &grasps.grasps[transport.reached.grasp];
-    Ok(TransportRecord::new(arm_scene, object, grasp, &transport))
+    Ok(TransportRecord::new(
+        (arm_scene, &scene),
+        object,
+        grasp,
+        &transport,
+    ))
 }

@@ -4,7 +4,7 @@
 use arm_scene::ArmScene;
 use control_protocol::ArmMotion;
 use geometry::{OrientedBox, RigidTransform};
-use grasping::{Grasp, contact_surface};
+use grasping::{Grasp, GraspScene, contact_surface};
 use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use tasks::TaskPhase;
@@ -87,13 +87,13 @@ impl ToolPose {
 impl TransportRecord {
     /// Record of a transport of an object in a scene by a grasp.
     pub(super) fn new(
-        arm_scene: &ArmScene,
+        (arm_scene, scene): (&ArmScene, &GraspScene<'_>),
         object: usize,
         grasp: &Grasp,
         transport: &Transport,
     ) -> Self {
         let world = arm_scene.frame.world_from_plan;
-        let contacts = contact_surface(&arm_scene.scene(), object);
+        let contacts = contact_surface(scene, object);
         let load = CarriedLoad::of(&contacts, &grasp.plan_from_tool, None);
         let tool = |plan_from_tool: RigidTransform| ToolPose::of(&(world * plan_from_tool));
         let back = |pose: &RigidTransform, way_m: f64| pose * Translation3::new(0.0, 0.0, -way_m);
@@ -212,7 +212,7 @@ impl TransportRecord {
 }
 
 /// Joint angles of a path.
-fn angles(path: &TransitPath) -> Vec<[f64; 6]> {
+pub(super) fn angles(path: &TransitPath) -> Vec<[f64; 6]> {
     let waypoints = path.waypoints_rad.iter();
     waypoints.map(|joints| (*joints).into()).collect()
 }

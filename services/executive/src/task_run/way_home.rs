@@ -1,6 +1,6 @@
 //! Way home: the arm moves out of the camera's sight past everything that is seen.
 
-use super::transport_record::along;
+use super::transport_record::{along, angles};
 use arm_kinematics::{HOME, JointVector};
 use arm_scene::{ArmScene, SEED};
 use control_protocol::{ArmMotion, ArmReport};
@@ -33,10 +33,7 @@ pub(super) fn way_home(arm_scene: &ArmScene, report: &ArmReport) -> Result<Vec<A
         &JointVector::from(HOME),
         (report.opening_m, None),
     );
-    path.map(|path| {
-        let way: Vec<[f64; 6]> = path.waypoints_rad.iter().map(|one| (*one).into()).collect();
-        along(&way)
-    })
+    path.map(|path| along(&angles(&path)))
 }
 
 /// Path from where the arm is to joint angles, with the opening of the fingers and what they hold.

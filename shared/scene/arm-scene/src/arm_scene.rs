@@ -4,11 +4,12 @@ use crate::arm_and_people::ArmAndPeople;
 use arm_kinematics::GripperModel;
 use grasp_scene::{SceneBodies, grasp_scene};
 use grasping::{
-    GraspPlan, GraspPlanner, GraspScene, GraspSettings, Obstacles, PlacedArm, contact_surface,
+    Grasp, GraspPlan, GraspPlanner, GraspScene, GraspSettings, Obstacles, PlacedArm,
+    contact_surface,
 };
 use scene_client::{ModelShelf, PlanningFrame, Snapshot, StoredModels};
 use service::Failure;
-use transport::{NoTransport, PlaceArea, Transport, TransportPlanner, reach_region};
+use transport::{NoTransport, PlaceArea, ReachedGrasp, Transport, TransportPlanner, reach_region};
 
 /// Seed of the random trees.
 pub const SEED: u64 = 1;
@@ -99,15 +100,37 @@ impl ArmScene {
         grasps: &GraspPlan,
         area: &PlaceArea,
     ) -> Result<Transport, NoTransport> {
+        let contacts = contact_surface(scene, object);
+        self.plan(scene, |planner| {
+            planner.plan((object, &contacts), &grasps.grasps, area)
+        })
+    }
+
+    /// First of the grasps that the arm can move to.
+    ///
+    /// # Errors
+    /// The reason of the best grasp; that no grasp is known where there is no arm.
+    pub fn reach(
+        &self,
+        scene: &GraspScene<'_>,
+        grasps: &[Grasp],
+    ) -> Result<ReachedGrasp, NoTransport> {
+        self.plan(scene, |planner| planner.reach(grasps))
+    }
+
+    /// Plan of a transport planner with the obstacles within the arm's reach.
+    fn plan<T>(
+        &self,
+        scene: &GraspScene<'_>,
+        plan: impl FnOnce(&TransportPlanner<'_>) -> Result<T, NoTransport>,
+    ) -> Result<T, NoTransport> {
         let placed = self.arm.as_ref().ok_or(NoTransport::NoGrasp)?;
         let obstacles = Obstacles::within(scene, &reach_region(placed));
-        let planner = TransportPlanner {
+        plan(&TransportPlanner {
             scene,
             obstacles: &obstacles,
             placed,
             seed: SEED,
-        };
-        let contacts = contact_surface(scene, object);
-        planner.plan((object, &contacts), &grasps.grasps, area)
+        })
     }
 }
