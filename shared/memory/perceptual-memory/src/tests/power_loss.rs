@@ -595,13 +595,17 @@ fn failed_store_is_reopened_by_its_thread() {
     };
     let (thread, handle, _) = StoreThread::start(config).unwrap();
     handle.mutate_and_wait(mutation(0, 10)).unwrap();
-    let fill = |memory: &mut PerceptualMemory| {
+    // Asked before the thread is idle again: idle work would meet the full disk in its place.
+    let (answer, answered) = std::sync::mpsc::channel();
+    let on_full_disk = handle.clone();
+    let fill = move |memory: &mut PerceptualMemory| {
         memory.engine.set_observer(disk_full_after(0));
+        on_full_disk.mutate(mutation(1, 10), move |result| answer.send(result).unwrap());
         Ok(())
     };
     handle.read_and_wait(fill).unwrap();
     assert!(matches!(
-        handle.mutate_and_wait(mutation(1, 10)),
+        answered.recv().unwrap(),
         Err(Error::Storage(StorageError::Io { .. }))
     ));
     // The same again, and there is room now.
