@@ -1,6 +1,7 @@
 //! Command-line arguments of the camera.
 
 use crate::source::SourceSpec;
+use capture::ExtraFollower;
 use clap::{Args, Parser};
 use service::ProcessArguments;
 
@@ -44,9 +45,9 @@ pub(crate) struct SourceArguments {
     #[arg(long)]
     pub(crate) lockstep: bool,
 
-    /// In lockstep, also wait for a recorder that reports each frame
-    #[arg(long, hide = true)]
-    pub(crate) lockstep_recorder: bool,
+    /// In lockstep, also wait for the reports of another follower: executive or observer
+    #[arg(long, hide = true, requires = "lockstep", value_name = "FOLLOWER")]
+    pub(crate) lockstep_with: Vec<ExtraFollower>,
 }
 
 impl SourceArguments {

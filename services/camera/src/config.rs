@@ -67,10 +67,10 @@ impl Config {
                 from: given.from.or(raw.from_frame),
                 to: given.to.or(raw.to_frame),
             },
-            pace: match (given.lockstep_recorder, given.lockstep || raw.lockstep) {
-                (true, _) => FramePace::LockstepWithRecorder,
-                (false, true) => FramePace::Lockstep,
-                (false, false) => FramePace::Schedule,
+            pace: if given.lockstep || raw.lockstep {
+                FramePace::Lockstep(given.lockstep_with.clone())
+            } else {
+                FramePace::Schedule
             },
             is_source_awaited: arguments.process.follow_parent.is_some() || is_service(),
         };

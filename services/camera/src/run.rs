@@ -136,7 +136,7 @@ fn play(context: Context, config: &Config, runtime: Handle) -> Result<CaptureEnd
         None => "at its own rate".into(),
     };
     tracing::info!("playing {} {rate}", source.name());
-    CaptureLoop::new(context, source, config.pace, runtime)?.run()
+    CaptureLoop::new(context, source, config.pace.clone(), runtime)?.run()
 }
 
 /// Opens the source; `None` when shutdown was requested before it could be opened. A source

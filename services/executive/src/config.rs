@@ -23,6 +23,7 @@ struct RawConfig {
     doubts_are_unnamed: bool,
     ask_patience_s: f64,
     person_distance_m: f64,
+    planning_time_s: f64,
 }
 
 /// Policy for objects without a name, as written in TOML.
@@ -43,6 +44,8 @@ pub(crate) struct Config {
     pub(crate) ask_patience: Duration,
     /// Distance from a person within which the arm waits, metres.
     pub(crate) person_distance_m: f64,
+    /// Time of the source that passes for each planning in lockstep.
+    pub(crate) planning_time: Duration,
     /// Gripper of the arm.
     pub(crate) gripper: GripperModel,
     /// Places of the configuration.
@@ -75,6 +78,7 @@ impl Config {
             },
             ask_patience: Duration::from_secs_f64(raw.ask_patience_s),
             person_distance_m: raw.person_distance_m,
+            planning_time: Duration::from_secs_f64(raw.planning_time_s),
             gripper: found.section(GRIPPER_SECTION)?,
             places,
         })

@@ -1,19 +1,23 @@
 //! Executor: the thread that carries out one task after another, and answers requests about them.
 
 use crate::config::Config;
-use crate::robot::{ArmDriver, DaemonLink, SceneWatch, Unanswered};
+use crate::robot::{ArmDriver, DaemonLink, RobotClock, SceneWatch, Unanswered};
 use crate::task_requests::WaitingTaskRequest;
 use crate::task_run::{Robot, TaskRun};
+use capture::FrameFollower;
 use control_protocol::{
     MutationId, Refusal, RefusalKind, TaskCommand, TaskOrder, TaskOutcome, TaskReport, request,
 };
 use crossbeam::channel::Receiver;
+use message::ProcessKind;
 use scene_document::TaskDocument;
 use service::{CommonArguments, Context, Failure, LiveConfig};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Period of the looks at a running task: the lease of the arm is renewed every 100 ms at least.
 const TASK_PERIOD: Duration = Duration::from_millis(25);
+/// Period of the looks at a source in lockstep, which waits for each.
+const LOCKSTEP_PERIOD: Duration = Duration::from_millis(1);
 /// Time for which a request is awaited without a task.
 const IDLE_PERIOD: Duration = Duration::from_millis(200);
 /// Time for which a preview awaits a scene.
@@ -30,6 +34,9 @@ pub(crate) struct Executor {
     common: CommonArguments,
     link: DaemonLink,
     watch: Option<SceneWatch>,
+    clock: RobotClock,
+    /// Follower of a source in lockstep.
+    follower: FrameFollower,
     /// Running or last task.
     task: Option<TaskRun>,
     /// Number of the request that started the task.
@@ -39,8 +46,20 @@ pub(crate) struct Executor {
 }
 
 impl Executor {
-    pub(crate) fn new(context: Context, live: LiveConfig<Config>, common: CommonArguments) -> Self {
-        Self {
+    /// Executor in the domain of a process.
+    ///
+    /// # Errors
+    /// When a topic has no room for it, or shared memory fails.
+    pub(crate) fn new(
+        context: Context,
+        live: LiveConfig<Config>,
+        common: CommonArguments,
+    ) -> Result<Self, Failure> {
+        let own_code = u64::from(ProcessKind::EXECUTIVE.code());
+        let before = [ProcessKind::PERCEPTION, ProcessKind::MEMORY];
+        Ok(Self {
+            clock: RobotClock::Monotonic(Instant::now()),
+            follower: FrameFollower::new(&context.domain, own_code, &before)?,
             link: DaemonLink::new(context.domain.name().clone()),
             context,
             live,
@@ -49,7 +68,7 @@ impl Executor {
             task: None,
             started_by: None,
             restore_at: Some(Instant::now()),
-        }
+        })
     }
 
     /// Runs until shutdown.
@@ -60,16 +79,38 @@ impl Executor {
         while !self.context.shutdown.is_requested() {
             self.context.health.record_progress();
             self.restore();
-            let is_running = self.task.as_ref().is_some_and(|task| !task.is_over());
-            let period = if is_running { TASK_PERIOD } else { IDLE_PERIOD };
-            if let Ok(request) = requests.recv_timeout(period) {
+            if let Ok(request) = requests.recv_timeout(self.period()) {
                 let answer = self.answer(request.command.clone());
                 request.answer(answer);
             }
-            self.work()?;
+            match self.follower.next()? {
+                Some(frame) => {
+                    self.clock = RobotClock::Lockstep(Duration::from_nanos(frame.captured_ns));
+                    self.work()?;
+                    self.follower.report(frame)?;
+                }
+                None if self.follower.is_in_lockstep() => self.receive()?,
+                None => self.work()?,
+            }
         }
         self.stop();
         Ok(())
+    }
+
+    /// Time for which a request is awaited.
+    fn period(&self) -> Duration {
+        let is_running = self.task.as_ref().is_some_and(|task| !task.is_over());
+        match is_running {
+            _ if self.follower.is_in_lockstep() => LOCKSTEP_PERIOD,
+            true => TASK_PERIOD,
+            false => IDLE_PERIOD,
+        }
+    }
+
+    /// Receives what has come, so that no topic overflows while a frame is in work.
+    fn receive(&mut self) -> Result<(), Failure> {
+        let watch = self.watch.as_mut();
+        watch.map_or(Ok(()), |watch| watch.poll(self.clock.now()))
     }
 
     /// Advances the running task; without one the topics of the camera are left.
@@ -78,7 +119,13 @@ impl Executor {
             self.watch = None;
             return Ok(());
         };
-        let mut robot = robot(&self.context, &mut self.watch, &mut self.link, &self.common)?;
+        let clock = self.clock;
+        let mut robot = robot(
+            &self.context,
+            clock,
+            &mut self.watch,
+            (&mut self.link, &self.common),
+        )?;
         task.tick(&mut robot)
     }
 
@@ -115,22 +162,25 @@ impl Executor {
             let sentence = format!("task {number} does not run; see `tabula task list`");
             return Err(Refusal::new(RefusalKind::NotFound, sentence));
         };
-        let robot = robot(&self.context, &mut self.watch, &mut self.link, &self.common);
+        let robot = robot(
+            &self.context,
+            self.clock,
+            &mut self.watch,
+            (&mut self.link, &self.common),
+        );
         Ok((task, robot.map_err(|failure| unavailable(&failure))?))
     }
 
     fn preview(&mut self, order: TaskOrder) -> Result<TaskReport, Refusal> {
         let config = self.live.get();
-        let robot = robot(&self.context, &mut self.watch, &mut self.link, &self.common)
-            .map_err(|failure| unavailable(&failure))?;
-        let begun = Instant::now();
-        while !robot.watch.is_fresh() && begun.elapsed() < PREVIEW_PATIENCE {
-            robot
-                .watch
-                .poll()
-                .map_err(|failure| unavailable(&failure))?;
-            std::thread::sleep(TASK_PERIOD);
-        }
+        let robot = robot(
+            &self.context,
+            self.clock,
+            &mut self.watch,
+            (&mut self.link, &self.common),
+        )
+        .map_err(|failure| unavailable(&failure))?;
+        await_scene(robot.watch, &mut self.follower).map_err(|failure| unavailable(&failure))?;
         if !robot.watch.is_fresh() {
             let sentence = "no scene has come for 2 s, so that nothing is known of the table; see \
                             `tabula status`";
@@ -161,12 +211,17 @@ impl Executor {
         self.check_hand()?;
         let config = self.live.get();
         // An order that cannot be carried out leaves no record.
-        TaskRun::new(0, (order.clone(), author.clone()), config.clone())?;
+        TaskRun::new(
+            0,
+            (order.clone(), author.clone()),
+            config.clone(),
+            self.clock.now(),
+        )?;
         let kind = order.kind.word().to_owned();
         let parameters = serde_json::to_string(&order).unwrap_or_default();
         let recorded = request::start_task(id, kind, parameters, author.clone());
         let recorded = self.link.ask(&recorded).map_err(refusal_of_memory)?;
-        let task = TaskRun::new(recorded.task_id, (order, author), config)?;
+        let task = TaskRun::new(recorded.task_id, (order, author), config, self.clock.now())?;
         tracing::info!("task {}: {} begins", recorded.task_id, recorded.kind);
         let report = task.report();
         self.task = Some(task);
@@ -218,8 +273,9 @@ impl Executor {
     /// Goes on with a task of this daemon; one of an earlier daemon has ended with it.
     fn take_up(&mut self, document: &TaskDocument, order: TaskOrder, is_holding: bool) {
         let number = document.task_id;
+        let held = (is_holding, self.clock.now());
         let ended = if self.is_of_this_daemon(document) {
-            match TaskRun::restored(document, order, self.live.get(), is_holding) {
+            match TaskRun::restored(document, order, self.live.get(), held) {
                 Ok(task) => {
                     tracing::info!("task {number}: goes on from its record");
                     self.task = Some(task);
@@ -252,8 +308,8 @@ impl Executor {
         let Some(task) = self.task.as_mut().filter(|task| !task.has_ended()) else {
             return;
         };
-        let Ok(mut robot) = robot(&self.context, &mut self.watch, &mut self.link, &self.common)
-        else {
+        let link = (&mut self.link, &self.common);
+        let Ok(mut robot) = robot(&self.context, self.clock, &mut self.watch, link) else {
             return;
         };
         task.abandon(&mut robot);
@@ -270,19 +326,33 @@ impl Executor {
 /// The robot, with the topics of the camera joined.
 fn robot<'a>(
     context: &Context,
+    clock: RobotClock,
     watch: &'a mut Option<SceneWatch>,
-    link: &'a mut DaemonLink,
-    common: &'a CommonArguments,
+    (link, common): (&'a mut DaemonLink, &'a CommonArguments),
 ) -> Result<Robot<'a>, Failure> {
     let watch = match watch {
         Some(watch) => watch,
         None => watch.insert(SceneWatch::new(&context.domain)?),
     };
     Ok(Robot {
+        clock,
         link,
         watch,
         common,
     })
+}
+
+/// Waits until a scene shows the present, or no longer than a preview may take.
+fn await_scene(watch: &mut SceneWatch, follower: &mut FrameFollower) -> Result<(), Failure> {
+    let begun = Instant::now();
+    while !watch.is_fresh() && begun.elapsed() < PREVIEW_PATIENCE {
+        if let Some(frame) = follower.next()? {
+            follower.report(frame)?;
+        }
+        watch.poll(begun.elapsed())?;
+        std::thread::sleep(LOCKSTEP_PERIOD);
+    }
+    Ok(())
 }
 
 fn unavailable(failure: &Failure) -> Refusal {

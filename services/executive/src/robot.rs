@@ -2,8 +2,10 @@
 
 mod arm_driver;
 mod daemon_link;
+mod robot_clock;
 mod scene_watch;
 
 pub(crate) use arm_driver::{ArmDriver, MotionProgress};
 pub(crate) use daemon_link::{DaemonLink, Unanswered};
+pub(crate) use robot_clock::RobotClock;
 pub(crate) use scene_watch::SceneWatch;

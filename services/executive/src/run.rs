@@ -25,7 +25,7 @@ pub(crate) async fn run(
         .name("executor".into())
         .spawn(move || {
             let executor = Executor::new(context, live, common);
-            let _ = sender.send(executor.run(&requests));
+            let _ = sender.send(executor.and_then(|executor| executor.run(&requests)));
         });
     spawned.map_err(|error| {
         Failure::general(format!("could not start the executor's thread: {error}"))

@@ -10,13 +10,13 @@ mod transport_record;
 mod way_home;
 
 use crate::config::Config;
-use crate::robot::{ArmDriver, DaemonLink, SceneWatch};
+use crate::robot::{ArmDriver, DaemonLink, RobotClock, SceneWatch};
 use control_protocol::{RecordedStep, Refusal, TaskOrder, TaskOutcome};
 use journal::Journal;
 use scene_document::TaskDocument;
 use service::{CommonArguments, Failure};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tasks::{
     CarryStep, MachineState, Selection, StepState, TableObject, TaskGoal, TaskPhase, TaskRules,
     TaskSignal, n_attempts, object_words, report,
@@ -28,6 +28,7 @@ const N_WAYS_MAX: u32 = 2;
 
 /// The robot as a task uses it.
 pub(crate) struct Robot<'a> {
+    pub(crate) clock: RobotClock,
     pub(crate) link: &'a mut DaemonLink,
     pub(crate) watch: &'a mut SceneWatch,
     pub(crate) common: &'a CommonArguments,
@@ -59,7 +60,11 @@ pub(crate) struct TaskRun {
     reason: String,
     /// Report of the ended task.
     outcome: String,
-    phase_began: Instant,
+    /// Time of the robot's clock at the last look.
+    now: Duration,
+    phase_began: Duration,
+    /// End of the time that is charged for a planning in lockstep.
+    planned_until: Duration,
     /// True if the motions of the phase were begun.
     is_begun: bool,
     /// Newest primitive of the present step.
@@ -69,7 +74,7 @@ pub(crate) struct TaskRun {
 }
 
 impl TaskRun {
-    /// Task of an order, with the number that the memory has given it.
+    /// Task of an order, with the number that the memory has given it, at a time of the robot's clock.
     ///
     /// # Errors
     /// A refusal about an order that cannot be carried out.
@@ -77,6 +82,7 @@ impl TaskRun {
         number: u64,
         (order, author): (TaskOrder, String),
         config: Arc<Config>,
+        now: Duration,
     ) -> Result<Self, Refusal> {
         Ok(Self {
             number,
@@ -97,7 +103,9 @@ impl TaskRun {
             waits_for: String::new(),
             reason: String::new(),
             outcome: String::new(),
-            phase_began: Instant::now(),
+            now,
+            phase_began: now,
+            planned_until: now,
             is_begun: false,
             primitive: TaskPhase::Plan,
             n_tries: 0,
@@ -105,7 +113,7 @@ impl TaskRun {
     }
 
     /// Task that an earlier executive began, from its record alone. `is_holding` tells whether the
-    /// gripper holds something.
+    /// gripper holds something at that time of the robot's clock.
     ///
     /// # Errors
     /// A refusal about an order that cannot be carried out any more.
@@ -113,10 +121,10 @@ impl TaskRun {
         document: &TaskDocument,
         order: TaskOrder,
         config: Arc<Config>,
-        is_holding: bool,
+        (is_holding, now): (bool, Duration),
     ) -> Result<Self, Refusal> {
         let author = document.author.clone();
-        let mut task = Self::new(document.task_id, (order, author), config)?;
+        let mut task = Self::new(document.task_id, (order, author), config, now)?;
         task.steps = document.steps.iter().map(step_of).collect();
         let open = document.steps.last();
         let open = open.filter(|_| task.steps.last().is_some_and(|step| step.state.is_open()));
@@ -198,11 +206,12 @@ impl TaskRun {
     /// # Errors
     /// When shared memory fails.
     pub(crate) fn tick(&mut self, robot: &mut Robot<'_>) -> Result<(), Failure> {
-        robot.watch.poll()?;
+        self.now = robot.clock.now();
+        robot.watch.poll(self.now)?;
         if let Err(unanswered) = self.journal.flush(self.number, robot.link) {
             tracing::warn!("task {}: not recorded yet: {unanswered}", self.number);
         }
-        if self.has_ended() || self.is_waiting(robot) {
+        if self.has_ended() || self.is_waiting(robot) || self.is_charged(robot) {
             return Ok(());
         }
         if let Some(signal) = self.signal(robot)? {
@@ -271,7 +280,7 @@ impl TaskRun {
             let track = self.steps.last().map(|step| step.track);
             self.failed.extend(track.zip(self.record.take()));
         }
-        self.phase_began = Instant::now();
+        self.phase_began = self.now;
         self.is_begun = false;
         if self.state.phase != TaskPhase::Halt {
             self.waits_for.clear();
@@ -370,7 +379,7 @@ impl TaskRun {
 
     /// Time since the begin of the phase.
     fn elapsed(&self) -> Duration {
-        self.phase_began.elapsed()
+        self.now.saturating_sub(self.phase_began)
     }
 
     /// Failure of the phase with its reason, a sentence without its full stop.

@@ -2,12 +2,12 @@
 
 use crate::arguments::ReplayArguments;
 use crate::events_file::EventsFile;
-use capture::RECORDER_CODE;
-use channel::topic::{FinishedFrames, ProcessHealth, Scene};
-use channel::{Domain, DomainName, Publisher, Received, Role, RunFolder, Subscriber};
+use capture::{FrameFollower, OBSERVER_CODE};
+use channel::topic::{ProcessHealth, Scene};
+use channel::{Domain, DomainName, Received, Role, RunFolder, Subscriber};
 use command_line::{Output, StopSignal};
 use control_client::SpawnedDaemon;
-use message::{FrameDone, PlainHeader, ProcessKind, ProcessState, SceneSummary};
+use message::{ProcessKind, ProcessState, SceneSummary};
 use recording::{EventDigest, EventStream};
 use service::{CommonArguments, Failure};
 use std::path::Path;
@@ -37,15 +37,14 @@ pub(crate) fn run(
     let mut collector = EventCollector {
         scenes: Subscriber::polled(&domain)?,
         health: Subscriber::polled(&domain)?,
-        finished: Subscriber::polled(&domain)?,
-        reports: Publisher::new(&domain)?,
+        follower: FrameFollower::new(&domain, OBSERVER_CODE, &[ProcessKind::PERCEPTION])?,
         stream: EventStream::new(),
         file,
         order: SceneOrder::default(),
     };
     let config = common.config.as_deref();
     let mut run_arguments = arguments.run_arguments();
-    run_arguments.push("--lockstep-recorder".into());
+    run_arguments.push("--lockstep-observer".into());
     run_arguments.extend(config.map(|path| format!("--config={}", path.display())));
     let folder = TempDir::with_prefix("tabula-replay-").map_err(|error| {
         let place = std::env::temp_dir();
@@ -127,9 +126,8 @@ impl SceneOrder {
 struct EventCollector {
     scenes: Subscriber<Scene>,
     health: Subscriber<ProcessHealth>,
-    finished: Subscriber<FinishedFrames>,
-    /// Reports of the frames whose scene was taken, for which the camera waits.
-    reports: Publisher<FinishedFrames>,
+    /// Follower of the frames whose scene was taken, for which the camera waits.
+    follower: FrameFollower,
     stream: EventStream,
     file: EventsFile,
     order: SceneOrder,
@@ -147,17 +145,9 @@ impl EventCollector {
     /// Takes the scene of each frame that perception has finished, and reports that. A frame that
     /// perception cannot use has none.
     fn receive_finished(&mut self) -> Result<(), Failure> {
-        while let Received::Message(finished) = self.finished.receive()? {
-            for done in finished.items() {
-                if done.process == u64::from(ProcessKind::PERCEPTION.code()) {
-                    self.receive_scenes()?;
-                    let report = FrameDone {
-                        process: RECORDER_CODE,
-                        ..*done
-                    };
-                    self.reports.send_copy(PlainHeader::default(), &[report])?;
-                }
-            }
+        while let Some(frame) = self.follower.next()? {
+            self.receive_scenes()?;
+            self.follower.report(frame)?;
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! Command-line arguments of the simulator.
 
+use capture::ExtraFollower;
 use clap::{Args, Parser};
 use service::ProcessArguments;
 
@@ -36,4 +37,8 @@ pub(crate) struct SceneArguments {
     /// Send a frame only when perception and memory have finished the previous one
     #[arg(long)]
     pub(crate) lockstep: bool,
+
+    /// In lockstep, also wait for the reports of another follower: executive or observer
+    #[arg(long, hide = true, value_name = "FOLLOWER")]
+    pub(crate) lockstep_with: Vec<ExtraFollower>,
 }

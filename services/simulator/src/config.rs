@@ -2,6 +2,7 @@
 
 use crate::arguments::SimulatorArguments;
 use arm_kinematics::GripperModel;
+use capture::FramePace;
 use serde::Deserialize;
 use service::{Configuration, Failure, KeyReference};
 use simulated_world::{ArmMount, EVERYDAY_OBJECTS, ModelLibrary, ModelSource, Scene, SceneKind};
@@ -43,7 +44,7 @@ pub(crate) struct Config {
     seed: Option<u64>,
     models: ModelSource,
     pub(crate) rate_hz: f64,
-    pub(crate) lockstep: bool,
+    pub(crate) pace: FramePace,
     /// True if the arm's loop is to have real-time priority.
     pub(crate) real_time: bool,
     gripper: GripperModel,
@@ -77,7 +78,11 @@ impl Config {
                 .models
                 .map_or(ModelSource::Generated, ModelSource::Folder),
             rate_hz: given.rate.or(raw.rate_hz).unwrap_or(30.0),
-            lockstep: given.lockstep || raw.lockstep,
+            pace: if given.lockstep || raw.lockstep {
+                FramePace::Lockstep(given.lockstep_with.clone())
+            } else {
+                FramePace::Schedule
+            },
             real_time: raw.real_time.unwrap_or(true),
             gripper: found.section(GRIPPER_SECTION)?,
         };

@@ -9,7 +9,7 @@ use crate::frame_interval::FrameInterval;
 use crate::simulator_source::{SimulatorSource, warm_camera};
 use crate::world_publishers::WorldPublishers;
 use arm_interface::StopWord;
-use capture::{CaptureEnd, CaptureLoop, FramePace};
+use capture::{CaptureEnd, CaptureLoop};
 use channel::Publisher;
 use channel::control::Server;
 use message::ProcessKind;
@@ -90,7 +90,7 @@ fn play(
         requests,
         publisher,
         word,
-        is_lockstep: config.lockstep,
+        is_lockstep: config.pace.is_lockstep(),
         is_real_time: config.real_time && has_arm,
         log: ArmLog::start().map_err(|error| not_started(&error))?,
     };
@@ -104,12 +104,7 @@ fn play(
         world_publishers,
     );
     let health = context.health.clone();
-    let pace = if config.lockstep {
-        FramePace::Lockstep
-    } else {
-        FramePace::Schedule
-    };
-    let capture = CaptureLoop::new(context, Box::new(source), pace, runtime)?;
+    let capture = CaptureLoop::new(context, Box::new(source), config.pace.clone(), runtime)?;
     health
         .shared_memory_bytes
         .fetch_add(shared_bytes, std::sync::atomic::Ordering::Relaxed);

@@ -380,9 +380,9 @@ pub(crate) struct RunArguments {
     /// Send a frame only when perception and memory have finished the previous one
     #[arg(long)]
     lockstep: bool,
-    /// In lockstep, also wait for a recorder that reports each frame
+    /// In lockstep, also wait for a program that reports each frame
     #[arg(long, hide = true, requires = "lockstep")]
-    lockstep_recorder: bool,
+    lockstep_observer: bool,
     /// Check the configuration and the arguments of all processes, and do nothing else
     #[arg(long)]
     pub(crate) check_config: bool,
@@ -424,7 +424,6 @@ impl RunArguments {
         for_other("--loop", self.looped, true)?;
         for_other("--from", self.from.is_some(), true)?;
         for_other("--to", self.to.is_some(), true)?;
-        for_other("--lockstep-recorder", self.lockstep_recorder, true)?;
         let values = [
             ("--source", camera_source),
             ("--scene", scene),
@@ -437,7 +436,8 @@ impl RunArguments {
         let flags = [
             ("--loop", self.looped),
             ("--lockstep", self.lockstep),
-            ("--lockstep-recorder", self.lockstep_recorder),
+            ("--lockstep-with=observer", self.lockstep_observer),
+            ("--lockstep-with=executive", sensor.has_arm()),
         ];
         let values = values
             .into_iter()

@@ -84,7 +84,7 @@ impl Sensor {
     }
 
     /// True if the sensor may drive an arm.
-    fn has_arm(&self) -> bool {
+    pub(crate) fn has_arm(&self) -> bool {
         match self {
             Self::Camera => false,
             Self::Simulator { .. } => true,

@@ -80,6 +80,14 @@ impl ArmDriver {
         progress.unwrap_or_else(|unanswered| self.unanswered(unanswered))
     }
 
+    /// Renews the lease, if one is held, and begins nothing.
+    pub(crate) fn keep(&mut self, link: &mut DaemonLink) {
+        if self.lease.is_some() {
+            // The next poll tells of an arm that does not answer.
+            let _ = self.hold(link);
+        }
+    }
+
     /// Ends the lease; the arm rests.
     pub(crate) fn release(&mut self, link: &mut DaemonLink) {
         if let Some(lease) = self.lease.take() {

@@ -8,7 +8,7 @@ use message::SceneObject;
 use nalgebra::{Isometry3, Point2, Quaternion, Translation3, UnitQuaternion, Vector3};
 use scene_client::{DaemonModels, SnapshotReceiver, is_seen};
 use service::{CommonArguments, Failure};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tasks::TableObject;
 
 /// Age of the newest scene above which it says nothing about the present.
@@ -22,7 +22,10 @@ pub(crate) struct SceneWatch {
     bodies: ArmAndPeople,
     /// Number of scenes received since the last [`begin_look`](Self::begin_look).
     n_scenes: u32,
-    received: Option<Instant>,
+    /// Time of the newest scene.
+    received: Option<Duration>,
+    /// Time of the last look at the topics.
+    now: Duration,
 }
 
 impl SceneWatch {
@@ -36,17 +39,19 @@ impl SceneWatch {
             bodies: ArmAndPeople::new(domain)?,
             n_scenes: 0,
             received: None,
+            now: Duration::ZERO,
         })
     }
 
-    /// Receives what has come.
+    /// Receives what has come until now.
     ///
     /// # Errors
     /// When shared memory fails.
-    pub(crate) fn poll(&mut self) -> Result<(), Failure> {
+    pub(crate) fn poll(&mut self, now: Duration) -> Result<(), Failure> {
+        self.now = now;
         if self.receiver.receive()? {
             self.n_scenes += 1;
-            self.received = Some(Instant::now());
+            self.received = Some(now);
         }
         self.bodies.receive()
     }
@@ -63,7 +68,8 @@ impl SceneWatch {
 
     /// True if the newest scene shows the present.
     pub(crate) fn is_fresh(&self) -> bool {
-        self.received.is_some_and(|at| at.elapsed() <= STALE)
+        self.received
+            .is_some_and(|at| self.now.saturating_sub(at) <= STALE)
     }
 
     /// Objects of the newest scene; none without a scene.

@@ -26,6 +26,7 @@ impl TaskRun {
         let Some(arm_scene) = self.arm_scene(robot)? else {
             return Ok(self.no_scene());
         };
+        self.charge(robot);
         let Some(step) = self.present_step().cloned() else {
             return Ok(Some(self.fail("no object was chosen")));
         };
@@ -52,6 +53,7 @@ impl TaskRun {
         let Some(arm_scene) = self.arm_scene(robot)? else {
             return Ok(self.no_scene());
         };
+        self.charge(robot);
         self.n_tries += 1;
         if self.n_tries > 2 * N_WAYS_MAX {
             let reason = format!("the hand holds the object, {}", self.reason);
@@ -96,6 +98,7 @@ impl TaskRun {
         let Some(arm_scene) = self.arm_scene(robot)? else {
             return Ok(self.no_scene());
         };
+        self.charge(robot);
         self.n_tries += 1;
         let motions = way_home(&arm_scene, &report);
         match motions {
@@ -111,6 +114,22 @@ impl TaskRun {
         }
         self.is_begun = true;
         Ok(None)
+    }
+
+    /// Charges the time of a planning, which begins now, to a source in lockstep: it waits meanwhile.
+    fn charge(&mut self, robot: &Robot<'_>) {
+        if robot.clock.is_lockstep() {
+            self.planned_until = self.now + self.config.planning_time;
+        }
+    }
+
+    /// True while the time of a planning passes; a lease is kept meanwhile.
+    pub(super) fn is_charged(&mut self, robot: &mut Robot<'_>) -> bool {
+        let is_charged = self.now < self.planned_until;
+        if is_charged {
+            self.driver.keep(robot.link);
+        }
+        is_charged
     }
 
     /// Scene for planning from the newest frame; `None` while none is complete.

@@ -91,10 +91,7 @@ impl CaptureLoop {
             monotonic_ns()
         };
         let entered = runtime.enter();
-        let lockstep = pace
-            .is_lockstep()
-            .then(|| Lockstep::new(&context.domain, pace))
-            .transpose()?;
+        let lockstep = Lockstep::new(&context.domain, pace)?;
         drop(entered);
         Ok(Self {
             schedule: source

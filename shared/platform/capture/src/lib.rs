@@ -50,6 +50,7 @@
 //! ```
 
 mod capture_loop;
+mod frame_follower;
 mod image_publisher;
 mod lead_time;
 mod lockstep;
@@ -60,7 +61,8 @@ mod source_error;
 mod source_images;
 
 pub use capture_loop::{CaptureEnd, CaptureLoop};
-pub use lockstep::{FramePace, RECORDER_CODE};
+pub use frame_follower::{FollowedFrame, FrameFollower};
+pub use lockstep::{ExtraFollower, FramePace, OBSERVER_CODE};
 pub use outage::Outage;
 pub use source::{FrameInfo, FrameSize, IdleUpdate, Source};
 pub use source_error::SourceError;

@@ -4,6 +4,7 @@ use channel::topic::FinishedFrames;
 use channel::{Domain, Error, Subscriber};
 use message::{Duty, FrameDone, ProcessKind};
 use service::{HealthCounters, Shutdown};
+use std::str::FromStr;
 use std::time::Duration;
 
 /// Timeout after which the frame is sent again: a restarted follower has never seen
@@ -12,31 +13,59 @@ const SILENCE: Duration = Duration::from_secs(3);
 /// Period in which waiting is recorded as progress.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(500);
 
-/// Code of a recorder in its reports of finished frames, in the place of that of a process.
-pub const RECORDER_CODE: u64 = 64;
+/// Code of an observer in its reports of finished frames, in the place of that of a process.
+pub const OBSERVER_CODE: u64 = 64;
+
+/// Follower of a source in lockstep beside the processes that follow every source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExtraFollower {
+    /// The executive, which acts on each scene.
+    Executive,
+    /// A program that takes all that was published for a frame.
+    Observer,
+}
+
+impl ExtraFollower {
+    fn code(self) -> u64 {
+        match self {
+            Self::Executive => u64::from(ProcessKind::EXECUTIVE.code()),
+            Self::Observer => OBSERVER_CODE,
+        }
+    }
+}
+
+impl FromStr for ExtraFollower {
+    type Err = String;
+
+    fn from_str(word: &str) -> Result<Self, String> {
+        match word {
+            "executive" => Ok(Self::Executive),
+            "observer" => Ok(Self::Observer),
+            other => Err(format!("{other:?} is neither executive nor observer")),
+        }
+    }
+}
 
 /// Pace of the frames of a source.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FramePace {
     /// On schedule, or as a live sensor sends them.
     Schedule,
-    /// Each frame when perception and memory have finished the one before.
-    Lockstep,
-    /// The same, and a recorder has taken all that was published for it.
-    LockstepWithRecorder,
+    /// Each frame when perception, memory and these others have finished the one before.
+    Lockstep(Vec<ExtraFollower>),
 }
 
 impl FramePace {
     /// True if a frame waits for the one before to be finished.
-    pub fn is_lockstep(self) -> bool {
-        self != Self::Schedule
+    pub fn is_lockstep(&self) -> bool {
+        *self != Self::Schedule
     }
 }
 
 /// Receiver of the followers' reports.
 pub(crate) struct Lockstep {
     reports: Subscriber<FinishedFrames>,
-    has_recorder: bool,
+    others: Vec<ExtraFollower>,
 }
 
 /// Outcome of waiting for the lockstep followers.
@@ -51,11 +80,15 @@ pub(crate) enum LockstepOutcome {
 }
 
 impl Lockstep {
-    pub(crate) fn new(domain: &Domain, pace: FramePace) -> Result<Self, Error> {
-        Ok(Self {
+    /// Receiver in a domain; `None` for a source on schedule.
+    pub(crate) fn new(domain: &Domain, pace: FramePace) -> Result<Option<Self>, Error> {
+        let FramePace::Lockstep(others) = pace else {
+            return Ok(None);
+        };
+        Ok(Some(Self {
             reports: Subscriber::waiting(domain)?,
-            has_recorder: pace == FramePace::LockstepWithRecorder,
-        })
+            others,
+        }))
     }
 
     /// Waits until all followers have finished the frame. The wait is progress of this process.
@@ -67,7 +100,7 @@ impl Lockstep {
     ) -> Result<LockstepOutcome, Error> {
         let followers = ProcessKind::all().filter(|process| process.has(Duty::FollowsFrames));
         let mut waiting_for: Vec<u64> = followers.map(|one| u64::from(one.code())).collect();
-        waiting_for.extend(self.has_recorder.then_some(RECORDER_CODE));
+        waiting_for.extend(self.others.iter().map(|other| other.code()));
         let silence = tokio::time::sleep(SILENCE);
         tokio::pin!(silence);
         while !waiting_for.is_empty() {
