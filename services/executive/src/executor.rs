@@ -1,7 +1,7 @@
 //! Executor: the thread that carries out one task after another, and answers requests about them.
 
 use crate::config::Config;
-use crate::robot::{ArmDriver, DaemonLink, RobotClock, SceneWatch, Unanswered};
+use crate::robot::{ArmDriver, RobotClock, SceneWatch};
 use crate::task_requests::WaitingTaskRequest;
 use crate::task_run::{Robot, TaskRun};
 use capture::FrameFollower;
@@ -9,11 +9,14 @@ use control_protocol::{
     MutationId, Refusal, RefusalKind, TaskCommand, TaskOrder, TaskOutcome, TaskReport, request,
 };
 use crossbeam::channel::Receiver;
+use daemon_client::{DaemonLink, Unanswered};
 use message::ProcessKind;
 use scene_document::TaskDocument;
 use service::{CommonArguments, Context, Failure, LiveConfig};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+/// Time limit of a call. Chosen: less than the silence after which a lease of the arm ends.
+const CALL_DEADLINE: Duration = Duration::from_millis(400);
 /// Period of the looks at a running task: the lease of the arm is renewed every 100 ms at least.
 const TASK_PERIOD: Duration = Duration::from_millis(25);
 /// Period of the looks at a source in lockstep, which waits for each.
@@ -60,7 +63,7 @@ impl Executor {
         Ok(Self {
             clock: RobotClock::Monotonic(Instant::now()),
             follower: FrameFollower::new(&context.domain, own_code, &before)?,
-            link: DaemonLink::new(context.domain.name().clone()),
+            link: DaemonLink::new(context.domain.name().clone(), CALL_DEADLINE),
             context,
             live,
             common,

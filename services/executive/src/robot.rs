@@ -1,11 +1,9 @@
 //! The robot as a client of the daemon sees it: its requests, its arm, and what the camera shows.
 
 mod arm_driver;
-mod daemon_link;
 mod robot_clock;
 mod scene_watch;
 
 pub(crate) use arm_driver::{ArmDriver, MotionProgress};
-pub(crate) use daemon_link::{DaemonLink, Unanswered};
 pub(crate) use robot_clock::RobotClock;
 pub(crate) use scene_watch::SceneWatch;

@@ -10,8 +10,9 @@ mod transport_record;
 mod way_home;
 
 use crate::config::Config;
-use crate::robot::{ArmDriver, DaemonLink, RobotClock, SceneWatch};
+use crate::robot::{ArmDriver, RobotClock, SceneWatch};
 use control_protocol::{RecordedStep, Refusal, TaskOrder, TaskOutcome};
+use daemon_client::DaemonLink;
 use journal::Journal;
 use scene_document::TaskDocument;
 use service::{CommonArguments, Failure};

@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 use command_line::Output;
 use experiments::arguments::{
-    AgeMemoryArguments, EvaluateVerb, ExamplesArguments, LearnArguments, SimulateVerb,
+    AgeMemoryArguments, DemoVerb, EvaluateVerb, ExamplesArguments, LearnArguments, SimulateVerb,
     SweepArguments,
 };
 use service::{CommonArguments, Failure, OptionUse};
@@ -42,6 +42,12 @@ enum Verb {
         #[command(subcommand)]
         verb: EvaluateVerb,
     },
+    /// Demonstrate the robot in simulated scenes, in a daemon of its own
+    Demo {
+        /// Demonstration to perform
+        #[command(subcommand)]
+        verb: DemoVerb,
+    },
     /// Write the examples from which a model of perception is trained
     Examples(ExamplesArguments),
     /// Measure how sensitive scores are to tuned constants; needs the source tree and cargo
@@ -58,6 +64,7 @@ impl Verb {
             Self::Learn(_) => OptionUse::Daemon,
             Self::Simulate { .. }
             | Self::Evaluate { .. }
+            | Self::Demo { .. }
             | Self::Examples(_)
             | Self::Sweep(_)
             | Self::AgeMemory(_) => OptionUse::Nothing,
@@ -77,6 +84,7 @@ fn execute(arguments: &LabArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Learn(folder) => experiments::learn_folder::run(&arguments.common, folder, output),
         Verb::Simulate { verb } => experiments::simulate::run(verb, output),
         Verb::Evaluate { verb } => experiments::evaluate::run(verb, output),
+        Verb::Demo { verb } => experiments::demo::run(verb, output),
         Verb::Examples(model) => experiments::training_examples::run(model, output),
         Verb::Sweep(sweep) => experiments::sweep::run(sweep, output),
         Verb::AgeMemory(ageing) => experiments::age_memory::run(ageing, output),

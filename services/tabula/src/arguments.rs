@@ -167,6 +167,9 @@ pub(crate) enum Verb {
     /// Evaluate accuracy and speed of the kernels; needs no daemon
     #[command(disable_help_flag = true, disable_help_subcommand = true)]
     Evaluate(LabArguments),
+    /// Demonstrate the robot in simulated scenes, in a daemon of its own
+    #[command(disable_help_flag = true, disable_help_subcommand = true)]
+    Demo(LabArguments),
     /// Measure the end-to-end latency of frames; see `tabula latency --help`
     #[command(disable_help_flag = true)]
     Latency(LabArguments),
@@ -200,6 +203,7 @@ impl Verb {
             | Self::Place { .. }
             | Self::Simulate(_)
             | Self::Evaluate(_)
+            | Self::Demo(_)
             | Self::Latency(_)
             | Self::Record(_)
             | Self::Replay(_)

@@ -26,7 +26,9 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ("Robot", &["view", "grasp", "place", "arm", "task"]),
     (
         "Recordings and measurements",
-        &["record", "replay", "simulate", "evaluate", "latency"],
+        &[
+            "record", "replay", "simulate", "evaluate", "demo", "latency",
+        ],
     ),
 ];
 

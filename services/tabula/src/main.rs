@@ -83,6 +83,7 @@ fn execute(arguments: &CliArguments, output: &Output) -> Result<ExitCode, Failur
         Verb::Grasp { verb } => lab_program::become_modeller(arguments, verb.modeller()),
         Verb::Place { verb } => lab_program::become_modeller(arguments, verb.modeller()),
         Verb::Simulate(lab) => lab_program::become_lab(arguments, "simulate", &lab.words),
+        Verb::Demo(lab) => lab_program::become_lab(arguments, "demo", &lab.words),
         Verb::Evaluate(lab) => lab_program::become_lab(arguments, "evaluate", &lab.words),
         Verb::World(world) => world::run(&arguments.common, world.verb.as_ref(), output),
         Verb::Latency(lab) => lab_program::become_latency(arguments, &lab.words),

@@ -1,7 +1,7 @@
 //! Driver of the arm's motions: one after another, under a lease that is renewed with each look.
 
-use super::daemon_link::{DaemonLink, Unanswered};
 use control_protocol::{ArmLease, ArmMotion, ArmReport, MutationId, RefusalKind, request};
+use daemon_client::{DaemonLink, Unanswered};
 use std::collections::VecDeque;
 
 /// Name under which the executive commands the arm.

@@ -1,9 +1,9 @@
 //! Journal of a task: its steps and its end on their way to the working memory.
 
-use crate::robot::{DaemonLink, Unanswered};
 use control_protocol::{
     MAX_STEP_REASON_BYTES, MutationId, RecordedStep, RefusalKind, TaskOutcome, request,
 };
+use daemon_client::{DaemonLink, Unanswered};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 

@@ -41,6 +41,12 @@ pub fn draw(
     camera: &PinholeCamera,
     boxes: &[NumberedBox],
 ) -> Result<Vec<u8>, EncodingError> {
+    let rgb = rgb(points, camera, boxes);
+    encode(&rgb, camera.width as usize, camera.height as usize)
+}
+
+/// The same image as its pixels: red, green and blue of each, row-major, of the camera's size.
+pub fn rgb(points: &[Point], camera: &PinholeCamera, boxes: &[NumberedBox]) -> Vec<u8> {
     let mut canvas = Canvas::of(points, camera);
     for numbered in boxes {
         let color = object_color(numbered.number as usize);
@@ -53,7 +59,7 @@ pub fn draw(
             canvas.write(numbered.number, &centre, color);
         }
     }
-    encode(&canvas.rgb, canvas.width, canvas.height)
+    canvas.rgb
 }
 
 struct Canvas {

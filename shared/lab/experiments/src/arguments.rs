@@ -1,11 +1,13 @@
 //! Command-line arguments of the experiments.
 
+mod demo;
 mod grasping;
 mod next_best_view;
 mod object_model;
 mod recognition;
 mod transport;
 
+pub use demo::{ClearTableArguments, DemoVariant, DemoVerb};
 pub use grasping::{GraspJudge, GraspingArguments, ModelHalf};
 pub use next_best_view::NextBestViewArguments;
 pub use object_model::ModelArguments;

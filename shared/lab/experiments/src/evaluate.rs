@@ -19,7 +19,7 @@ mod registration;
 mod report_parts;
 mod scene_views;
 mod still_pictures;
-mod tabular_report;
+pub(crate) mod tabular_report;
 mod tracking;
 mod transport;
 mod view_selection;

@@ -4,6 +4,7 @@
 //! single-object views of the simulated table; [`learn_folder`] teaches a folder of labelled views
 //! to a running daemon; [`sweep`] measures how sensitive the scores are to a tuned constant;
 //! [`training_examples`] writes those from which the models of perception are trained;
+//! [`demo`] demonstrates the robot in a daemon of its own;
 //! [`age_memory`] makes years of changes to a perceptual memory. The arguments of each experiment
 //! are in [`arguments`]; the program `tabula-lab` parses them.
 //!
@@ -21,6 +22,7 @@
 
 pub mod age_memory;
 pub mod arguments;
+pub mod demo;
 pub mod evaluate;
 pub mod learn_folder;
 pub mod simulate;
@@ -28,6 +30,7 @@ pub mod sweep;
 pub mod training_examples;
 
 mod csv;
+mod disturbance;
 mod frame_detector;
 mod metric_views;
 mod output_files;

@@ -19,11 +19,13 @@
 
 mod call_error;
 mod daemon_client;
+mod daemon_link;
 mod domain_name;
 mod run_folder;
 
 pub use call_error::CallError;
 pub use daemon_client::DaemonClient;
+pub use daemon_link::{DaemonLink, Unanswered};
 pub use domain_name::{DomainName, InvalidDomainName};
 pub use run_folder::RunFolder;
 

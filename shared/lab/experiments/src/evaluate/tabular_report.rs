@@ -11,11 +11,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Heading and cells of a table's column, from the item of each row.
-pub(super) type Column<'c, T> = (&'static str, &'c dyn Fn(&T) -> String);
+pub(crate) type Column<'c, T> = (&'static str, &'c dyn Fn(&T) -> String);
 
 /// Table of a report: title, column headings, rows of cells.
 #[derive(Debug, Clone)]
-pub(super) struct ReportTable {
+pub(crate) struct ReportTable {
     title: &'static str,
     heads: Vec<&'static str>,
     rows: Vec<Vec<String>>,
@@ -23,24 +23,24 @@ pub(super) struct ReportTable {
 
 /// Everything that a report shows beside its JSON document.
 #[derive(Debug, Default)]
-pub(super) struct TabularReport<'r> {
+pub(crate) struct TabularReport<'r> {
     /// Title of the HTML page.
-    pub(super) title: &'r str,
+    pub(crate) title: &'r str,
     /// Tables in order; those without rows are not shown.
-    pub(super) tables: Vec<ReportTable>,
+    pub(crate) tables: Vec<ReportTable>,
     /// Notes below the tables, one sentence each.
-    pub(super) notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
     /// Figures of the HTML page.
-    pub(super) figures: Vec<PageFigure>,
+    pub(crate) figures: Vec<PageFigure>,
     /// Note about the figures, for the HTML page only.
-    pub(super) figure_note: Option<&'static str>,
+    pub(crate) figure_note: Option<&'static str>,
     /// Paths of the written files, for the text only.
-    pub(super) files: Vec<String>,
+    pub(crate) files: Vec<String>,
 }
 
 impl ReportTable {
     /// Table with a row for each item.
-    pub(super) fn of<T>(
+    pub(crate) fn of<T>(
         title: &'static str,
         items: impl IntoIterator<Item = T>,
         columns: &[Column<'_, T>],
@@ -54,7 +54,7 @@ impl ReportTable {
     }
 
     /// Table with given cells.
-    pub(super) fn new(
+    pub(crate) fn new(
         title: &'static str,
         heads: Vec<&'static str>,
         rows: Vec<Vec<String>>,
@@ -63,20 +63,20 @@ impl ReportTable {
     }
 
     /// Appends the rows of a table with the same columns.
-    pub(super) fn and(mut self, below: Self) -> Self {
+    pub(crate) fn and(mut self, below: Self) -> Self {
         self.rows.extend(below.rows);
         self
     }
 
     /// Last cells of a row from a column on, joined by commas.
-    pub(super) fn joined(&self, row: usize, first_column: usize) -> String {
+    pub(crate) fn joined(&self, row: usize, first_column: usize) -> String {
         self.rows[row][first_column..].join(", ")
     }
 }
 
 impl TabularReport<'_> {
     /// Report as text for the terminal.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let shown = self.tables.iter().filter(|table| !table.rows.is_empty());
         let has_titles = self.tables.len() > 1;
         let tables = shown.flat_map(|table| {
@@ -107,7 +107,7 @@ impl TabularReport<'_> {
     }
 
     /// Writes the HTML page as `index.html`, and the JSON document under a name.
-    pub(super) fn write(
+    pub(crate) fn write(
         &self,
         out: &Path,
         name: &str,
@@ -119,7 +119,7 @@ impl TabularReport<'_> {
     }
 
     /// Writes the page and the document, and answers with the document or the text.
-    pub(super) fn publish(
+    pub(crate) fn publish(
         &self,
         out: &Path,
         name: &str,
@@ -133,7 +133,7 @@ impl TabularReport<'_> {
 }
 
 /// Figure of a page, with its caption.
-pub(super) fn figure(picture: &str, caption: impl Into<String>) -> PageFigure {
+pub(crate) fn figure(picture: &str, caption: impl Into<String>) -> PageFigure {
     PageFigure {
         caption: caption.into(),
         picture: picture.to_owned(),
@@ -141,7 +141,7 @@ pub(super) fn figure(picture: &str, caption: impl Into<String>) -> PageFigure {
 }
 
 /// Writes a forest plot; returns the figure of the page.
-pub(super) fn forest_figure(
+pub(crate) fn forest_figure(
     out: &Path,
     picture: &str,
     (caption, axis): (&str, &str),
@@ -152,18 +152,18 @@ pub(super) fn forest_figure(
 }
 
 /// Cell of a number; a dash where there is none.
-pub(super) fn number(value: impl Into<Option<f64>>, n_decimals: usize) -> String {
+pub(crate) fn number(value: impl Into<Option<f64>>, n_decimals: usize) -> String {
     let value = value.into().filter(|value| value.is_finite());
     value.map_or("-".to_owned(), |value| format!("{value:.n_decimals$}"))
 }
 
 /// Cell of a share, 0 to 1, in percent; a dash where there is none.
-pub(super) fn percent(share: impl Into<Option<f64>>) -> String {
+pub(crate) fn percent(share: impl Into<Option<f64>>) -> String {
     number(share.into().map(|share| 100.0 * share), 1)
 }
 
 /// Cell of an interval, `0.712 (0.690 to 0.731)`; a dash where there is none.
-pub(super) fn interval(estimate: Option<Estimate>, n_decimals: usize) -> String {
+pub(crate) fn interval(estimate: Option<Estimate>, n_decimals: usize) -> String {
     estimate.map_or("-".to_owned(), |Estimate { value, low, high }| {
         format!("{value:.n_decimals$} ({low:.n_decimals$} to {high:.n_decimals$})")
     })

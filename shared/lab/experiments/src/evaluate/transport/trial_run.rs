@@ -1,5 +1,6 @@
 //! Run of a planned transport in the simulated world, and what it did to the other objects.
 
+use crate::disturbance::{TIPPED_RAD, is_disturbed, tipped_rad};
 use crate::evaluate::arm_motion::command;
 use geometry::RigidTransform;
 use grasping::Grasp;
@@ -9,10 +10,6 @@ use serde::Serialize;
 use simulated_world::{ArmCommand, STEPS_PER_SECOND, World};
 use transport::{TransitPath, Transport};
 
-/// Distance by which an object is moved, metres, and angle by which it is tipped, radians, from which
-/// on it was disturbed.
-const MOVED_M: f64 = 0.010;
-const TIPPED_RAD: f64 = 0.17;
 /// Distance from the planned place within which the object must stand, metres.
 const PLACED_M: f64 = 0.025;
 /// Time after the release until the world is judged, seconds.
@@ -94,17 +91,6 @@ fn poses(world: &World) -> Vec<(u16, RigidTransform)> {
     objects
         .map(|object| (object.id, object.world_from_object))
         .collect()
-}
-
-fn is_disturbed(before: &RigidTransform, after: &RigidTransform) -> bool {
-    let moved_m = (after.translation.vector - before.translation.vector).norm();
-    moved_m > MOVED_M || tipped_rad(before, after) > TIPPED_RAD
-}
-
-/// Angle between the vertical of the object before and after, radians.
-fn tipped_rad(before: &RigidTransform, after: &RigidTransform) -> f64 {
-    let up_in_object = before.rotation.inverse() * Vector3::z();
-    (after.rotation * up_in_object).angle(&Vector3::z())
 }
 
 /// Reason why an object does not stand where it should; `None` when it does.

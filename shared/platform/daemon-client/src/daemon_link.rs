@@ -1,18 +1,15 @@
 //! Connection to the daemon's control socket, made anew after a failure.
 
+use crate::{CallError, DaemonClient, DomainName, RunFolder};
 use control_protocol::{Refusal, TypedRequest};
-use daemon_client::{CallError, DaemonClient, DomainName, RunFolder};
 use std::time::{Duration, Instant};
-
-/// Time limit of a call. Chosen: less than the silence after which a lease of the arm ends.
-const DEADLINE: Duration = Duration::from_millis(400);
 
 /// Silence after which a connection is made anew: the gateway closes one after 10 s.
 const IDLE_MAX: Duration = Duration::from_secs(5);
 
 /// Reason for which a request has no answer in its own type.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Unanswered {
+pub enum Unanswered {
     /// The owner of the request has refused it.
     Refused(Refusal),
     /// Nobody has answered; a repetition may succeed.
@@ -30,16 +27,20 @@ impl std::fmt::Display for Unanswered {
 
 /// Connection to the control socket of a domain.
 #[derive(Debug)]
-pub(crate) struct DaemonLink {
+pub struct DaemonLink {
     domain: DomainName,
+    /// Time limit of a call.
+    deadline: Duration,
     /// Connection with the time of its last answer.
     client: Option<(DaemonClient, Instant)>,
 }
 
 impl DaemonLink {
-    pub(crate) fn new(domain: DomainName) -> Self {
+    /// Link to a daemon of this user, with the time limit of a call; connects with the first request.
+    pub fn new(domain: DomainName, deadline: Duration) -> Self {
         Self {
             domain,
+            deadline,
             client: None,
         }
     }
@@ -48,13 +49,13 @@ impl DaemonLink {
     ///
     /// # Errors
     /// The refusal, or the reason for which nobody answers.
-    pub(crate) fn ask<T>(&mut self, request: &TypedRequest<T>) -> Result<T, Unanswered> {
+    pub fn ask<T>(&mut self, request: &TypedRequest<T>) -> Result<T, Unanswered> {
         let no_answer = |error: CallError| Unanswered::NoAnswer(error.to_string());
         let known = self.client.take();
         let fresh = known.filter(|(_, used)| used.elapsed() < IDLE_MAX);
         let mut client = match fresh {
             Some((client, _)) => client,
-            None => DaemonClient::connect(&self.domain, &[RunFolder::of_user()], DEADLINE)
+            None => DaemonClient::connect(&self.domain, &[RunFolder::of_user()], self.deadline)
                 .map_err(no_answer)?,
         };
         let reply = client.call(request.command().clone()).map_err(no_answer)?;
