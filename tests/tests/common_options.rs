@@ -70,7 +70,7 @@ const OF_DAEMON: [&str; 56] = [
 ];
 
 /// Commands that need neither a daemon nor a configuration.
-const ALONE: [&str; 32] = [
+const ALONE: [&str; 34] = [
     "tabula-latency stop",
     "tabula-lab simulate scene --out o",
     "tabula-lab simulate views --out o",
@@ -89,6 +89,7 @@ const ALONE: [&str; 32] = [
     "tabula-lab evaluate next-best-view --out o",
     "tabula-lab evaluate grasping --out o",
     "tabula-lab evaluate transport --out o",
+    "tabula-lab demo clear-table --out o",
     "tabula-lab examples edge-network a --out o",
     "tabula-lab examples region-merging a --out o",
     "tabula-lab sweep a --out o",
@@ -101,6 +102,7 @@ const ALONE: [&str; 32] = [
     "tabula-recorder record --recover a.mcap",
     "tabula simulate categories",
     "tabula evaluate detection a --out o",
+    "tabula demo clear-table --out o",
     "tabula record --info a.mcap",
     "tabula task graph clear-table",
 ];

@@ -22,6 +22,8 @@ mod command_line;
 mod common_options;
 /// Layers of the configuration, its commands, and its reload.
 mod configuration;
+/// Demonstrations of the robot, which repeat to the byte.
+mod demonstrations;
 /// Links of the documents, in the repository and in the package.
 mod document_links;
 /// Commands in the documents: they exist, with their options.

@@ -7,7 +7,7 @@ mod object_model;
 mod recognition;
 mod transport;
 
-pub use demo::{ClearTableArguments, DemoVariant, DemoVerb};
+pub use demo::{DemoArguments, DemoVariant, DemoVerb};
 pub use grasping::{GraspJudge, GraspingArguments, ModelHalf};
 pub use next_best_view::NextBestViewArguments;
 pub use object_model::ModelArguments;

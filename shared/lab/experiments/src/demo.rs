@@ -4,7 +4,6 @@
 //! were put; only the judge reads the truth of the simulation. After Kasaei et al. (2018), "System
 //! Demonstration".
 
-mod clear_table;
 mod contact_sheet;
 mod demo_stage;
 mod demo_table;
@@ -14,9 +13,11 @@ mod play;
 mod recognition_score;
 mod report;
 mod run_record;
+mod table_demo;
 
 use crate::arguments::DemoVerb;
 use command_line::Output;
+use run_record::DemoKind;
 use service::Failure;
 use std::process::ExitCode;
 
@@ -26,6 +27,7 @@ use std::process::ExitCode;
 /// When the daemon cannot be started, or a result cannot be written.
 pub fn run(verb: &DemoVerb, output: &Output) -> Result<ExitCode, Failure> {
     match verb {
-        DemoVerb::ClearTable(arguments) => clear_table::run(arguments, output),
+        DemoVerb::ClearTable(arguments) => table_demo::run(DemoKind::ClearTable, arguments, output),
+        DemoVerb::Fetch(arguments) => table_demo::run(DemoKind::Fetch, arguments, output),
     }
 }

@@ -9,7 +9,9 @@ use std::path::PathBuf;
 #[derive(Debug, Subcommand)]
 pub enum DemoVerb {
     /// A person teaches the objects on a table one by one, and the robot clears it
-    ClearTable(ClearTableArguments),
+    ClearTable(DemoArguments),
+    /// A person teaches the objects on a table one by one, and asks the robot for one of them
+    Fetch(DemoArguments),
 }
 
 /// Variant of a demonstration: its objects and its standard item.
@@ -22,9 +24,9 @@ pub enum DemoVariant {
     Second,
 }
 
-/// Arguments of `demo clear-table`.
+/// Arguments of a demonstration at a table.
 #[derive(Debug, Args)]
-pub struct ClearTableArguments {
+pub struct DemoArguments {
     /// Folder of PLY, OBJ, STL and DAE models, or `generated`; of a folder the first model drawn is
     /// the standard item
     #[arg(long, value_name = "DIR", default_value = "generated", value_hint = ValueHint::DirPath)]

@@ -1,6 +1,7 @@
 //! Stage of a demonstration: a daemon of its own in lockstep, as a program sees it.
 
 use super::demo_table::DemoTable;
+use crate::output_files::write;
 use capture::{FollowedFrame, FrameFollower, OBSERVER_CODE};
 use channel::topic::{ArmStates, CameraCloud, Scene};
 use channel::{Domain, DomainName, Received, Role, RunFolder, SharedMessage, Subscriber};
@@ -59,13 +60,13 @@ impl DemoStage {
         let folder = TempDir::with_prefix("tabula-demo-").map_err(Failure::general)?;
         let path = |name: &str| folder.path().join(name);
         let (scene, config) = (path("scene.toml"), path("demo.toml"));
-        std::fs::write(&scene, table.scene_toml()).map_err(Failure::general)?;
+        write(&scene, table.scene_toml().as_bytes())?;
         let mut text = table.configuration_toml();
         if let ModelSource::Folder(folder) = models {
             let models = std::path::absolute(folder).map_err(Failure::general)?;
             text += &format!("[simulator]\nmodels = {:?}\n", models.display().to_string());
         }
-        std::fs::write(&config, text).map_err(Failure::general)?;
+        write(&config, text.as_bytes())?;
         let arguments = [
             format!("--source=simulation:{}", scene.display()),
             format!("--config={}", config.display()),

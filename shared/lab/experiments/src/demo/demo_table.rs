@@ -1,6 +1,7 @@
 //! Table of a demonstration: its objects at random free positions, and the places to which they belong.
 
-use crate::arguments::{ClearTableArguments, DemoVariant};
+use super::run_record::DemoKind;
+use crate::arguments::{DemoArguments, DemoVariant};
 use random::Random;
 use service::Failure;
 use simulated_world::{ModelChoice, ModelLibrary, ModelSource};
@@ -37,6 +38,9 @@ const SECOND: [&str; 11] = [
 /// Purposes of the random numbers of a table.
 const PURPOSE_CHOICE: u64 = 0xde_01;
 const PURPOSE_POSITION: u64 = 0xde_02;
+const PURPOSE_WISH: u64 = 0xde_03;
+/// Number of tables of which one is asked for an object that it does not have.
+const ABSENT_PERIOD: u64 = 5;
 /// Fewest objects of a table, and the number of counts up to the most.
 const N_OBJECTS_MIN: u64 = 5;
 const N_COUNTS: u64 = 4;
@@ -70,7 +74,9 @@ pub(super) struct DemoObject {
     yaw_deg: f64,
     /// True for an item that stays on the table.
     pub(super) is_standard: bool,
-    /// Index of the place of its category.
+    /// True for an object that the robot is to carry.
+    pub(super) is_wanted: bool,
+    /// Index of the place to which it is carried.
     pub(super) place: usize,
 }
 
@@ -91,7 +97,7 @@ impl DemoPlace {
 }
 
 /// Places of the categories, on both sides of the objects.
-pub(super) const PLACES: [DemoPlace; 2] = [
+pub(super) const PLACES: [DemoPlace; 3] = [
     DemoPlace {
         name: "pantry",
         low_m: [-0.58, -0.37],
@@ -102,13 +108,23 @@ pub(super) const PLACES: [DemoPlace; 2] = [
         low_m: [0.28, -0.37],
         high_m: [0.58, -0.06],
     },
+    DemoPlace {
+        name: "hand-over",
+        low_m: [0.28, -0.37],
+        high_m: [0.58, -0.06],
+    },
 ];
+/// Index of the place of what is fetched; those before it are of categories.
+const HAND_OVER: usize = 2;
 
 /// Table of a demonstration.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct DemoTable {
     pub(super) seed: u64,
+    kind: DemoKind,
     pub(super) objects: Vec<DemoObject>,
+    /// Category that the person asks for; of no object on every fifth table.
+    pub(super) wanted: Option<String>,
 }
 
 impl DemoTable {
@@ -116,12 +132,19 @@ impl DemoTable {
     ///
     /// # Errors
     /// When a model cannot be used, or the objects find no room.
-    pub(super) fn new(seed: u64, arguments: &ClearTableArguments) -> Result<Self, Failure> {
+    pub(super) fn new(
+        seed: u64,
+        kind: DemoKind,
+        arguments: &DemoArguments,
+    ) -> Result<Self, Failure> {
         let mut library = ModelLibrary::open(&arguments.models).map_err(Failure::usage)?;
         let n_objects = arguments
             .objects
             .map_or_else(|| N_OBJECTS_MIN + seed % N_COUNTS, u64::from);
-        let models = chosen(seed, n_objects as usize, arguments.variant, &library);
+        let mut models = chosen(seed, n_objects as usize + 1, arguments.variant, &library);
+        // The last one stays in the cupboard.
+        let absent = models.pop().filter(|_| models.len() == n_objects as usize);
+        let wanted = (kind == DemoKind::Fetch).then(|| wish(seed, &models, absent.as_ref()));
         let loaded: Result<Vec<_>, _> = models.iter().map(|model| library.load(model)).collect();
         let loaded = loaded.map_err(Failure::usage)?;
         let radii_m: Vec<f64> = loaded
@@ -137,17 +160,29 @@ impl DemoTable {
             ))
         })?;
         let objects = models.into_iter().zip(positions_m).enumerate();
-        let objects = objects.map(|(number, (model, position_m))| DemoObject {
-            category: model.category(),
-            model,
-            position_m,
-            yaw_deg: random.between(0.0, 360.0),
-            is_standard: number == 0,
-            place: number % PLACES.len(),
+        let objects = objects.map(|(number, (model, position_m))| {
+            let category = model.category();
+            let is_standard = number == 0;
+            DemoObject {
+                is_wanted: wanted
+                    .as_ref()
+                    .map_or(!is_standard, |wanted| *wanted == category),
+                category,
+                model,
+                position_m,
+                yaw_deg: random.between(0.0, 360.0),
+                is_standard,
+                place: match kind {
+                    DemoKind::ClearTable => number % HAND_OVER,
+                    DemoKind::Fetch => HAND_OVER,
+                },
+            }
         });
         Ok(Self {
             seed,
+            kind,
             objects: objects.collect(),
+            wanted,
         })
     }
 
@@ -182,8 +217,14 @@ impl DemoTable {
     pub(super) fn configuration_toml(&self) -> String {
         let standard = self.categories(|object| object.is_standard);
         let mut text = format!("[executive]\nstandard_items = {standard:?}\n");
-        for (number, place) in PLACES.iter().enumerate() {
-            let categories = self.categories(|o| o.place == number && !o.is_standard);
+        let places = match self.kind {
+            DemoKind::ClearTable => 0..HAND_OVER,
+            DemoKind::Fetch => HAND_OVER..PLACES.len(),
+        };
+        for number in places {
+            let place = &PLACES[number];
+            let is_carried = self.kind == DemoKind::ClearTable;
+            let categories = self.categories(|o| is_carried && o.place == number && !o.is_standard);
             let ([x, y], [right, far]) = (place.low_m, place.high_m);
             let _ = write!(
                 text,
@@ -194,6 +235,15 @@ impl DemoTable {
         }
         text
     }
+}
+
+/// Category that the person asks for: of one of the objects, and on every fifth table of an absent one.
+fn wish(seed: u64, models: &[ModelChoice], absent: Option<&ModelChoice>) -> String {
+    if let Some(absent) = absent.filter(|_| seed.is_multiple_of(ABSENT_PERIOD)) {
+        return absent.category();
+    }
+    let number = Random::substream(seed, PURPOSE_WISH).below(models.len() - 1);
+    models[1 + number].category()
 }
 
 /// Models of different categories, the standard item first.
@@ -264,18 +314,18 @@ mod tests {
     #[derive(Parser)]
     struct Line {
         #[command(flatten)]
-        arguments: ClearTableArguments,
+        arguments: DemoArguments,
     }
 
-    fn table(seed: u64, words: &[&str]) -> DemoTable {
+    fn table(seed: u64, kind: DemoKind, words: &[&str]) -> DemoTable {
         let line = [&["demo", "--out", "o"], words].concat();
-        DemoTable::new(seed, &Line::parse_from(line).arguments).unwrap()
+        DemoTable::new(seed, kind, &Line::parse_from(line).arguments).unwrap()
     }
 
     #[test]
     fn tables_repeat_and_have_one_standard_item() {
         for seed in 1..=30 {
-            let table_of = |variant| table(seed, &["--variant", variant]);
+            let table_of = |variant| table(seed, DemoKind::ClearTable, &["--variant", variant]);
             let first = table_of("first");
             assert_eq!(first, table_of("first"));
             assert_ne!(first, table_of("second"));
@@ -289,7 +339,7 @@ mod tests {
 
     #[test]
     fn scene_of_a_table_has_its_objects() {
-        let table = table(7, &[]);
+        let table = table(7, DemoKind::ClearTable, &[]);
         let (scene, _) = Scene::from_toml(&table.scene_toml(), Path::new("."), None).unwrap();
         assert_eq!(scene.objects.len(), table.objects.len());
         assert!(scene.arm.is_some());
@@ -298,10 +348,24 @@ mod tests {
     #[test]
     fn objects_stand_outside_of_the_places() {
         for seed in 1..=30 {
-            let objects = table(seed, &[]).objects;
+            let objects = table(seed, DemoKind::ClearTable, &[]).objects;
             let is_placed =
                 |object: &DemoObject| PLACES.iter().any(|place| place.contains(object.position_m));
             assert!(!objects.iter().any(is_placed));
+        }
+    }
+
+    #[test]
+    fn wanted_object_is_on_four_of_five_tables() {
+        for seed in 1..=20 {
+            let table = table(seed, DemoKind::Fetch, &[]);
+            let n_wanted = table
+                .objects
+                .iter()
+                .filter(|object| object.is_wanted)
+                .count();
+            assert!(!table.objects[0].is_wanted, "the standard item stays");
+            assert_eq!(n_wanted, usize::from(seed % ABSENT_PERIOD != 0));
         }
     }
 }

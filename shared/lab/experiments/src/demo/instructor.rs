@@ -15,14 +15,14 @@ const NEAR_M: f64 = 0.05;
 
 /// Name that the person is about to tell.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Lesson {
+pub(super) struct ObjectLesson {
     pub(super) track: u64,
     pub(super) category: String,
     /// True if the robot has another name for the object.
     pub(super) is_correction: bool,
 }
 
-impl Lesson {
+impl ObjectLesson {
     /// Request that teaches the name.
     ///
     /// # Errors
@@ -53,7 +53,11 @@ pub(super) struct Instructor {
 impl Instructor {
     /// Next name that the robot does not say by itself: of an object that stands where it was put, or
     /// that the person has named before.
-    pub(super) fn next_lesson(&self, table: &DemoTable, objects: &[SceneObject]) -> Option<Lesson> {
+    pub(super) fn next_lesson(
+        &self,
+        table: &DemoTable,
+        objects: &[SceneObject],
+    ) -> Option<ObjectLesson> {
         objects
             .iter()
             .filter(|object| is_tracked(object))
@@ -63,7 +67,7 @@ impl Instructor {
                 let category = before.or(put)?;
                 let is_named =
                     object.label() == Some(category) && object.answer() == CategoryAnswer::Is;
-                (!is_named).then(|| Lesson {
+                (!is_named).then(|| ObjectLesson {
                     track: object.track_id,
                     category: category.to_owned(),
                     is_correction: object.label().is_some_and(|label| label != category),
@@ -72,7 +76,7 @@ impl Instructor {
     }
 
     /// Remembers a lesson that was given.
-    pub(super) fn remember(&mut self, lesson: &Lesson) {
+    pub(super) fn remember(&mut self, lesson: &ObjectLesson) {
         self.named.insert(lesson.track, lesson.category.clone());
     }
 }
@@ -85,7 +89,8 @@ pub(super) fn n_seen(table: &DemoTable, objects: &[SceneObject]) -> usize {
         .count()
 }
 
-fn is_tracked(object: &SceneObject) -> bool {
+/// True for an object that is seen.
+pub(super) fn is_tracked(object: &SceneObject) -> bool {
     TrackState::from_code(object.state) == Some(TrackState::Tracked)
 }
 

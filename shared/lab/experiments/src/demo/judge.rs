@@ -151,9 +151,9 @@ impl Judge {
             ObjectOutcome {
                 category: put.category.clone(),
                 name: found.map_or_else(String::new, |object| object.name.clone()),
-                is_standard: put.is_standard,
+                is_wanted: put.is_wanted,
                 place: PLACES[put.place].name.to_owned(),
-                is_in_place: is_in_place && !put.is_standard,
+                is_in_place,
                 is_on_floor,
                 position_m: at.map(|at| at.map(|m| (m * 1e4).round() / 1e4).into()),
             }

@@ -3,15 +3,15 @@
 use super::contact_sheet::ContactSheet;
 use super::demo_stage::DemoStage;
 use super::demo_table::DemoTable;
-use super::instructor::{AUTHOR, Instructor, Lesson, n_seen};
+use super::instructor::{AUTHOR, Instructor, ObjectLesson, is_tracked, n_seen};
 use super::judge::Judge;
 use super::recognition_score::RecognitionScore;
 use super::run_record::{EventKind, RunEvent, RunRecord, RunSettings};
-use crate::arguments::ClearTableArguments;
+use crate::arguments::DemoArguments;
 use command_line::StopSignal;
 use control_protocol::{MutationId, TaskKind, TaskOrder, TaskReport, request};
 use service::Failure;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 /// Number of frames after which the person begins, even if not everything is seen.
 const LOOK_FRAMES: u64 = 150;
@@ -19,6 +19,8 @@ const LOOK_FRAMES: u64 = 150;
 const FIRST_FRAMES: u64 = 45;
 /// Number of frames between two sentences of the person.
 const LESSON_FRAMES: u64 = 45;
+/// Number of frames between two recognition results of an object.
+const RESULT_FRAMES: u64 = 30;
 /// Number of frames after the task until the judge looks.
 const LAST_FRAMES: u64 = 30;
 /// Number of frames of a run at most: thirteen minutes.
@@ -42,8 +44,8 @@ enum DemoPart {
     Looking,
     /// The person teaches one object after another.
     Teaching,
-    /// The robot clears the table since a time, seconds.
-    Clearing,
+    /// The robot carries out the task.
+    Working,
     /// The task has ended.
     Over,
 }
@@ -67,8 +69,10 @@ pub(super) struct Play<'t> {
     ended_s: f64,
     ended_frame: u64,
     task: TaskReport,
-    /// Number of key views of each track at the last frame.
-    key_views: BTreeMap<u64, u32>,
+    /// Sentence with which the robot has refused the order.
+    refusal: Option<String>,
+    /// Tracks of the newest scene.
+    tracks: BTreeSet<u64>,
     n_taught: usize,
     n_corrected: usize,
     events: Vec<RunEvent>,
@@ -81,7 +85,7 @@ impl<'t> Play<'t> {
     /// When it cannot be started.
     pub(super) fn new(
         table: &'t DemoTable,
-        arguments: &ClearTableArguments,
+        arguments: &DemoArguments,
         stop: &StopSignal,
     ) -> Result<Self, Failure> {
         let stage = DemoStage::start(table, &arguments.models, stop)?;
@@ -102,7 +106,8 @@ impl<'t> Play<'t> {
             ended_s: 0.0,
             ended_frame: 0,
             task: TaskReport::default(),
-            key_views: BTreeMap::new(),
+            refusal: None,
+            tracks: BTreeSet::new(),
             n_taught: 0,
             n_corrected: 0,
             events: Vec::new(),
@@ -122,29 +127,35 @@ impl<'t> Play<'t> {
         self.judge
             .look(self.time_s, handled(&self.task), &self.stage.objects)?;
         self.count_recognition();
+        self.follow_tracks();
         let is_over = self.act()?;
         self.stage.finish(frame)?;
         Ok(is_over)
     }
 
-    /// Counts the answer about each new key view.
+    /// Counts the answer about each object that is seen, once a second.
     fn count_recognition(&mut self) {
-        for object in &self.stage.objects {
-            let n_before = self.key_views.insert(object.track_id, object.n_key_views);
-            let is_new = object.n_key_views > n_before.unwrap_or_default();
-            if is_new && let Some(truth) = self.judge.category_of(object) {
+        if !self.n_frames.is_multiple_of(RESULT_FRAMES) {
+            return;
+        }
+        for object in self
+            .stage
+            .objects
+            .iter()
+            .filter(|object| is_tracked(object))
+        {
+            if let Some(truth) = self.judge.category_of(object) {
                 self.score.count(self.time_s, truth, object.label());
             }
         }
-        let objects = &self.stage.objects;
-        let ended: Vec<u64> = self
-            .key_views
-            .keys()
-            .copied()
-            .filter(|track| !objects.iter().any(|object| object.track_id == *track))
-            .collect();
+    }
+
+    /// Tells of tracks that have ended.
+    fn follow_tracks(&mut self) {
+        let now: BTreeSet<u64> = self.stage.objects.iter().map(|one| one.track_id).collect();
+        let before = std::mem::replace(&mut self.tracks, now);
+        let ended: Vec<u64> = before.difference(&self.tracks).copied().collect();
         for track in ended {
-            self.key_views.remove(&track);
             self.tell(EventKind::TrackEnded, format!("track {track} has ended"));
         }
     }
@@ -168,7 +179,7 @@ impl<'t> Play<'t> {
                 }
             }
             DemoPart::Teaching => {}
-            DemoPart::Clearing => self.follow_task()?,
+            DemoPart::Working => self.follow_task()?,
             DemoPart::Over => return Ok(self.n_frames >= self.ended_frame + LAST_FRAMES),
         }
         Ok(self.n_frames >= MOST_FRAMES)
@@ -192,7 +203,7 @@ impl<'t> Play<'t> {
         }
         self.instructor.remember(&lesson);
         self.score.teach(&lesson.category);
-        let Lesson {
+        let ObjectLesson {
             track,
             category,
             is_correction,
@@ -212,16 +223,30 @@ impl<'t> Play<'t> {
     fn instruct(&mut self) -> Result<(), Failure> {
         self.sheet
             .add(&self.stage, "before the instruction".to_owned());
+        let wanted = self.table.wanted.clone();
+        let (kind, sentence) = match &wanted {
+            None => (TaskKind::ClearTable, "clear the table".to_owned()),
+            Some(category) => (TaskKind::Fetch, format!("fetch the {category}")),
+        };
         let order = TaskOrder {
-            kind: TaskKind::ClearTable,
+            kind,
+            category: wanted,
             ..TaskOrder::default()
         };
         let id = MutationId::random().map_err(Failure::general)?;
         let order = request::order_task(id, AUTHOR.to_owned(), order);
-        self.task = self.stage.ask(&order)?.map_err(Failure::general)?;
         self.instructed_s = self.time_s;
-        self.part = DemoPart::Clearing;
-        self.tell(EventKind::Instructed, "clear the table".to_owned());
+        self.tell(EventKind::Instructed, sentence);
+        match self.stage.ask(&order)? {
+            Ok(report) => {
+                self.task = report;
+                self.part = DemoPart::Working;
+            }
+            Err(refusal) => {
+                self.end(refusal.clone());
+                self.refusal = Some(refusal);
+            }
+        }
         Ok(())
     }
 
@@ -232,15 +257,20 @@ impl<'t> Play<'t> {
         let before = std::mem::replace(&mut self.task, report);
         self.tell_of_task(&before);
         if ["succeeded", "failed", "cancelled"].contains(&self.task.phase.as_str()) {
-            self.ended_s = self.time_s;
-            self.ended_frame = self.n_frames;
-            self.part = DemoPart::Over;
-            self.sheet.add(&self.stage, "after the task".to_owned());
-            self.tell(EventKind::Ended, self.task.sentence.clone());
+            self.end(self.task.sentence.clone());
         } else if handled(&self.task).is_none() && self.is_person_ready() {
             self.teach_next()?;
         }
         Ok(())
+    }
+
+    /// Ends the work with the robot's sentence about it.
+    fn end(&mut self, sentence: String) {
+        self.ended_s = self.time_s;
+        self.ended_frame = self.n_frames;
+        self.part = DemoPart::Over;
+        self.sheet.add(&self.stage, "at the end".to_owned());
+        self.tell(EventKind::Ended, sentence);
     }
 
     /// Notes what has changed in the task.
@@ -283,7 +313,7 @@ impl<'t> Play<'t> {
     /// Record of the run.
     pub(super) fn record(self, settings: RunSettings) -> RunRecord {
         let objects = self.judge.outcomes(self.table);
-        let carried = objects.iter().filter(|object| !object.is_standard);
+        let carried = objects.iter().filter(|object| object.is_wanted);
         let is_standard = |category: &str| {
             let mut items = self
                 .table
@@ -297,6 +327,8 @@ impl<'t> Play<'t> {
         let [precision, recall] = self.score.overall();
         RunRecord {
             seed: self.table.seed,
+            wanted: self.table.wanted.clone(),
+            refusal: self.refusal,
             n_objects: carried.clone().count(),
             n_in_place: carried.filter(|object| object.is_in_place).count(),
             n_standard_moved: moved.count(),

@@ -1,6 +1,6 @@
 //! Report of a demonstration over all its tables.
 
-use super::run_record::{EventKind, RunRecord, RunSettings};
+use super::run_record::{DemoKind, EventKind, RunRecord, RunSettings};
 use crate::evaluate::tabular_report::{ReportTable, TabularReport, figure, number, percent};
 use crate::output_files::write_figure;
 use command_line::Output;
@@ -28,6 +28,10 @@ struct DemoReport<'r> {
     seconds: f64,
     /// Number of runs whose task has succeeded.
     n_succeeded: usize,
+    /// Number of runs in which an absent object was asked for, and of those the ones that were refused
+    /// with a sentence.
+    n_absent: usize,
+    n_absent_refused: usize,
     runs: &'r [RunRecord],
 }
 
@@ -40,6 +44,7 @@ pub(super) fn publish(
 ) -> Result<ExitCode, Failure> {
     let total = |count: fn(&RunRecord) -> usize| records.iter().map(count).sum::<usize>();
     let (n_objects, n_in_place) = (total(|run| run.n_objects), total(|run| run.n_in_place));
+    let absent = || records.iter().filter(|run| run.n_objects == 0);
     let seconds: f64 = records.iter().map(|run| run.seconds).sum();
     let document = DemoReport {
         settings,
@@ -55,9 +60,15 @@ pub(super) fn publish(
             .iter()
             .filter(|run| run.phase == "succeeded")
             .count(),
+        n_absent: absent().count(),
+        n_absent_refused: absent().filter(|run| is_refused(run)).count(),
         runs: &records,
     };
     let mut figures = Vec::new();
+    let name = match settings.kind {
+        DemoKind::ClearTable => "clear-table.json",
+        DemoKind::Fetch => "fetch.json",
+    };
     for run in &records {
         let name = format!("seed-{}.svg", run.seed);
         write_figure(out, &name, recognition_figure(run))?;
@@ -70,7 +81,10 @@ pub(super) fn publish(
         }
     }
     let page = TabularReport {
-        title: "Clearing the table",
+        title: match settings.kind {
+            DemoKind::ClearTable => "Clearing the table",
+            DemoKind::Fetch => "Fetching an object",
+        },
         tables: vec![runs_table(&records), left_table(&records)],
         notes: vec![format!(
             "cleared {} of {} objects ({} %), {} collisions, {} standard items moved",
@@ -83,7 +97,13 @@ pub(super) fn publish(
         figures,
         ..TabularReport::default()
     };
-    page.publish(out, "clear-table.json", &document, output)
+    page.publish(out, name, &document, output)
+}
+
+/// True if the robot has told that it cannot do what was asked, and has moved nothing.
+fn is_refused(run: &RunRecord) -> bool {
+    let is_failed = run.phase == "failed" && !run.sentence.is_empty();
+    (run.refusal.is_some() || is_failed) && run.collisions.is_empty()
 }
 
 fn runs_table(records: &[RunRecord]) -> ReportTable {
@@ -95,14 +115,17 @@ fn runs_table(records: &[RunRecord]) -> ReportTable {
             ("objects", &|run| run.n_objects.to_string()),
             ("in place", &|run| run.n_in_place.to_string()),
             ("collisions", &|run| run.collisions.len().to_string()),
-            ("vase moved", &|run| run.n_standard_moved.to_string()),
+            ("standard moved", &|run| run.n_standard_moved.to_string()),
             ("stops", &|run| run.stops.len().to_string()),
             ("seconds", &|run| number(run.seconds, 1)),
             ("taught", &|run| run.n_taught.to_string()),
             ("corrected", &|run| run.n_corrected.to_string()),
             ("precision", &|run| number(run.precision, 3)),
             ("recall", &|run| number(run.recall, 3)),
-            ("task", &|run| run.phase.clone()),
+            ("task", &|run| {
+                let refused = run.refusal.as_ref().map(|_| "refused".to_owned());
+                refused.unwrap_or_else(|| run.phase.clone())
+            }),
         ],
     )
 }
@@ -117,7 +140,7 @@ fn left_table(records: &[RunRecord]) -> ReportTable {
             ("seed", &|run| run.seed.to_string()),
             ("not in place", &|run| {
                 let left = run.objects.iter();
-                let left = left.filter(|object| !object.is_in_place && !object.is_standard);
+                let left = left.filter(|object| !object.is_in_place && object.is_wanted);
                 let names: Vec<&str> = left.map(|object| object.category.as_str()).collect();
                 names.join(", ")
             }),

@@ -4,9 +4,20 @@ use super::recognition_score::ScorePoint;
 use crate::arguments::DemoVariant;
 use serde::{Deserialize, Serialize};
 
+/// Kind of a demonstration at a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum DemoKind {
+    /// Every object goes to the place of its category.
+    ClearTable,
+    /// One object is asked for.
+    Fetch,
+}
+
 /// Settings of a run: a record of others is not of this demonstration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct RunSettings {
+    pub(super) kind: DemoKind,
     pub(super) version: String,
     pub(super) models: String,
     pub(super) variant: DemoVariant,
@@ -28,7 +39,8 @@ pub(super) struct Collision {
 pub(super) struct ObjectOutcome {
     pub(super) category: String,
     pub(super) name: String,
-    pub(super) is_standard: bool,
+    /// True for an object that the robot is to carry.
+    pub(super) is_wanted: bool,
     /// Name of the place of its category.
     pub(super) place: String,
     pub(super) is_in_place: bool,
@@ -64,6 +76,11 @@ pub(super) enum EventKind {
 pub(super) struct RunRecord {
     pub(super) settings: RunSettings,
     pub(super) seed: u64,
+    /// Category that was asked for.
+    pub(super) wanted: Option<String>,
+    /// Sentence with which the robot has refused the order.
+    pub(super) refusal: Option<String>,
+    /// Number of objects that the robot was to carry.
     pub(super) n_objects: usize,
     pub(super) n_in_place: usize,
     pub(super) collisions: Vec<Collision>,
@@ -74,7 +91,7 @@ pub(super) struct RunRecord {
     pub(super) seconds: f64,
     pub(super) n_taught: usize,
     pub(super) n_corrected: usize,
-    /// Phase in which the task ended.
+    /// Phase in which the task ended; empty for a refused order.
     pub(super) phase: String,
     /// Report of the task in words.
     pub(super) sentence: String,

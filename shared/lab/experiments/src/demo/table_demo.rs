@@ -1,10 +1,10 @@
-//! Demonstration of clearing the table: a person teaches every object, then instructs.
+//! Demonstration at tables: a person teaches every object, then instructs.
 
 use super::demo_table::DemoTable;
 use super::play::Play;
 use super::report;
-use super::run_record::{RunRecord, RunSettings};
-use crate::arguments::ClearTableArguments;
+use super::run_record::{DemoKind, RunRecord, RunSettings};
+use crate::arguments::DemoArguments;
 use crate::output_files::{create_folder, write};
 use command_line::{Output, StopSignal, progress_bar};
 use service::Failure;
@@ -12,10 +12,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Plays all tables, and writes the report.
-pub(super) fn run(arguments: &ClearTableArguments, output: &Output) -> Result<ExitCode, Failure> {
+pub(super) fn run(
+    kind: DemoKind,
+    arguments: &DemoArguments,
+    output: &Output,
+) -> Result<ExitCode, Failure> {
     create_folder(&arguments.out)?;
     let stop = StopSignal::install()?;
     let settings = RunSettings {
+        kind,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         models: arguments.models.to_string(),
         variant: arguments.variant,
@@ -47,10 +52,10 @@ fn kept(path: &Path, settings: &RunSettings) -> Option<RunRecord> {
 fn play(
     seed: u64,
     settings: &RunSettings,
-    arguments: &ClearTableArguments,
+    arguments: &DemoArguments,
     stop: &StopSignal,
 ) -> Result<RunRecord, Failure> {
-    let table = DemoTable::new(seed, arguments)?;
+    let table = DemoTable::new(seed, settings.kind, arguments)?;
     let mut play = Play::new(&table, arguments, stop)?;
     while !play.frame()? {}
     let out = &arguments.out;
