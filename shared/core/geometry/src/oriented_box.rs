@@ -22,6 +22,15 @@ impl OrientedBox {
         2.0 * self.half_sides_m
     }
 
+    /// Corners of the box in the reference frame; bit `i` of the index is set on the positive side of
+    /// axis `i`.
+    pub fn corners(&self) -> [Point3<f64>; 8] {
+        std::array::from_fn(|index| {
+            let sign = Vector3::from_fn(|axis, _| if index >> axis & 1 == 1 { 1.0 } else { -1.0 });
+            self.frame_from_box * Point3::from(self.half_sides_m.component_mul(&sign))
+        })
+    }
+
     /// Volume of the box, cubic metres.
     pub fn volume_m3(&self) -> f64 {
         self.sides_m().product()

@@ -2,7 +2,7 @@
 
 use crate::scene_picture::{encode, object_color};
 use geometry::{OrientedBox, PinholeCamera};
-use nalgebra::{Point2, Point3, Vector3};
+use nalgebra::Point2;
 use png::EncodingError;
 use point_cloud::Point;
 
@@ -89,15 +89,11 @@ impl Canvas {
     }
 
     fn draw_box(&mut self, camera: &PinholeCamera, numbered: &NumberedBox, color: [u8; 3]) {
-        let OrientedBox {
-            frame_from_box,
-            half_sides_m,
-        } = numbered.box_in_camera;
-        let corner = |i: usize| {
-            let sign = Vector3::from_fn(|axis, _| if i >> axis & 1 == 1 { 1.0 } else { -1.0 });
-            camera.project(&(frame_from_box * Point3::from(half_sides_m.component_mul(&sign))))
-        };
-        let corners: Option<Vec<Point2<f64>>> = (0..8).map(corner).collect();
+        let corners = numbered.box_in_camera.corners();
+        let corners: Option<Vec<Point2<f64>>> = corners
+            .iter()
+            .map(|corner| camera.project(corner))
+            .collect();
         let Some(corners) = corners else { return };
         for i in 0..8_usize {
             for axis in 0..3 {
@@ -153,6 +149,7 @@ impl Canvas {
 mod tests {
     use super::*;
     use geometry::RigidTransform;
+    use nalgebra::Vector3;
     use point_cloud::Rgba;
     use std::io::Cursor;
 

@@ -62,6 +62,11 @@ impl<'a> ObservedSpace<'a> {
         Some(row * self.camera.width as usize + column)
     }
 
+    /// True if the image shows a place, or what is in front of it.
+    pub fn is_in_image(&self, in_plan: &Point3<f64>) -> bool {
+        self.pixel_of(&(self.camera_from_plan * in_plan)).is_some()
+    }
+
     /// Measured place of a pixel in the frame of the camera; `None` without depth.
     pub(crate) fn in_camera(&self, pixel: usize) -> Option<Point3<f64>> {
         let point = self.points.get(pixel)?;

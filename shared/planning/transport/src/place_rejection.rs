@@ -12,6 +12,8 @@ pub enum PlaceRejection {
     OverOutline,
     /// The place is not seen, so that nobody knows what stands there.
     Unseen,
+    /// The camera would not see all of the object there, and nobody could verify that it stands.
+    CutByImage,
     /// Something stands there, or too near.
     Occupied {
         /// Thing that stands there.
@@ -45,6 +47,7 @@ impl PlaceRejection {
             Self::NoSurface => "no surface is seen below all of it".to_owned(),
             Self::OverOutline => "it is larger than the place".to_owned(),
             Self::Unseen => "the place is not seen".to_owned(),
+            Self::CutByImage => "the camera would not see it whole there".to_owned(),
             Self::Occupied { by } => format!("{} is there", by.name(scene)),
             Self::HandHits { what } => format!("the hand would hit {}", what.name(scene)),
             Self::OutOfReach => "out of the arm's reach".to_owned(),

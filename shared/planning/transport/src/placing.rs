@@ -185,6 +185,10 @@ impl PlacingPlanner<'_> {
             return Err(PlaceRejection::Occupied { by });
         }
         self.check_seen(&body, height_m)?;
+        let is_in_image = |corner: &Point3<f64>| self.scene.space.is_in_image(corner);
+        if !body.corners().iter().all(is_in_image) {
+            return Err(PlaceRejection::CutByImage);
+        }
         let plan_from_tool = moved * held.object.grasp.plan_from_tool;
         let up = Translation3::new(0.0, 0.0, WAY_M);
         for pose in [plan_from_tool, up * plan_from_tool] {

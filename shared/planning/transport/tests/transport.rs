@@ -334,3 +334,12 @@ fn place_that_is_too_small_out_of_reach_hidden_or_nowhere_says_so() {
     let words = say(&[carton, high], [-0.14, 0.20], [-0.06, 0.28]);
     assert!(words.contains("not seen"), "{words}");
 }
+
+#[test]
+fn place_at_the_edge_of_the_image_is_for_what_the_camera_sees_whole() {
+    // The foot of a carton would be seen there, its top not.
+    let edge = area([-0.375, -0.34], [-0.31, -0.27]);
+    let carton = cuboid(-0.10, -0.15, CARTON_M);
+    let (_, words) = transported(&[carton], &edge).unwrap_err();
+    assert!(words.contains("not see it whole"), "{words}");
+}

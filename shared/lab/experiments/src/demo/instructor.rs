@@ -51,28 +51,44 @@ pub(super) struct Instructor {
 }
 
 impl Instructor {
-    /// Next name that the robot does not say by itself: of an object that stands where it was put, or
-    /// that the person has named before.
+    /// Next name that the robot does not say by itself, of an object that the person knows.
     pub(super) fn next_lesson(
         &self,
         table: &DemoTable,
         objects: &[SceneObject],
     ) -> Option<ObjectLesson> {
-        objects
-            .iter()
-            .filter(|object| is_tracked(object))
-            .find_map(|object| {
-                let before = self.named.get(&object.track_id).map(String::as_str);
-                let put = object_at(table, object).map(|put| put.category.as_str());
-                let category = before.or(put)?;
-                let is_named =
-                    object.label() == Some(category) && object.answer() == CategoryAnswer::Is;
-                (!is_named).then(|| ObjectLesson {
-                    track: object.track_id,
-                    category: category.to_owned(),
-                    is_correction: object.label().is_some_and(|label| label != category),
-                })
+        let seen: Vec<&SceneObject> = objects.iter().filter(|one| is_tracked(one)).collect();
+        seen.iter().find_map(|object| {
+            let category = self.category_of(object, table, &seen)?;
+            let is_named =
+                object.label() == Some(category) && object.answer() == CategoryAnswer::Is;
+            (!is_named).then(|| ObjectLesson {
+                track: object.track_id,
+                category: category.to_owned(),
+                is_correction: object.label().is_some_and(|label| label != category),
             })
+        })
+    }
+
+    /// Category of a seen object: that which the person has named before, that of the object that was put
+    /// there, or, of the only object without a name, that which is missing.
+    fn category_of<'s>(
+        &'s self,
+        object: &SceneObject,
+        table: &'s DemoTable,
+        seen: &[&SceneObject],
+    ) -> Option<&'s str> {
+        let before = self.named.get(&object.track_id).map(String::as_str);
+        let put = || object_at(table, object).map(|put| put.category.as_str());
+        before.or_else(put).or_else(|| {
+            let mut unnamed = seen.iter().filter(|one| one.label().is_none());
+            let is_only = unnamed.next()?.track_id == object.track_id && unnamed.next().is_none();
+            let is_missing = |category: &str| !seen.iter().any(|one| one.label() == Some(category));
+            let categories = table.objects.iter().map(|one| one.category.as_str());
+            let mut missing = categories.filter(|category| is_missing(category));
+            let first = missing.next()?;
+            (is_only && missing.next().is_none()).then_some(first)
+        })
     }
 
     /// Remembers a lesson that was given.
