@@ -98,6 +98,8 @@ mod stress;
 /// Supervision of processes: hangs, endless restarts, expected processes.
 mod supervision;
 
+/// Faults of tasks, in lockstep.
+mod task_faults;
 mod tasks;
 /// Undo and redo through all kinds of changes.
 mod undo;

@@ -15,6 +15,12 @@ use tokio::time::{Interval, MissedTickBehavior};
 pub(crate) struct SceneFollower {
     scenes: Subscriber<Scene>,
     finished: Publisher<FinishedFrames>,
+    /// Reports of all followers of a lockstep source.
+    reports: Subscriber<FinishedFrames>,
+    /// Session and number of the frame on which perception has reported last.
+    of_perception: Option<(u64, u64)>,
+    /// Session and number of the frame on which this process has reported last.
+    reported: Option<(u64, u64)>,
     trace: TracePublisher,
     health: Arc<HealthCounters>,
     feed: WorldModelUpdater,
@@ -32,6 +38,9 @@ impl SceneFollower {
         Ok(Self {
             scenes: Subscriber::waiting(domain)?,
             finished: Publisher::new(domain)?,
+            reports: Subscriber::waiting(domain)?,
+            of_perception: None,
+            reported: None,
             trace: TracePublisher::new(domain, ProcessKind::MEMORY)?,
             health,
             feed,
@@ -49,6 +58,7 @@ impl SceneFollower {
         loop {
             let followed = tokio::select! {
                 () = self.scenes.wake_event() => self.take_all(),
+                () = self.reports.wake_event() => self.repeat_reports(),
                 _ = looks.tick() => self.feed.look(&mut self.trace),
                 config = self.live.change() => {
                     looks = interval(config.world_period);
@@ -72,17 +82,35 @@ impl SceneFollower {
             let hop = Span::waiting(Stage::LabelHop, 0, published_ns, monotonic_ns());
             self.trace.send(header, &[hop]);
             if header.frame_flags & frame_flag::LOCKSTEP != 0 {
-                self.report(header)?;
+                self.report((header.session, header.sequence))?;
             }
             self.feed.keep(scene);
         }
         Ok(())
     }
 
-    fn report(&mut self, scene: &SceneSummary) -> Result<(), Error> {
+    /// Reports again when perception does: the source has sent the frame again, and waits for all.
+    fn repeat_reports(&mut self) -> Result<(), Error> {
+        while let Received::Message(reports) = self.reports.receive()? {
+            for done in reports.items() {
+                if done.process != u64::from(ProcessKind::PERCEPTION.code()) {
+                    continue;
+                }
+                let frame = (done.session, done.sequence);
+                let is_repeated = self.of_perception.replace(frame) == Some(frame);
+                if is_repeated && self.reported == Some(frame) {
+                    self.report(frame)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn report(&mut self, (session, sequence): (u64, u64)) -> Result<(), Error> {
+        self.reported = Some((session, sequence));
         let done = FrameDone {
-            session: scene.session,
-            sequence: scene.sequence,
+            session,
+            sequence,
             process: u64::from(ProcessKind::MEMORY.code()),
         };
         self.finished.send_copy(PlainHeader::default(), &[done])

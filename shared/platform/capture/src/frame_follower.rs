@@ -30,6 +30,8 @@ pub struct FrameFollower {
     /// Those of them that have not reported on it.
     missing: Vec<u64>,
     captured_ns: u64,
+    /// Session and number of the frame on which this follower has reported last.
+    reported: Option<(u64, u64)>,
 }
 
 impl FrameFollower {
@@ -47,6 +49,7 @@ impl FrameFollower {
             frame: None,
             missing: Vec::new(),
             captured_ns: 0,
+            reported: None,
         })
     }
 
@@ -55,17 +58,22 @@ impl FrameFollower {
         self.frame.is_some()
     }
 
-    /// The frame that the others have finished, once; a frame that the source has sent again comes
-    /// again.
+    /// The frame that the others have finished, once. On a frame that the source has sent again this
+    /// follower reports again, too: the source waits for all of them.
     ///
     /// # Errors
     /// When shared memory fails.
     pub fn next(&mut self) -> Result<Option<FollowedFrame>, Error> {
         while let Received::Message(report) = self.reports.receive()? {
             for done in report.items() {
-                if self.is_last_missing(done) {
-                    return Ok(Some(self.followed(done)?));
+                if !self.is_last_missing(done) {
+                    continue;
                 }
+                let frame = self.followed(done)?;
+                if self.reported != self.frame {
+                    return Ok(Some(frame));
+                }
+                self.report(frame)?;
             }
         }
         Ok(None)
@@ -106,6 +114,7 @@ impl FrameFollower {
             sequence: frame.sequence,
             process: self.code,
         };
+        self.reported = Some((frame.session, frame.sequence));
         self.finished.send_copy(PlainHeader::default(), &[done])
     }
 }

@@ -190,7 +190,7 @@ topics! {
         Limits { publishers: 1, subscribers: 0, buffer: 1, borrowed: 2, history: 0, loaned: 1, guest: FRAME_GUEST } }
     /// Reports of finished frames to a lockstep source.
     FinishedFrames { FRAME_DONE, PlainHeader, [FrameDone; 1], Refuse,
-        Limits { publishers: 6, subscribers: 4, buffer: 8, borrowed: 2, history: 0, loaned: 2, guest: None } }
+        Limits { publishers: 6, subscribers: 6, buffer: 8, borrowed: 2, history: 0, loaned: 2, guest: None } }
     /// Topic of live scenes: the tracked objects.
     Scene { SCENE, SceneSummary, [SceneObject; MAX_SCENE_OBJECTS], DropOldest, STATE }
     /// Described views of objects.
