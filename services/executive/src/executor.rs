@@ -86,7 +86,7 @@ impl Executor {
                 let answer = self.answer(request.command.clone());
                 request.answer(answer);
             }
-            match self.follower.next()? {
+            match self.follower.next_frame()? {
                 Some(frame) => {
                     self.clock = RobotClock::Lockstep(Duration::from_nanos(frame.captured_ns));
                     self.work()?;
@@ -349,7 +349,7 @@ fn robot<'a>(
 fn await_scene(watch: &mut SceneWatch, follower: &mut FrameFollower) -> Result<(), Failure> {
     let begun = Instant::now();
     while !watch.is_fresh() && begun.elapsed() < PREVIEW_PATIENCE {
-        if let Some(frame) = follower.next()? {
+        if let Some(frame) = follower.next_frame()? {
             follower.report(frame)?;
         }
         watch.poll(begun.elapsed())?;

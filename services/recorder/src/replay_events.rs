@@ -145,7 +145,7 @@ impl EventCollector {
     /// Takes the scene of each frame that perception has finished, and reports that. A frame that
     /// perception cannot use has none.
     fn receive_finished(&mut self) -> Result<(), Failure> {
-        while let Some(frame) = self.follower.next()? {
+        while let Some(frame) = self.follower.next_frame()? {
             self.receive_scenes()?;
             self.follower.report(frame)?;
         }

@@ -81,7 +81,7 @@ impl<'a> Rehearsal<'a> {
     pub(super) fn frame<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let begun = Instant::now();
         let frame = loop {
-            if let Some(frame) = self.follower.next().unwrap() {
+            if let Some(frame) = self.follower.next_frame().unwrap() {
                 break frame;
             }
             assert!(

@@ -63,7 +63,7 @@ impl FrameFollower {
     ///
     /// # Errors
     /// When shared memory fails.
-    pub fn next(&mut self) -> Result<Option<FollowedFrame>, Error> {
+    pub fn next_frame(&mut self) -> Result<Option<FollowedFrame>, Error> {
         while let Received::Message(report) = self.reports.receive()? {
             for done in report.items() {
                 if !self.is_last_missing(done) {

@@ -61,12 +61,13 @@ impl DemoStage {
         let path = |name: &str| folder.path().join(name);
         let (scene, config) = (path("scene.toml"), path("demo.toml"));
         write(&scene, table.scene_toml().as_bytes())?;
-        let mut text = table.configuration_toml();
+        let mut parts = vec![table.configuration_toml()];
         if let ModelSource::Folder(folder) = models {
             let models = std::path::absolute(folder).map_err(Failure::general)?;
-            text += &format!("[simulator]\nmodels = {:?}\n", models.display().to_string());
+            let models = models.display().to_string();
+            parts.push(format!("[simulator]\nmodels = {models:?}\n"));
         }
-        write(&config, text.as_bytes())?;
+        write(&config, parts.concat().as_bytes())?;
         let arguments = [
             format!("--source=simulation:{}", scene.display()),
             format!("--config={}", config.display()),
@@ -107,7 +108,7 @@ impl DemoStage {
         let begun = Instant::now();
         loop {
             self.receive()?;
-            if let Some(frame) = self.follower.next()? {
+            if let Some(frame) = self.follower.next_frame()? {
                 self.receive()?;
                 return Ok(frame);
             }

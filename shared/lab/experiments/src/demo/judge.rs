@@ -62,7 +62,7 @@ impl Judge {
         scene: &[SceneObject],
     ) -> Result<(), Error> {
         let newest = self.truth.latest()?;
-        let all = newest.as_ref().map(|truth| truth.items());
+        let all = newest.as_ref().map(channel::SharedMessage::items);
         for object in all.unwrap_or_default() {
             let Some(pose) = object.world_from_object.checked() else {
                 continue;

@@ -8,7 +8,7 @@ use super::judge::Judge;
 use super::recognition_score::RecognitionScore;
 use super::run_record::{EventKind, RunEvent, RunRecord, RunSettings};
 use crate::arguments::DemoArguments;
-use command_line::StopSignal;
+use command_line::{Output, StopSignal};
 use control_protocol::{MutationId, TaskKind, TaskOrder, TaskReport, request};
 use service::Failure;
 use std::collections::BTreeSet;
@@ -53,7 +53,8 @@ enum DemoPart {
 /// Demonstration under way at one table.
 pub(super) struct Play<'t> {
     table: &'t DemoTable,
-    is_live: bool,
+    /// Output of what happens, while it happens.
+    live: Option<Output>,
     stage: DemoStage,
     instructor: Instructor,
     judge: Judge,
@@ -86,14 +87,14 @@ impl<'t> Play<'t> {
     pub(super) fn new(
         table: &'t DemoTable,
         arguments: &DemoArguments,
-        stop: &StopSignal,
+        (stop, output): (&StopSignal, &Output),
     ) -> Result<Self, Failure> {
         let stage = DemoStage::start(table, &arguments.models, stop)?;
         Ok(Self {
             judge: Judge::new(stage.domain())?,
             instructor: Instructor::default(),
             table,
-            is_live: arguments.live,
+            live: arguments.live.then(|| output.clone()),
             stage,
             score: RecognitionScore::default(),
             sheet: ContactSheet::default(),
@@ -300,8 +301,8 @@ impl<'t> Play<'t> {
     }
 
     fn tell(&mut self, kind: EventKind, sentence: String) {
-        if self.is_live {
-            eprintln!("{:7.2} s  {sentence}", self.time_s);
+        if let Some(output) = &self.live {
+            output.print_status(&format!("{:7.2} s  {sentence}", self.time_s));
         }
         self.events.push(RunEvent {
             time_s: self.time_s,

@@ -37,7 +37,7 @@ struct DemoReport<'r> {
 
 /// Writes the plots, the page and the document, and answers with the document or the text.
 pub(super) fn publish(
-    records: Vec<RunRecord>,
+    records: &[RunRecord],
     settings: &RunSettings,
     out: &Path,
     output: &Output,
@@ -62,14 +62,14 @@ pub(super) fn publish(
             .count(),
         n_absent: absent().count(),
         n_absent_refused: absent().filter(|run| is_refused(run)).count(),
-        runs: &records,
+        runs: records,
     };
     let mut figures = Vec::new();
     let name = match settings.kind {
         DemoKind::ClearTable => "clear-table.json",
         DemoKind::Fetch => "fetch.json",
     };
-    for run in &records {
+    for run in records {
         let name = format!("seed-{}.svg", run.seed);
         write_figure(out, &name, recognition_figure(run))?;
         figures.push(figure(&name, format!("Recognition at table {}", run.seed)));
@@ -85,7 +85,7 @@ pub(super) fn publish(
             DemoKind::ClearTable => "Clearing the table",
             DemoKind::Fetch => "Fetching an object",
         },
-        tables: vec![runs_table(&records), left_table(&records)],
+        tables: vec![runs_table(records), left_table(records)],
         notes: vec![format!(
             "cleared {} of {} objects ({} %), {} collisions, {} standard items moved",
             document.n_in_place,

@@ -32,13 +32,13 @@ pub(super) fn run(
         let path = arguments.out.join(format!("seed-{seed}.json"));
         let record = match kept(&path, &settings) {
             Some(record) => record,
-            None => play(seed, &settings, arguments, &stop)?,
+            None => play(seed, &settings, arguments, (&stop, output))?,
         };
         records.push(record);
         bar.inc(1);
     }
     bar.finish_and_clear();
-    report::publish(records, &settings, &arguments.out, output)
+    report::publish(&records, &settings, &arguments.out, output)
 }
 
 /// Record of a table that was played before with the same settings.
@@ -53,10 +53,10 @@ fn play(
     seed: u64,
     settings: &RunSettings,
     arguments: &DemoArguments,
-    stop: &StopSignal,
+    (stop, output): (&StopSignal, &Output),
 ) -> Result<RunRecord, Failure> {
     let table = DemoTable::new(seed, settings.kind, arguments)?;
-    let mut play = Play::new(&table, arguments, stop)?;
+    let mut play = Play::new(&table, arguments, (stop, output))?;
     while !play.frame()? {}
     let out = &arguments.out;
     if let Some(sheet) = play.sheet.png()? {
