@@ -41,6 +41,7 @@ const OWNERS: [(&str, &[&str]); 21] = [
             "channel",
             "actor",
             "service",
+            "arm-driver",
             "capture",
             "memory-requests",
             "command-line",

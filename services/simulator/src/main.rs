@@ -1,10 +1,8 @@
 //! `tabula-simulator`: a simulated table with camera, arm and person.
 
 mod arguments;
-mod arm_log;
 mod arm_loop;
 mod arm_orders;
-mod arm_requests;
 mod config;
 mod frame_interval;
 mod run;

@@ -1,13 +1,12 @@
 //! Simulator service: the simulation thread and the control server.
 
-use crate::arm_log::ArmLog;
 use crate::arm_loop::ArmLoop;
 use crate::arm_orders::OrderSender;
-use crate::arm_requests::{ArmRequests, arm_requests};
 use crate::config::Config;
 use crate::frame_interval::FrameInterval;
 use crate::simulator_source::{SimulatorSource, warm_camera};
 use crate::world_publishers::WorldPublishers;
+use arm_driver::{ArmDuties, ArmLog, ArmRequests, arm_requests};
 use arm_interface::StopWord;
 use capture::{CaptureEnd, CaptureLoop};
 use channel::Publisher;
@@ -78,21 +77,22 @@ fn play(
     tracing::info!("on the table: {}", names.join(", "));
     let entered = runtime.enter();
     let world_publishers = WorldPublishers::new(&context.domain)?;
-    let publisher = Publisher::new(&context.domain)?;
-    drop(entered);
-    let shared_bytes = world_publishers.reserved_bytes() + publisher.reservation().bytes();
-    let kinect = warm_camera(&world).map_err(Failure::usage)?;
     let has_arm = world.scene().arm.is_some();
+    let publisher = has_arm.then(|| Publisher::new(&context.domain));
+    let publisher = publisher.transpose()?;
+    drop(entered);
+    let arm_bytes = publisher.as_ref().map(|one| one.reservation().bytes());
+    let shared_bytes = world_publishers.reserved_bytes() + arm_bytes.unwrap_or_default();
+    let kinect = warm_camera(&world).map_err(Failure::usage)?;
     let word = has_arm.then(|| StopWord::create(context.domain.folder()));
     let word = word.transpose().map_err(Failure::general)?;
+    let log = ArmLog::start().map_err(|error| not_started(&error))?;
     let arm_loop = ArmLoop {
         interval: FrameInterval::new(world, config.rate_hz),
-        requests,
+        duties: ArmDuties::new(requests, word, log),
         publisher,
-        word,
         is_lockstep: config.pace.is_lockstep(),
         is_real_time: config.real_time && has_arm,
-        log: ArmLog::start().map_err(|error| not_started(&error))?,
     };
     let arm_loop = OrderSender::start(move |orders| arm_loop.run(&orders))
         .map_err(|error| not_started(&error))?;

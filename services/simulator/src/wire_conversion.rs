@@ -1,9 +1,8 @@
 //! Conversion between the simulation's types and wire messages.
 
-use control_protocol::{ArmMotion, ArmReport};
-use message::{
-    ArmActivity, ArmState, Text, TrueObject as WireObject, TrueState, WireCapsule, WirePose,
-};
+use arm_driver::ArmReading;
+use control_protocol::ArmMotion;
+use message::{ArmActivity, Text, TrueObject as WireObject, TrueState, WireCapsule, WirePose};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use simulated_world::{ArmCommand, ArmStatus, MotionState, ObjectState, ObjectTruth};
 
@@ -30,14 +29,6 @@ pub(crate) fn command(motion: &ArmMotion) -> Result<ArmCommand, String> {
         ArmMotion::OpenTo { opening_m } => ArmCommand::OpenTo(opening_m),
         ArmMotion::Close => ArmCommand::Close,
     })
-}
-
-/// True while the arm or its fingers move for a command.
-pub(crate) fn is_busy(status: &ArmStatus) -> bool {
-    matches!(
-        status.motion,
-        MotionState::Moving | MotionState::Opening | MotionState::Closing
-    )
 }
 
 fn pose(position_m: [f64; 3], [x, y, z, w]: [f64; 4]) -> Result<Isometry3<f64>, String> {
@@ -70,35 +61,17 @@ fn activity(status: &ArmStatus) -> ArmActivity {
     }
 }
 
-/// Arm state as a control report.
-pub(crate) fn report(status: &ArmStatus) -> ArmReport {
-    let pose = &status.world_from_gripper;
-    ArmReport {
-        command_id: status.command_id,
-        activity: activity(status).word().into(),
+/// State of the arm for answers and messages.
+pub(crate) fn reading(status: &ArmStatus) -> ArmReading {
+    ArmReading {
+        activity: activity(status),
         note: status.failure.clone().unwrap_or_default(),
-        joint_angles_rad: status.joint_angles_rad,
-        opening_m: status.opening_m,
-        position_m: pose.translation.vector.into(),
-        orientation_xyzw: pose.rotation.coords.into(),
-        is_holding: status.holds.is_some(),
-        commander: None,
-    }
-}
-
-/// Arm state as a topic message.
-pub(crate) fn arm_state(status: &ArmStatus, stamp_ns: u64) -> ArmState {
-    ArmState {
-        activity: activity(status).code(),
-        stamp_ns,
+        command_id: status.command_id,
         joint_angles_rad: status.joint_angles_rad,
         joint_velocities_rad_s: status.joint_velocities_rad_s,
         opening_m: status.opening_m,
         world_from_gripper: wire_pose(&status.world_from_gripper),
-        command_id: status.command_id,
-        is_holding: u32::from(status.holds.is_some()),
-        note: Text::truncated(status.failure.as_deref().unwrap_or_default()),
-        ..ArmState::default()
+        is_holding: status.holds.is_some(),
     }
 }
 

@@ -14,27 +14,50 @@ use tokio::sync::oneshot;
 /// Capacity of each queue; further requests are refused.
 const QUEUE_CAPACITY: usize = 16;
 
+/// Sentence of a refusal when nobody is left to answer.
+const LOOP_ENDED: &str = "the loop of the arm has ended; its driver is started again";
+
+/// Sentence of a refusal when a stop came before the command.
+pub(crate) const STOPPED_BEFORE: &str = "the arm was stopped before this command was carried out";
+
 /// Request with the channel of its answer.
 #[derive(Debug)]
-pub(crate) struct ArmRequest {
-    /// The command; never a stop, which is a word in shared memory.
-    pub(crate) command: ArmCommand,
+pub struct ArmRequest {
+    /// Command to the arm; never a stop, which is a word in shared memory.
+    pub command: ArmCommand,
     /// Time of arrival, monotonic clock, nanoseconds.
-    pub(crate) arrived_ns: u64,
-    pub(crate) answer: oneshot::Sender<Result<ArmReport, Refusal>>,
+    pub arrived_ns: u64,
+    answer: oneshot::Sender<Result<ArmReport, Refusal>>,
 }
 
 impl ArmRequest {
-    /// Refuses the request.
-    pub(crate) fn refuse(self, kind: RefusalKind, sentence: impl Into<String>) {
+    /// Request that has arrived now.
+    pub(crate) fn new(
+        command: ArmCommand,
+        answer: oneshot::Sender<Result<ArmReport, Refusal>>,
+    ) -> Self {
+        Self {
+            command,
+            arrived_ns: monotonic_ns(),
+            answer,
+        }
+    }
+
+    /// Answers the request.
+    pub fn reply(self, report: Result<ArmReport, Refusal>) {
         // The client may have gone.
-        let _ = self.answer.send(Err(Refusal::new(kind, sentence.into())));
+        let _ = self.answer.send(report);
+    }
+
+    /// Refuses the request.
+    pub fn refuse(self, kind: RefusalKind, sentence: impl Into<String>) {
+        self.reply(Err(Refusal::new(kind, sentence.into())));
     }
 }
 
 /// Sending ends of the queues.
 #[derive(Debug, Clone)]
-struct ArmRequestSender {
+pub(crate) struct ArmRequestSender {
     waiting: Sender<ArmRequest>,
     after_stop: Sender<ArmRequest>,
     thread: Arc<OnceLock<Thread>>,
@@ -42,7 +65,7 @@ struct ArmRequestSender {
 
 /// Receiving ends of the queues, in the arm's loop. Whoever has stopped the arm is answered first.
 #[derive(Debug)]
-pub(crate) struct ArmRequests {
+pub struct ArmRequests {
     waiting: Receiver<ArmRequest>,
     after_stop: Receiver<ArmRequest>,
     /// Questions that waited during a stop.
@@ -52,7 +75,7 @@ pub(crate) struct ArmRequests {
 
 impl ArmRequests {
     /// Next request to answer.
-    pub(crate) fn next(&mut self) -> Option<ArmRequest> {
+    pub fn next_request(&mut self) -> Option<ArmRequest> {
         let urgent = self.after_stop.try_recv().ok();
         urgent
             .or_else(|| self.questions.pop_front())
@@ -60,26 +83,25 @@ impl ArmRequests {
     }
 
     /// Refuses all commands that wait, since the arm is stopped; questions are kept.
-    pub(crate) fn refuse_commands(&mut self) {
+    pub fn refuse_commands(&mut self) {
         for request in self.waiting.try_iter() {
             if request.command == ArmCommand::State {
                 self.questions.push_back(request);
             } else {
-                let sentence = "the arm was stopped before this command was carried out";
-                request.refuse(RefusalKind::Conflict, sentence);
+                request.refuse(RefusalKind::Conflict, STOPPED_BEFORE);
             }
         }
     }
 
     /// Registers the calling thread to be woken by each request.
-    pub(crate) fn wake_this_thread(&self) {
+    pub fn wake_this_thread(&self) {
         let _ = self.thread.set(std::thread::current());
     }
 }
 
 /// Handler for the control server, and the queues that it fills. `domain_folder` holds the stop
 /// word.
-pub(crate) fn arm_requests(domain_folder: &Path) -> (Handler, ArmRequests) {
+pub fn arm_requests(domain_folder: &Path) -> (Handler, ArmRequests) {
     let (sender, requests) = queues();
     let folder = domain_folder.to_owned();
     let handler = control::handler(move |command, _peer| {
@@ -92,7 +114,8 @@ pub(crate) fn arm_requests(domain_folder: &Path) -> (Handler, ArmRequests) {
     (handler, requests)
 }
 
-fn queues() -> (ArmRequestSender, ArmRequests) {
+/// Both ends of the queues.
+pub(crate) fn queues() -> (ArmRequestSender, ArmRequests) {
     let (waiting_sender, waiting) = bounded(QUEUE_CAPACITY);
     let (after_stop_sender, after_stop) = bounded(QUEUE_CAPACITY);
     let sender = ArmRequestSender {
@@ -115,31 +138,25 @@ async fn answer(
     folder: &Path,
 ) -> Result<Reply, Refusal> {
     let Command::Arm(command) = command else {
-        let sentence = format!("tabula-simulator does not answer {command:?}");
+        let sentence = format!("the driver of the arm does not answer {command:?}");
         return Err(Refusal::new(RefusalKind::Internal, sentence));
     };
     let (queue, command) = if command == ArmCommand::Stop {
         let pressed = StopButton::open(folder).and_then(|button| button.press());
         pressed.map_err(|error| match error {
-            StopWordError::Absent(_) => Refusal::new(RefusalKind::Invalid, "the scene has no arm"),
-            error @ StopWordError::File { .. } => {
-                Refusal::new(RefusalKind::Unavailable, error.to_string())
-            }
+            StopWordError::Absent(_) => Refusal::new(RefusalKind::Invalid, error.to_string()),
+            StopWordError::File { .. } => Refusal::new(RefusalKind::Unavailable, error.to_string()),
         })?;
         (&sender.after_stop, ArmCommand::State)
     } else {
         (&sender.waiting, command)
     };
     let (answer, answered) = oneshot::channel();
-    let request = ArmRequest {
-        command,
-        arrived_ns: monotonic_ns(),
-        answer,
-    };
+    let request = ArmRequest::new(command, answer);
     queue.try_send(request).map_err(|error| {
         let sentence = match error {
             TrySendError::Full(_) => "the arm has 16 commands waiting; try again",
-            TrySendError::Disconnected(_) => "the simulation has ended",
+            TrySendError::Disconnected(_) => LOOP_ENDED,
         };
         Refusal::new(RefusalKind::Unavailable, sentence)
     })?;
@@ -148,7 +165,7 @@ async fn answer(
     }
     let report = answered
         .await
-        .map_err(|_| Refusal::new(RefusalKind::Unavailable, "the simulation has ended"))?;
+        .map_err(|_| Refusal::new(RefusalKind::Unavailable, LOOP_ENDED))?;
     report.map(Reply::Arm)
 }
 
@@ -183,10 +200,10 @@ mod tests {
             tokio::task::yield_now().await;
             assert!(word.poll(1).unwrap());
             requests.refuse_commands();
-            let first = requests.next().unwrap();
+            let first = requests.next_request().unwrap();
             assert_eq!(first.command, ArmCommand::State);
             first.refuse(RefusalKind::Invalid, "served");
-            assert!(requests.next().is_none());
+            assert!(requests.next_request().is_none());
         };
         let (stopped, ()) = tokio::join!(stop, serve);
         assert_eq!(stopped.unwrap_err().sentence, "served");

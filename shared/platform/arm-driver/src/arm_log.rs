@@ -8,14 +8,14 @@ const QUEUE_CAPACITY: usize = 64;
 
 /// Sending end of the log.
 #[derive(Debug, Clone)]
-pub(crate) struct ArmLog(Sender<(Level, String)>);
+pub struct ArmLog(Sender<(Level, String)>);
 
 impl ArmLog {
     /// Starts the writer, which ends with the last sender.
     ///
     /// # Errors
     /// When the thread cannot be started.
-    pub(crate) fn start() -> std::io::Result<Self> {
+    pub fn start() -> std::io::Result<Self> {
         let (sender, sentences) = bounded(QUEUE_CAPACITY);
         let writer = move || {
             for (level, sentence) in sentences {
@@ -33,15 +33,17 @@ impl ArmLog {
     }
 
     /// Writes a sentence, unless the writer is behind.
-    pub(crate) fn write(&self, level: Level, sentence: impl Into<String>) {
+    pub fn write(&self, level: Level, sentence: impl Into<String>) {
         let _ = self.0.try_send((level, sentence.into()));
     }
 
-    pub(crate) fn info(&self, sentence: impl Into<String>) {
+    /// Writes a sentence about ordinary events.
+    pub fn info(&self, sentence: impl Into<String>) {
         self.write(Level::INFO, sentence);
     }
 
-    pub(crate) fn warn(&self, sentence: impl Into<String>) {
+    /// Writes a warning.
+    pub fn warn(&self, sentence: impl Into<String>) {
         self.write(Level::WARN, sentence);
     }
 }
