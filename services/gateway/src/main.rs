@@ -3,7 +3,7 @@
 //! It has no store, and opens no file on a disk while it serves, but to reload its configuration: a
 //! process that is dead, stopped or hung costs only the requests that it owns.
 
-mod absent_arm;
+mod arm_clients;
 mod config;
 mod history_position;
 mod process_table;

@@ -2,7 +2,7 @@
 
 use channel::topic::ProcessHealth;
 use channel::{Domain, Error, Received, Subscriber};
-use message::{Health, ProcessKind};
+use message::{Health, ProcessKind, ProcessState};
 use parking_lot::Mutex;
 use scene_document::HealthDocument;
 use service::monotonic_ns;
@@ -42,10 +42,16 @@ impl ProcessTable {
         }
     }
 
-    /// True if the sensor that has reported last is a camera, which has no arm.
+    /// True if the sensor that has reported last is a camera, which simulates no arm.
     pub(crate) fn has_camera(&self) -> bool {
         self.refresh();
         newest_sensor(&self.0.lock().latest) == Some(ProcessKind::CAMERA)
+    }
+
+    /// True if an arm has a driver: one has reported, and has not ended in order since.
+    pub(crate) fn expects_driver(&self) -> bool {
+        self.refresh();
+        expects_driver(&self.0.lock().latest)
     }
 
     /// Reports of all processes that are alive.
@@ -73,9 +79,31 @@ fn newest_sensor(latest: &BTreeMap<u32, Health>) -> Option<ProcessKind> {
     newest.map(|(_, kind)| kind)
 }
 
+fn expects_driver(latest: &BTreeMap<u32, Health>) -> bool {
+    let report = latest.get(&ProcessKind::ARM.code());
+    report.is_some_and(|report| report.state != ProcessState::Stopping.code())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn driver_is_expected_until_it_ends_in_order() {
+        let report = |state: ProcessState| {
+            let process = ProcessKind::ARM.code();
+            let state = state.code();
+            let health = Health {
+                process,
+                state,
+                ..Health::default()
+            };
+            BTreeMap::from([(process, health)])
+        };
+        assert!(!expects_driver(&BTreeMap::new()));
+        assert!(expects_driver(&report(ProcessState::Ready)));
+        assert!(!expects_driver(&report(ProcessState::Stopping)));
+    }
 
     #[test]
     fn sensor_is_the_one_that_has_reported_last() {

@@ -1,6 +1,6 @@
 //! Request router: passes each command to the process that owns it.
 
-use crate::absent_arm::{arm_refusal, is_without_arm};
+use crate::arm_clients::ArmClients;
 use crate::history_position::HistoryPosition;
 use crate::process_table::ProcessTable;
 use channel::Domain;
@@ -19,6 +19,7 @@ const DEADLINE: Duration = Duration::from_secs(4);
 pub(crate) struct RequestRouter {
     domain: Domain,
     owners: Vec<(ProcessKind, Client)>,
+    arm: ArmClients,
     processes: Arc<ProcessTable>,
     position: HistoryPosition,
 }
@@ -35,6 +36,7 @@ impl RequestRouter {
             owners: owners
                 .map(|process| (process, Client::new(domain, process)))
                 .collect(),
+            arm: ArmClients::new(domain, processes.clone()),
             processes,
             position,
         }
@@ -56,13 +58,17 @@ impl RequestRouter {
 
     async fn pass_on(&self, command: Command, user: Peer) -> Result<Reply, Refusal> {
         let process = command.owner();
+        let deadline = DEADLINE + command.waiting_time();
+        if process == ProcessKind::ARM {
+            let reply = self.arm.call(Some(user), command, deadline).await;
+            return reply.map_err(|error| self.arm.refusal(&error));
+        }
         let owner = self.owners.iter().find(|(owner, _)| *owner == process);
         let Some((_, owner)) = owner else {
             let sentence = format!("{} answers no requests", process.program());
             return Err(Refusal::new(RefusalKind::Internal, sentence));
         };
         let is_change = command.required_role() > UserRole::Reader;
-        let deadline = DEADLINE + command.waiting_time();
         let command = if process == ProcessKind::PERCEPTION {
             self.position.stamp(command)
         } else {
@@ -70,10 +76,8 @@ impl RequestRouter {
         };
         let reply = owner.call_for(user, command, deadline).await;
         reply.map_err(|error| {
-            let is_armless =
-                process.has(Duty::Commander) && is_without_arm(&error, &self.processes);
-            if process == ProcessKind::SIMULATOR || is_armless {
-                arm_refusal(&error, &self.processes)
+            if process.has(Duty::Commander) && self.arm.is_without_arm(&error) {
+                self.arm.refusal(&error)
             } else {
                 refusal(&error, process, is_change)
             }

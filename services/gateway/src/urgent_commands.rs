@@ -1,13 +1,11 @@
 //! Urgent commands: stop and health, answered past all other requests.
 
-use crate::absent_arm::{arm_refusal, is_without_arm};
+use crate::arm_clients::ArmClients;
 use crate::process_table::ProcessTable;
 use arm_interface::{StopButton, StopWordError};
 use channel::Domain;
-use channel::control::Client;
 use control_protocol::{ArmCommand, Command, Refusal, RefusalKind, Reply};
 use daemon_client::CallError;
-use message::ProcessKind;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -25,7 +23,7 @@ const RETRY_PERIOD: Duration = Duration::from_millis(5);
 pub(crate) struct UrgentCommands {
     /// Folder of the domain, with the arm's stop word.
     folder: PathBuf,
-    arm: Client,
+    arm: ArmClients,
     processes: Arc<ProcessTable>,
     last_stop: Mutex<Option<Stop>>,
 }
@@ -41,7 +39,7 @@ impl UrgentCommands {
     pub(crate) fn new(domain: &Domain, processes: Arc<ProcessTable>) -> Self {
         Self {
             folder: domain.folder().to_owned(),
-            arm: Client::new(domain, ProcessKind::SIMULATOR),
+            arm: ArmClients::new(domain, processes.clone()),
             processes,
             last_stop: Mutex::new(None),
         }
@@ -75,8 +73,7 @@ impl UrgentCommands {
         }
         let sent = Instant::now();
         let reply = self.state().await;
-        let reply =
-            reply.unwrap_or_else(|error| Reply::Refused(arm_refusal(&error, &self.processes)));
+        let reply = reply.unwrap_or_else(|error| Reply::Refused(self.arm.refusal(&error)));
         *last = Some(Stop {
             sent,
             reply: reply.clone(),
@@ -89,11 +86,11 @@ impl UrgentCommands {
     async fn state(&self) -> Result<Reply, CallError> {
         let begin = Instant::now();
         loop {
-            let reply = self.arm.call(Command::Arm(ArmCommand::Stop), DEADLINE);
+            let stop = Command::Arm(ArmCommand::Stop);
+            let reply = self.arm.call(None, stop, DEADLINE);
             match reply.await {
                 Err(error @ (CallError::NotThere { .. } | CallError::Interrupted { .. }))
-                    if begin.elapsed() < RESTART_TIME
-                        && !is_without_arm(&error, &self.processes) =>
+                    if begin.elapsed() < RESTART_TIME && !self.arm.is_without_arm(&error) =>
                 {
                     tokio::time::sleep(RETRY_PERIOD).await;
                 }

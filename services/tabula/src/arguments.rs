@@ -30,6 +30,7 @@ use clap::{Args, Parser, Subcommand};
 use control_client::TrackReference;
 use service::{CommonArguments, Failure, OptionUse};
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 /// The perception daemon of a service robot: detects and tracks the objects on a table,
 /// and learns their categories from people.
@@ -273,6 +274,12 @@ pub(crate) enum ArmVerb {
     Close,
     /// Stop the arm at once
     Stop,
+    /// Check that the arm and its driver do what tabula counts on; moves the arm a little
+    Check {
+        /// Agree that the arm is moved: its last joint by up to 70 degrees, and its fingers
+        #[arg(long)]
+        yes: bool,
+    },
 }
 
 /// Arguments of `tabula arm move`: pose of the gripper.
@@ -384,6 +391,9 @@ pub(crate) struct RunArguments {
     /// Send a frame only when perception and memory have finished the previous one
     #[arg(long)]
     lockstep: bool,
+    /// Program that drives an arm, which `tabula run` starts and supervises: see the guide Arm
+    #[arg(long, value_name = "PROGRAM")]
+    pub(crate) arm_driver: Option<PathBuf>,
     /// In lockstep, also wait for a program that reports each frame
     #[arg(long, hide = true, requires = "lockstep")]
     lockstep_observer: bool,
@@ -437,11 +447,12 @@ impl RunArguments {
             ("--from", self.from.as_ref()),
             ("--to", self.to.as_ref()),
         ];
+        let has_commander = sensor.has_arm() || self.arm_driver.is_some();
         let flags = [
             ("--loop", self.looped),
             ("--lockstep", self.lockstep),
             ("--lockstep-with=observer", self.lockstep_observer),
-            ("--lockstep-with=executive", sensor.has_arm()),
+            ("--lockstep-with=executive", self.lockstep && has_commander),
         ];
         let values = values
             .into_iter()

@@ -7,7 +7,7 @@ mod show;
 use crate::arguments::{ConfigVerb, RunArguments};
 use crate::daemon::checked_processes;
 use crate::sensor::Sensor;
-use crate::supervision::{self, SupervisionConfig};
+use crate::supervision::{self, ProcessCommand, SupervisionConfig};
 use command_line::Output;
 use message::ProcessKind;
 use serde::Serialize;
@@ -41,7 +41,8 @@ fn check(common: &CommonArguments, output: &Output) -> Result<ExitCode, Failure>
     SupervisionConfig::new(&found)?;
     checked_processes(common, &RunArguments::default())?;
     if found.is_of_services() && Sensor::is_camera_of_services(&found)? {
-        supervision::check(ProcessKind::CAMERA, &supervision::common_arguments(common))?;
+        let arguments = supervision::common_arguments(common);
+        supervision::check(&ProcessCommand::new(ProcessKind::CAMERA, arguments))?;
     }
     let document = CheckDocument {
         files: files(&found),

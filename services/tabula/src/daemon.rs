@@ -3,12 +3,12 @@
 use crate::arguments::RunArguments;
 use crate::daemon_reload::DaemonReload;
 use crate::sensor::Sensor;
-use crate::supervision::{self, Child, Supervision, SupervisionConfig};
+use crate::supervision::{self, Child, ProcessCommand, Supervision, SupervisionConfig};
 use channel::{Domain, Role, RunFolder};
 use command_line::{Output, StopSignal};
 use control_protocol::request;
 use daemon_client::DaemonClient;
-use message::ProcessKind;
+use message::{Duty, ProcessKind};
 use serde::Serialize;
 use service::{CommonArguments, Configuration, Failure, guest_places, start_log, stop_with_parent};
 use std::process::ExitCode;
@@ -73,7 +73,7 @@ pub(crate) fn run(
     let mut reload = DaemonReload::new(&domain, hang_ups, found, (common, run))?;
     let outcome = processes
         .into_iter()
-        .try_for_each(|(process, arguments)| supervision.start(process, arguments))
+        .try_for_each(|command| supervision.start(command))
         .and_then(|()| keep_running(&mut supervision, &mut reload, common, &stop, output));
     tracing::info!("stopping all processes");
     supervision.stop();
@@ -88,29 +88,27 @@ pub(crate) fn run(
 pub(crate) fn checked_processes(
     common: &CommonArguments,
     run: &RunArguments,
-) -> Result<Vec<(ProcessKind, Vec<String>)>, Failure> {
+) -> Result<Vec<ProcessCommand>, Failure> {
     let sensor = Sensor::choose(common, run.source())?;
     let for_sensor = run.for_sensor(&sensor)?;
-    let arguments = |process| {
-        let mut all = supervision::common_arguments(common);
+    let command = |process: ProcessKind| {
+        let mut command = ProcessCommand::new(process, supervision::common_arguments(common));
         if process == sensor.process() {
-            all.extend_from_slice(&for_sensor);
+            command.arguments.extend_from_slice(&for_sensor);
         }
-        all
+        if process.has(Duty::Driver) {
+            command.program.clone_from(&run.arm_driver);
+        }
+        command
     };
-    let processes: Vec<_> = sensor
-        .processes()
-        .into_iter()
-        .map(|process| (process, arguments(process)))
-        .collect();
-    for (process, arguments) in &processes {
-        supervision::check(*process, arguments)?;
-    }
+    let processes = sensor.processes(run.arm_driver.is_some());
+    let processes: Vec<_> = processes.into_iter().map(command).collect();
+    processes.iter().try_for_each(supervision::check)?;
     let (idle, idle_arguments) = sensor.idle();
-    let idle_arguments = idle_arguments.iter().map(|&word| word.to_owned());
-    let arguments_of_idle: Vec<String> =
-        arguments(idle).into_iter().chain(idle_arguments).collect();
-    supervision::check(idle, &arguments_of_idle)?;
+    let mut idle = command(idle);
+    let words = idle_arguments.iter().map(|&word| word.to_owned());
+    idle.arguments.extend(words);
+    supervision::check(&idle)?;
     Ok(processes)
 }
 

@@ -74,10 +74,14 @@ impl Sensor {
         }
     }
 
-    /// Processes of the daemon in the order of their start.
-    pub(crate) fn processes(&self) -> Vec<ProcessKind> {
+    /// Processes of the daemon in the order of their start, of which the driver of an arm is one or
+    /// is not.
+    pub(crate) fn processes(&self, has_driver: bool) -> Vec<ProcessKind> {
+        let has_arm = has_driver || self.has_arm();
         let is_absent = |process: &ProcessKind| {
-            *process == self.other() || (process.has(Duty::Commander) && !self.has_arm())
+            *process == self.other()
+                || (process.has(Duty::Driver) && !has_driver)
+                || (process.has(Duty::Commander) && !has_arm)
         };
         let all = ProcessKind::all();
         all.filter(|process| !is_absent(process)).collect()
@@ -127,7 +131,7 @@ mod tests {
 
     #[test]
     fn either_camera_or_simulator_runs() {
-        let simulated = Sensor::Simulator { scene: None }.processes();
+        let simulated = Sensor::Simulator { scene: None }.processes(false);
         assert_eq!(
             simulated,
             [
@@ -138,8 +142,12 @@ mod tests {
                 ProcessKind::EXECUTIVE
             ]
         );
-        let of_camera = Sensor::Camera.processes();
+        let of_camera = Sensor::Camera.processes(false);
         assert!(!of_camera.contains(&ProcessKind::SIMULATOR));
         assert!(!of_camera.contains(&ProcessKind::EXECUTIVE));
+        assert!(!of_camera.contains(&ProcessKind::ARM));
+        let with_driver = Sensor::Camera.processes(true);
+        let last_two = [ProcessKind::ARM, ProcessKind::EXECUTIVE];
+        assert!(with_driver.ends_with(&last_two), "{with_driver:?}");
     }
 }

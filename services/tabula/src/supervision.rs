@@ -18,12 +18,11 @@ pub(crate) use config::SupervisionConfig;
 #[cfg(test)]
 pub(crate) use process_record::Supervisor;
 pub(crate) use process_record::{ProcessRecord, RecordedState, read as read_records};
-pub(crate) use program::{check, common_arguments};
+pub(crate) use program::{ProcessCommand, check, common_arguments};
 
 use boot_clock::time_since_boot;
 use channel::{Domain, Error};
 use health_feed::HealthFeed;
-use message::ProcessKind;
 use process_record::RecordPublisher;
 use service::Failure;
 use std::time::{Duration, Instant};
@@ -59,12 +58,8 @@ impl Supervision {
     ///
     /// # Errors
     /// When its program is not there or cannot be started.
-    pub(crate) fn start(
-        &mut self,
-        process: ProcessKind,
-        arguments: Vec<String>,
-    ) -> Result<(), Failure> {
-        let child = Child::start(process, arguments, self.config, time_since_boot())?;
+    pub(crate) fn start(&mut self, command: ProcessCommand) -> Result<(), Failure> {
+        let child = Child::start(command, self.config, time_since_boot())?;
         self.children.push(child);
         Ok(())
     }

@@ -183,7 +183,7 @@ fn crashed_run(state: &DomainState) -> Finding {
 fn control_socket(health: &Asked, state: &DomainState) -> Finding {
     let name = "control socket";
     match health {
-        Ok(Ok(processes)) => all_processes(name, processes.len(), has_arm(processes)),
+        Ok(Ok(processes)) => all_processes(name, processes),
         Ok(Err(error)) => Finding::new(name, Severity::Failure, error.to_string()),
         Err(error) if state.is_alive => Finding::new(name, Severity::Warning, error.to_string()),
         Err(_) => Finding::new(name, Severity::Ok, "no daemon runs, so there is none"),
@@ -201,20 +201,19 @@ fn noise(common: &CommonArguments, state: &DomainState) -> Finding {
     }
 }
 
-/// True if the sensor that reports drives an arm.
-fn has_arm(processes: &[HealthDocument]) -> bool {
-    let simulator = ProcessKind::SIMULATOR.word();
-    processes.iter().any(|report| report.process == simulator)
-}
-
-fn all_processes(name: &'static str, n_processes: usize, has_arm: bool) -> Finding {
-    // Either the camera or the simulator runs; a commander of the arm only beside the latter.
-    let sensors = ProcessKind::all().filter(|process| process.has(Duty::Sensor));
-    let commanders = ProcessKind::all().filter(|process| process.has(Duty::Commander));
-    let n_absent = if has_arm { 0 } else { commanders.count() };
-    let n_expected = ProcessKind::all().count() - sensors.count() + 1 - n_absent;
+fn all_processes(name: &'static str, processes: &[HealthDocument]) -> Finding {
+    let reports = |kind: ProcessKind| processes.iter().any(|one| one.process == kind.word());
+    let has_driver = reports(ProcessKind::ARM);
+    let has_arm = has_driver || reports(ProcessKind::SIMULATOR);
+    // Either the camera or the simulator runs; a commander only where there is an arm.
+    let is_expected = |process: &ProcessKind| {
+        !process.has(Duty::Sensor)
+            && (has_driver || !process.has(Duty::Driver))
+            && (has_arm || !process.has(Duty::Commander))
+    };
+    let n_expected = ProcessKind::all().filter(is_expected).count() + 1;
     // One that was stopped a moment ago is still counted.
-    let n_processes = n_processes.min(n_expected);
+    let n_processes = processes.len().min(n_expected);
     let severity = if n_processes == n_expected {
         Severity::Ok
     } else {

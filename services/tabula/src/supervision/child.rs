@@ -3,7 +3,7 @@
 use super::config::SupervisionConfig;
 use super::health_feed::HealthFeed;
 use super::process_record::{ProcessRecord, RecordedState, Supervisor};
-use super::program;
+use super::program::{self, ProcessCommand};
 use super::progress_watch::{BootTime, ProgressWatch};
 use super::restart_streak::RestartStreak;
 use message::ProcessKind;
@@ -22,8 +22,7 @@ const NO_PROGRESS: &str = "no progress";
 
 /// Child process that is restarted when it ends.
 pub(crate) struct Child {
-    process: ProcessKind,
-    arguments: Vec<String>,
+    command: ProcessCommand,
     config: SupervisionConfig,
     state: ChildState,
     streak: RestartStreak,
@@ -68,15 +67,13 @@ impl Child {
     /// # Errors
     /// When its program is not there or cannot be started.
     pub(crate) fn start(
-        process: ProcessKind,
-        arguments: Vec<String>,
+        command: ProcessCommand,
         config: SupervisionConfig,
         now: BootTime,
     ) -> Result<Self, Failure> {
-        let running = RunningProcess::start(process, &arguments, &config, now)?;
+        let running = RunningProcess::start(&command, &config, now)?;
         Ok(Self {
-            process,
-            arguments,
+            command,
             config,
             state: ChildState::Running(running),
             streak: RestartStreak::new(config.restart_delay_max),
@@ -92,7 +89,7 @@ impl Child {
         self.config = config;
         self.streak.set_longest_delay(config.restart_delay_max);
         if let ChildState::Running(running) = &mut self.state {
-            let limits = config.progress_limits(self.process);
+            let limits = config.progress_limits(self.command.process);
             running.watch.set_limits(limits);
         }
     }
@@ -105,7 +102,7 @@ impl Child {
 
     /// Kind of the child process.
     pub(crate) fn process(&self) -> ProcessKind {
-        self.process
+        self.command.process
     }
 
     /// Process id; `None` while the restart is pending.
@@ -129,7 +126,7 @@ impl Child {
             (None, _) => (RecordedState::Starting, String::new()),
         };
         ProcessRecord {
-            process: self.process.word().to_owned(),
+            process: self.command.process.word().to_owned(),
             pid: self.pid(),
             state,
             since_ns: self.since_ns,
@@ -206,7 +203,10 @@ impl Child {
         self.has_been_ready = true;
         self.since_ns = wall_ns();
         if self.trouble.take().is_some_and(|trouble| trouble.is_logged) {
-            let (program, pid) = (self.process.program(), self.pid().unwrap_or_default());
+            let (program, pid) = (
+                self.command.process.program(),
+                self.pid().unwrap_or_default(),
+            );
             tracing::info!("{program} runs again (process {pid})");
         }
     }
@@ -228,7 +228,7 @@ impl Child {
             tracing::error!(
                 "{} (process {}) has made no progress for {:.1} s; ending it with {signal}, and \
                  starting it again {:?} later{}",
-                self.process.program(),
+                self.command.process.program(),
                 running.child.id(),
                 silence.as_secs_f64(),
                 end.delay,
@@ -241,7 +241,7 @@ impl Child {
 
     /// Notes the end of the process and sets the instant of its restart.
     fn ended(&mut self, status: ExitStatus, now: BootTime) -> Result<(), Failure> {
-        let program = self.process.program();
+        let program = self.command.process.program();
         let code = status.code().and_then(|code| u8::try_from(code).ok());
         let is_final = matches!(code, Some(exit_code::USAGE | exit_code::ALREADY_RUNNING));
         if let Some(code) = code.filter(|_| is_final && !self.has_been_ready) {
@@ -264,7 +264,7 @@ impl Child {
 
     fn start_again(&mut self, now: BootTime) {
         self.wants_reload = false;
-        match RunningProcess::start(self.process, &self.arguments, &self.config, now) {
+        match RunningProcess::start(&self.command, &self.config, now) {
             Ok(running) => self.state = ChildState::Running(running),
             Err(failure) => {
                 self.retry(&failure.sentence, "was not started", Duration::ZERO, now);
@@ -278,7 +278,7 @@ impl Child {
         if end.is_logged {
             tracing::warn!(
                 "{} {event} ({cause}); starting it again in {:?}{}",
-                self.process.program(),
+                self.command.process.program(),
                 end.delay,
                 in_a_row(end.n_ends),
             );
@@ -327,14 +327,13 @@ impl Child {
 
 impl RunningProcess {
     fn start(
-        process: ProcessKind,
-        arguments: &[String],
+        command: &ProcessCommand,
         config: &SupervisionConfig,
         now: BootTime,
     ) -> Result<Self, Failure> {
-        let limits = config.progress_limits(process);
+        let limits = config.progress_limits(command.process);
         Ok(Self {
-            child: program::spawn(process, arguments)?,
+            child: program::spawn(command)?,
             watch: ProgressWatch::new(limits, now),
             ready: None,
             is_stalled: false,

@@ -4,8 +4,29 @@ use message::ProcessKind;
 use service::{CommonArguments, Failure, exit_code};
 use std::os::fd::AsFd;
 use std::os::unix::process::CommandExt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child as OsChild, Command, Stdio};
+
+/// Process of the daemon with its program and arguments.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct ProcessCommand {
+    /// Kind of the process.
+    pub(crate) process: ProcessKind,
+    /// Program of the user; `None` for that of its kind beside this one.
+    pub(crate) program: Option<PathBuf>,
+    pub(crate) arguments: Vec<String>,
+}
+
+impl ProcessCommand {
+    /// Process by the program beside this one.
+    pub(crate) fn new(process: ProcessKind, arguments: Vec<String>) -> Self {
+        Self {
+            process,
+            program: None,
+            arguments,
+        }
+    }
+}
 
 /// Arguments common to all processes of one daemon.
 pub(crate) fn common_arguments(common: &CommonArguments) -> Vec<String> {
@@ -21,9 +42,9 @@ pub(crate) fn common_arguments(common: &CommonArguments) -> Vec<String> {
 ///
 /// # Errors
 /// The sentence with which the process refuses them, and its exit code.
-pub(crate) fn check(process: ProcessKind, arguments: &[String]) -> Result<(), Failure> {
-    let output = command(process)?
-        .args(arguments)
+pub(crate) fn check(checked: &ProcessCommand) -> Result<(), Failure> {
+    let process = checked.process;
+    let output = command(checked)?
         .arg("--check-config")
         .stderr(Stdio::piped())
         .output();
@@ -66,28 +87,41 @@ fn print_log(log: &str) {
 }
 
 /// Starts a program as a child that follows this process.
-pub(crate) fn spawn(process: ProcessKind, arguments: &[String]) -> Result<OsChild, Failure> {
-    let mut command = command(process)?;
-    let parent = format!("--follow-parent={}", std::process::id());
-    command.args(arguments).arg(parent);
+pub(crate) fn spawn(started: &ProcessCommand) -> Result<OsChild, Failure> {
+    let mut command = command(started)?;
+    command.arg(format!("--follow-parent={}", std::process::id()));
     // A group of its own: Ctrl-C reaches the parent only, which stops all in order.
     command.process_group(0);
     command
         .spawn()
-        .map_err(|error| start_failure(process, &error))
+        .map_err(|error| start_failure(started.process, &error))
 }
 
-/// Command of the program in the folder of this one. Its output goes to the log.
-fn command(process: ProcessKind) -> Result<Command, Failure> {
-    let mut command = Command::new(program(process)?);
-    command.stdin(Stdio::null());
+/// Command of the program with its arguments. Its output goes to the log.
+fn command(called: &ProcessCommand) -> Result<Command, Failure> {
+    let program = match &called.program {
+        Some(program) => existing(program)?,
+        None => own_program(called.process)?,
+    };
+    let mut command = Command::new(program);
+    command.args(&called.arguments).stdin(Stdio::null());
     if let Ok(log) = std::io::stderr().as_fd().try_clone_to_owned() {
         command.stdout(log);
     }
     Ok(command)
 }
 
-fn program(process: ProcessKind) -> Result<PathBuf, Failure> {
+/// Program of the user, by its path: it is not looked for in `PATH`.
+fn existing(program: &Path) -> Result<PathBuf, Failure> {
+    let found = program.canonicalize();
+    found.map_err(|error| {
+        let shown = program.display();
+        Failure::usage(format!("{shown} cannot be started: {error}; give its path"))
+    })
+}
+
+/// Program in the folder of this one.
+fn own_program(process: ProcessKind) -> Result<PathBuf, Failure> {
     let own = std::env::current_exe().map_err(|error| start_failure(process, &error))?;
     let program = own.with_file_name(process.program());
     if program.exists() {

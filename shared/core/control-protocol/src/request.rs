@@ -249,22 +249,22 @@ requests! {
         = [Command::Job(JobCommand::Import(completion))]
         => [Reply::Job(report) => report];
 
-    SIMULATOR, Reader:
+    ARM, Reader:
     /// Reports the state of the arm.
     arm() -> ArmReport
         = [Command::Arm(ArmCommand::State)] => [Reply::Arm(report) => report];
 
-    SIMULATOR, Teacher:
+    ARM, Teacher:
     /// Begins or renews a lease of the arm.
     hold_arm(lease: ArmLease) -> ArmReport
         = [Command::Arm(ArmCommand::Hold(lease))] => [Reply::Arm(report) => report];
 
-    SIMULATOR, Teacher:
+    ARM, Teacher:
     /// Ends a lease of the arm.
     release_arm(lease: u64) -> ArmReport
         = [Command::Arm(ArmCommand::Release { lease })] => [Reply::Arm(report) => report];
 
-    SIMULATOR, Teacher:
+    ARM, Teacher:
     /// Begins or renews a lease, and moves the arm.
     move_arm(lease: ArmLease, motion: ArmMotion) -> ArmReport
         = [Command::Arm(ArmCommand::Move { lease, motion })] => [Reply::Arm(report) => report];
@@ -300,7 +300,7 @@ requests! {
     cancel_task(task_id: u64) -> TaskReport
         = [Command::Task(TaskCommand::Cancel { task_id })] => [Reply::Task(report) => *report];
 
-    SIMULATOR, Reader:
+    ARM, Reader:
     /// Stops the arm immediately; open to everybody.
     stop_arm() -> ArmReport
         = [Command::Arm(ArmCommand::Stop)] => [Reply::Arm(report) => report];

@@ -38,6 +38,8 @@ pub enum Duty {
     Owner,
     /// Commands the arm, and runs only in a daemon that has one.
     Commander,
+    /// Drives an arm: a program of the user, which a daemon has or has not.
+    Driver,
 }
 
 /// Process of the daemon: an entry of the registry.
@@ -68,6 +70,9 @@ processes! {
     CAMERA = 1, "camera", [Sensor];
     /// `tabula-simulator`: replaces the camera by a simulated scene, and drives its arm.
     SIMULATOR = 4, "simulator", [Sensor, Owner];
+    /// `tabula-arm`: drives a real arm. It is a program of the robot's user, and owns the requests to
+    /// the arm; where there is none, the simulator answers them.
+    ARM = 7, "arm", [Owner, Driver];
     /// `tabula-executive`: carries out tasks with the arm.
     EXECUTIVE = 6, "executive", [Owner, Commander];
 }
@@ -134,6 +139,7 @@ mod tests {
             ("perception", 2),
             ("camera", 1),
             ("simulator", 4),
+            ("arm", 7),
             ("executive", 6),
         ];
         let known: Vec<_> = ProcessKind::all()
