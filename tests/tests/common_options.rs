@@ -10,7 +10,7 @@ const NO_CONFIG: &str = "/nowhere/tabula.toml";
 const REFUSAL: &str = "has no meaning for this command";
 
 /// Commands that ask a daemon or its memory, and read no configuration.
-const OF_DAEMON: [&str; 56] = [
+const OF_DAEMON: [&str; 57] = [
     "tabula objects",
     "tabula ask 1",
     "tabula find mug",
@@ -48,6 +48,7 @@ const OF_DAEMON: [&str; 56] = [
     "tabula arm open",
     "tabula arm close",
     "tabula arm stop",
+    "tabula arm check --yes",
     "tabula task preview clear-table",
     "tabula task preview fetch 1",
     "tabula task start clear-table",

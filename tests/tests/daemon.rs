@@ -19,11 +19,16 @@ use tempfile::TempDir;
 pub(crate) const WATCHDOG: Duration = Duration::from_secs(180);
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 
+/// Example that drives an arm which is not there.
+const ARM_SKELETON: &str = "arm_skeleton";
+
 /// Folder of the programs, built once for all tests.
 static PROGRAMS: LazyLock<PathBuf> = LazyLock::new(|| {
     let test = std::env::current_exe().unwrap();
     let folder = test.parent().unwrap().parent().unwrap().to_owned();
-    once_a_run(&folder, "programs", || build(&folder, &["--bins"]));
+    once_a_run(&folder, "programs", || {
+        build(&folder, &["--bins", "--example", ARM_SKELETON]);
+    });
     folder
 });
 
@@ -95,6 +100,11 @@ pub(crate) const WITH_CAMERA: [ProcessKind; 4] = [
     ProcessKind::PERCEPTION,
     ProcessKind::CAMERA,
 ];
+
+/// Path of the example that drives an arm.
+pub(crate) fn arm_skeleton() -> PathBuf {
+    PROGRAMS.join("examples").join(ARM_SKELETON)
+}
 
 /// Path of a built program.
 pub(crate) fn program(name: &str) -> PathBuf {

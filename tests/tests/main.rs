@@ -7,6 +7,8 @@ mod daemon;
 /// Recorder of all messages of a topic.
 mod recorder;
 
+/// Conformance of drivers of an arm.
+mod arm_conformance;
 mod arm_stop;
 /// Invalid input is refused with a sentence.
 mod bad_input;

@@ -1,5 +1,7 @@
 //! `tabula arm`: commands and state of the robot arm.
 
+mod check;
+
 use crate::arguments::{ArmMove, ArmVerb};
 use arm_interface::{StopButton, StopRecord, monotonic_ns};
 use command_line::Output;
@@ -32,6 +34,7 @@ pub(crate) fn run(
             return Ok(ExitCode::SUCCESS);
         }
         ArmVerb::Stop => return stop(common, output),
+        ArmVerb::Check { yes } => return check::run(common, *yes, output),
         ArmVerb::Move(to) => move_to(to)?,
         ArmVerb::Home => ArmMotion::Home,
         ArmVerb::Open { width_mm: None } => ArmMotion::Open,
