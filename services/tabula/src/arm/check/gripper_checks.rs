@@ -11,6 +11,8 @@ const TOLERANCE_M: f64 = 0.005;
 
 /// Closing, a given opening, full opening; then the fingers are as before.
 pub(super) fn gripper(arm: &mut ArmUnderTest) -> Outcome {
+    // The arm may move on after a check that has failed.
+    arm.go_back()?;
     let closed = arm.carry_out(&ArmMotion::Close)?;
     if closed.activity == "failed" && closed.note.is_empty() {
         return Err("closing has failed without a reason in the note".to_owned());

@@ -24,6 +24,10 @@ const LINE_SPEED: f64 = 0.45;
 const CORRECTION_PER_S: f64 = 10.0;
 /// Largest distance of a joint from its path, radians: the arm has met something. Chosen.
 const MAX_DISTANCE_RAD: f64 = 0.2;
+/// Distances from the end of a path at which a motion has ended: radians, and metres of the fingers.
+/// Chosen.
+const ARRIVED_RAD: f64 = 0.005;
+const ARRIVED_M: f64 = 0.001;
 /// Tolerance of a quaternion's norm. Chosen.
 const UNIT_TOLERANCE: f64 = 1e-2;
 
@@ -108,6 +112,15 @@ impl<M: Motors> SkeletonArm<M> {
         far.map(|joint| joint + 1)
     }
 
+    /// True if joints and fingers are at the end of their path.
+    fn has_arrived(&self) -> bool {
+        let path = self.controller.joints().angles_rad.iter();
+        let mut joints = path.zip(self.measured.angles_rad);
+        let distance_m = self.controller.gripper().opening_m() - self.measured.opening_m;
+        joints.all(|(path_rad, angle_rad)| (path_rad - angle_rad).abs() < ARRIVED_RAD)
+            && distance_m.abs() < ARRIVED_M
+    }
+
     fn activity(&self) -> ArmActivity {
         if self.failure.is_some() {
             return ArmActivity::Failed;
@@ -117,6 +130,8 @@ impl<M: Motors> SkeletonArm<M> {
         match self.controller.state() {
             // It begins with the next cycle.
             _ if is_accepted => ArmActivity::Moving,
+            // A motion ends where the motors are, and not where its path is.
+            MotionState::Idle if !self.has_arrived() => ArmActivity::Moving,
             MotionState::Idle => ArmActivity::Idle,
             MotionState::Moving => ArmActivity::Moving,
             MotionState::Opening => ArmActivity::Opening,
