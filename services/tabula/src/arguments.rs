@@ -452,7 +452,10 @@ impl RunArguments {
             ("--loop", self.looped),
             ("--lockstep", self.lockstep),
             ("--lockstep-with=observer", self.lockstep_observer),
-            ("--lockstep-with=executive", self.lockstep && has_commander),
+            (
+                "--lockstep-with=executive",
+                has_commander && (self.lockstep || sensor.has_arm()),
+            ),
         ];
         let values = values
             .into_iter()
