@@ -83,7 +83,7 @@ fn skeleton_driver_passes_the_conformance_check_beside_a_camera() {
     assert_passes(&daemon);
     // A daemon with an arm carries out tasks.
     assert!(daemon.pid(ProcessKind::EXECUTIVE).is_some());
-    assert_eq!(daemon.ask(&["task", "state"]), Value::Null);
+    assert_eq!(daemon.ask(&["task", "state"])["task_id"], Value::Null);
     let doctor = daemon.sandbox.tabula(&["doctor"]);
     let doctor = String::from_utf8(doctor.stdout).unwrap();
     assert!(doctor.contains("6 of 6 processes report"), "{doctor}");

@@ -29,6 +29,11 @@ pub(super) const TOO_BUSY: &str = "nothing can be said, since this machine is to
 /// Time limit of an answer.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 
+/// New lease of this process.
+pub(super) fn new_lease() -> Result<ArmLease, String> {
+    arm::lease().map_err(|failure| failure.to_string())
+}
+
 /// Arm of a daemon.
 pub(super) struct ArmUnderTest {
     pub(super) common: CommonArguments,
@@ -122,11 +127,6 @@ impl ArmUnderTest {
         }
     }
 
-    /// New lease of this process.
-    pub(super) fn lease(&self) -> Result<ArmLease, String> {
-        arm::lease().map_err(|failure| failure.to_string())
-    }
-
     /// Takes all waiting states into the record.
     pub(super) fn receive(&mut self) -> Result<(), String> {
         let record = &mut self.record;
@@ -189,7 +189,7 @@ impl ArmUnderTest {
 
     /// Final report of a motion; `None` when its lease was renewed too late.
     fn try_to_carry_out(&mut self, motion: ArmMotion) -> Result<Option<ArmReport>, String> {
-        let lease = self.lease()?;
+        let lease = new_lease()?;
         let begun = self.answer(&request::move_arm(lease.clone(), motion))?;
         let keeper = LeaseKeeper::start(&self.common, lease.clone());
         let deadline = Instant::now() + MOTION_LIMIT;

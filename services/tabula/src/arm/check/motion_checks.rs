@@ -4,7 +4,7 @@ use super::Outcome;
 use super::arm_record::{
     RecordedState, activity, greatest_deceleration_rad_s2, integrated_rad, is_at_rest, speed_rad_s,
 };
-use super::arm_under_test::{ArmUnderTest, MOTION_LIMIT, N_ATTEMPTS, TOO_BUSY, TURNED};
+use super::arm_under_test::{ArmUnderTest, MOTION_LIMIT, N_ATTEMPTS, TOO_BUSY, TURNED, new_lease};
 use super::lease_keeper::{LeaseKeeper, Renewals};
 use arm_interface::{LEASE_TIME_NS, StopButton};
 use arm_kinematics::Arm;
@@ -88,8 +88,7 @@ fn within_speeds(record: &[RecordedState]) -> Result<f64, String> {
         let speeds = one.state.joint_velocities_rad_s;
         for (number, (speed, joint)) in (1..).zip(speeds.iter().zip(&joints)) {
             let most_rad_s = joint.max_velocity_rad_s * SPEED_MARGIN;
-            // NaN fails, too.
-            if !(speed.abs() <= most_rad_s) {
+            if speed.is_nan() || speed.abs() > most_rad_s {
                 return Err(format!(
                     "joint {number} moved at {:.0} °/s; plans count on {:.0} at most",
                     speed.abs().to_degrees(),
@@ -198,7 +197,7 @@ pub(super) fn resumption(arm: &mut ArmUnderTest) -> Outcome {
 fn turn_under_lease(arm: &mut ArmUnderTest) -> Result<(ArmLease, Renewals), String> {
     for _ in 0..N_ATTEMPTS {
         arm.go_back()?;
-        let lease = arm.lease()?;
+        let lease = new_lease()?;
         arm.begin_record()?;
         arm.answer(&request::move_arm(lease.clone(), arm.turn(LONG_TURN_RAD)))?;
         let keeper = LeaseKeeper::start(&arm.common, lease.clone());
@@ -288,8 +287,7 @@ fn creeps_not(arm: &mut ArmUnderTest) -> Result<(), String> {
         .zip(last.state.joint_angles_rad);
     for (number, (before_rad, after_rad)) in (1..).zip(joints) {
         let creep_rad = (after_rad - before_rad).abs();
-        // NaN fails, too.
-        if !(creep_rad <= CREEP_RAD) {
+        if creep_rad.is_nan() || creep_rad > CREEP_RAD {
             return Err(format!(
                 "joint {number} of a braked arm moves on, by {creep_rad:.3} rad"
             ));

@@ -1,7 +1,7 @@
 //! Checks of what an arm refuses: ended leases, a second commander, limits, numbers that are none.
 
 use super::Outcome;
-use super::arm_under_test::ArmUnderTest;
+use super::arm_under_test::{ArmUnderTest, new_lease};
 use control_protocol::{ArmLease, ArmMotion, RefusalKind, request};
 use scene_document::ARM_JOINTS;
 
@@ -12,7 +12,7 @@ const BEYOND_M: f64 = 10.0;
 
 /// Refusal of a motion by a lease that has ended, and of commanders without a name.
 pub(super) fn lease(arm: &mut ArmUnderTest) -> Outcome {
-    let lease = arm.lease()?;
+    let lease = new_lease()?;
     let held = arm.answer(&request::hold_arm(lease.clone()))?;
     if held.commander.as_deref() != Some(lease.holder.as_str()) {
         return Err(format!(
@@ -35,7 +35,7 @@ pub(super) fn lease(arm: &mut ArmUnderTest) -> Outcome {
     )?;
     for holder in [String::new(), "x".repeat(65), "\u{1b}[2J".to_owned()] {
         let what = format!("a commander with the name {holder:?}");
-        let id = arm.lease()?.id;
+        let id = new_lease()?.id;
         let nameless = ArmLease { id, holder };
         arm.refusal(&what, &request::hold_arm(nameless), RefusalKind::Invalid)?;
     }
@@ -47,7 +47,7 @@ pub(super) fn lease(arm: &mut ArmUnderTest) -> Outcome {
 
 /// Refusal of a second commander, by the name of the first one.
 pub(super) fn one_commander(arm: &mut ArmUnderTest) -> Outcome {
-    let (first, second) = (arm.lease()?, arm.lease()?);
+    let (first, second) = (new_lease()?, new_lease()?);
     let second = ArmLease {
         holder: "second commander".to_owned(),
         ..second
@@ -119,7 +119,7 @@ pub(super) fn numbers(arm: &mut ArmUnderTest) -> Outcome {
 
 /// Sentence with which a motion is refused as invalid.
 fn refused(arm: &ArmUnderTest, what: &str, motion: ArmMotion) -> Result<String, String> {
-    let lease = arm.lease()?;
+    let lease = new_lease()?;
     let asked = request::move_arm(lease.clone(), motion);
     let refusal = arm.refusal(what, &asked, RefusalKind::Invalid);
     arm.answer(&request::release_arm(lease.id))?;

@@ -102,8 +102,7 @@ fn sound(one: &RecordedState) -> Result<usize, String> {
     }
     let [x, y, z, w] = state.world_from_gripper.orientation_xyzw;
     let norm = (x * x + y * y + z * z + w * w).sqrt();
-    // NaN fails, too.
-    if !((norm - 1.0).abs() < UNIT_TOLERANCE) {
+    if norm.is_nan() || (norm - 1.0).abs() > UNIT_TOLERANCE {
         return Err(format!(
             "the orientation of the gripper has length {norm}, and not 1"
         ));

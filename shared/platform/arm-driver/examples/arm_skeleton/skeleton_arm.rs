@@ -106,8 +106,7 @@ impl<M: Motors> SkeletonArm<M> {
         let path = &self.controller.joints().angles_rad;
         let far = (0..N_JOINTS).find(|joint| {
             let distance_rad = path[*joint] - self.measured.angles_rad[*joint];
-            // NaN is far, too.
-            !(distance_rad.abs() <= MAX_DISTANCE_RAD)
+            distance_rad.is_nan() || distance_rad.abs() > MAX_DISTANCE_RAD
         });
         far.map(|joint| joint + 1)
     }
