@@ -71,7 +71,7 @@ const OF_DAEMON: [&str; 57] = [
 ];
 
 /// Commands that need neither a daemon nor a configuration.
-const ALONE: [&str; 34] = [
+const ALONE: [&str; 35] = [
     "tabula-latency stop",
     "tabula-lab simulate scene --out o",
     "tabula-lab simulate views --out o",
@@ -91,6 +91,7 @@ const ALONE: [&str; 34] = [
     "tabula-lab evaluate grasping --out o",
     "tabula-lab evaluate transport --out o",
     "tabula-lab demo clear-table --out o",
+    "tabula-lab demo fetch --out o",
     "tabula-lab examples edge-network a --out o",
     "tabula-lab examples region-merging a --out o",
     "tabula-lab sweep a --out o",

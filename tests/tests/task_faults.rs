@@ -82,7 +82,7 @@ const N_DRAWN: usize = 12;
 /// Number of tests between which they are divided.
 const N_PARTS: usize = 4;
 
-/// What happens during a task.
+/// Fault during a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum TaskFault {
     Cancel,

@@ -40,10 +40,10 @@ pub(super) struct Rehearsal<'a> {
     truth: Subscriber<TrueObjects>,
     client: Option<DaemonClient>,
     bodies: BTreeMap<u32, TrueBody>,
-    /// Where an object stood when the rehearsal began.
+    /// Poses of the objects when the rehearsal began.
     first: BTreeMap<u32, RigidTransform>,
     pub(super) n_frames: u64,
-    /// What went wrong, in words.
+    /// Harm that was done, in words.
     pub(super) faults: Vec<String>,
     domain: Domain,
     _scene: TempDir,

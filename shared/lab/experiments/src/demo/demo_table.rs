@@ -312,14 +312,14 @@ mod tests {
     use std::path::Path;
 
     #[derive(Parser)]
-    struct Line {
+    struct DemoLine {
         #[command(flatten)]
         arguments: DemoArguments,
     }
 
     fn table(seed: u64, kind: DemoKind, words: &[&str]) -> DemoTable {
         let line = [&["demo", "--out", "o"], words].concat();
-        DemoTable::new(seed, kind, &Line::parse_from(line).arguments).unwrap()
+        DemoTable::new(seed, kind, &DemoLine::parse_from(line).arguments).unwrap()
     }
 
     #[test]
