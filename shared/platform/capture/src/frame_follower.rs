@@ -104,7 +104,8 @@ impl FrameFollower {
         })
     }
 
-    /// Reports that this follower has finished a frame.
+    /// Reports that this follower has finished a frame. A report for which another follower has no room,
+    /// one that is busy or being started anew, is made again when the source sends the frame again.
     ///
     /// # Errors
     /// When shared memory fails.
@@ -115,6 +116,9 @@ impl FrameFollower {
             process: self.code,
         };
         self.reported = Some((frame.session, frame.sequence));
-        self.finished.send_copy(PlainHeader::default(), &[done])
+        match self.finished.send_copy(PlainHeader::default(), &[done]) {
+            Err(Error::QueueFull { .. }) => Ok(()),
+            sent => sent,
+        }
     }
 }
