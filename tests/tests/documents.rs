@@ -43,7 +43,7 @@ fn noise(n_bytes: usize, seed: u64) -> Vec<u8> {
     words.flatten().take(n_bytes).collect()
 }
 
-fn random_id() -> MutationId {
+pub(crate) fn random_id() -> MutationId {
     MutationId::random().unwrap()
 }
 

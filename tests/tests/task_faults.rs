@@ -4,7 +4,8 @@
 mod rehearsal;
 
 use crate::daemon::Sandbox;
-use control_protocol::{Labelling, MutationId, TaskKind, TaskOrder, TaskReport, request};
+use crate::documents::random_id;
+use control_protocol::{Labelling, TaskKind, TaskOrder, TaskReport, request};
 use message::ProcessKind;
 use random::Random;
 use rehearsal::{ENDS, Rehearsal};
@@ -139,10 +140,6 @@ fn order(category: &str) -> TaskOrder {
         category: Some(category.to_owned()),
         ..TaskOrder::default()
     }
-}
-
-fn random_id() -> MutationId {
-    MutationId::random().unwrap()
 }
 
 /// Teaches the name of the can, by either verb.

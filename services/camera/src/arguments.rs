@@ -1,7 +1,7 @@
 //! Command-line arguments of the camera.
 
 use crate::source::SourceSpec;
-use capture::ExtraFollower;
+use capture::Follower;
 use clap::{Args, Parser};
 use service::ProcessArguments;
 
@@ -47,7 +47,7 @@ pub(crate) struct SourceArguments {
 
     /// In lockstep, also wait for the reports of another follower: executive or observer
     #[arg(long, hide = true, requires = "lockstep", value_name = "FOLLOWER")]
-    pub(crate) lockstep_with: Vec<ExtraFollower>,
+    pub(crate) lockstep_with: Vec<Follower>,
 }
 
 impl SourceArguments {

@@ -67,11 +67,7 @@ impl Config {
                 from: given.from.or(raw.from_frame),
                 to: given.to.or(raw.to_frame),
             },
-            pace: if given.lockstep || raw.lockstep {
-                FramePace::Lockstep(given.lockstep_with.clone())
-            } else {
-                FramePace::Schedule
-            },
+            pace: FramePace::new(given.lockstep || raw.lockstep, &given.lockstep_with),
             is_source_awaited: arguments.process.follow_parent.is_some() || is_service(),
         };
         config.check().map_err(|(keys, sentence)| {

@@ -1,15 +1,15 @@
 //! Executor: the thread that carries out one task after another, and answers requests about them.
 
 use crate::config::Config;
-use crate::robot::{ArmDriver, RobotClock, SceneWatch};
+use crate::robot::{ArmDriver, SceneWatch};
 use crate::task_requests::WaitingTaskRequest;
 use crate::task_run::{Robot, TaskRun};
-use capture::FrameFollower;
+use capture::{Follower, FrameFollower};
 use control_protocol::{
     MutationId, Refusal, RefusalKind, TaskCommand, TaskOrder, TaskOutcome, TaskReport, request,
 };
 use crossbeam::channel::Receiver;
-use daemon_client::{DaemonLink, Unanswered};
+use daemon_client::{DaemonLink, RunFolder, Unanswered};
 use message::ProcessKind;
 use scene_document::TaskDocument;
 use service::{CommonArguments, Context, Failure, LiveConfig};
@@ -37,7 +37,6 @@ pub(crate) struct Executor {
     common: CommonArguments,
     link: DaemonLink,
     watch: Option<SceneWatch>,
-    clock: RobotClock,
     /// Follower of a source in lockstep.
     follower: FrameFollower,
     /// Running or last task.
@@ -58,12 +57,15 @@ impl Executor {
         live: LiveConfig<Config>,
         common: CommonArguments,
     ) -> Result<Self, Failure> {
-        let own_code = u64::from(ProcessKind::EXECUTIVE.code());
+        let own = Follower::Process(ProcessKind::EXECUTIVE);
         let before = [ProcessKind::PERCEPTION, ProcessKind::MEMORY];
         Ok(Self {
-            clock: RobotClock::Monotonic(Instant::now()),
-            follower: FrameFollower::new(&context.domain, own_code, &before)?,
-            link: DaemonLink::new(context.domain.name().clone(), CALL_DEADLINE),
+            follower: FrameFollower::polled(&context.domain, own, &before)?,
+            link: DaemonLink::new(
+                context.domain.name().clone(),
+                RunFolder::of_user(),
+                CALL_DEADLINE,
+            ),
             context,
             live,
             common,
@@ -88,7 +90,6 @@ impl Executor {
             }
             match self.follower.next_frame()? {
                 Some(frame) => {
-                    self.clock = RobotClock::Lockstep(Duration::from_nanos(frame.captured_ns));
                     self.work()?;
                     self.follower.report(frame)?;
                 }
@@ -113,7 +114,7 @@ impl Executor {
     /// Receives what has come, so that no topic overflows while a frame is in work.
     fn receive(&mut self) -> Result<(), Failure> {
         let watch = self.watch.as_mut();
-        watch.map_or(Ok(()), |watch| watch.poll(self.clock.now()))
+        watch.map_or(Ok(()), SceneWatch::poll)
     }
 
     /// Advances the running task; without one the topics of the camera are left.
@@ -122,13 +123,7 @@ impl Executor {
             self.watch = None;
             return Ok(());
         };
-        let clock = self.clock;
-        let mut robot = robot(
-            &self.context,
-            clock,
-            &mut self.watch,
-            (&mut self.link, &self.common),
-        )?;
+        let mut robot = robot(&self.context, &mut self.watch, &mut self.link, &self.common)?;
         task.tick(&mut robot)
     }
 
@@ -165,24 +160,14 @@ impl Executor {
             let sentence = format!("task {number} does not run; see `tabula task list`");
             return Err(Refusal::new(RefusalKind::NotFound, sentence));
         };
-        let robot = robot(
-            &self.context,
-            self.clock,
-            &mut self.watch,
-            (&mut self.link, &self.common),
-        );
+        let robot = robot(&self.context, &mut self.watch, &mut self.link, &self.common);
         Ok((task, robot.map_err(|failure| unavailable(&failure))?))
     }
 
     fn preview(&mut self, order: TaskOrder) -> Result<TaskReport, Refusal> {
         let config = self.live.get();
-        let robot = robot(
-            &self.context,
-            self.clock,
-            &mut self.watch,
-            (&mut self.link, &self.common),
-        )
-        .map_err(|failure| unavailable(&failure))?;
+        let robot = robot(&self.context, &mut self.watch, &mut self.link, &self.common)
+            .map_err(|failure| unavailable(&failure))?;
         await_scene(robot.watch, &mut self.follower).map_err(|failure| unavailable(&failure))?;
         if !robot.watch.is_fresh() {
             let sentence = "no scene has come for 2 s, so that nothing is known of the table; see \
@@ -214,17 +199,12 @@ impl Executor {
         self.check_hand()?;
         let config = self.live.get();
         // An order that cannot be carried out leaves no record.
-        TaskRun::new(
-            0,
-            (order.clone(), author.clone()),
-            config.clone(),
-            self.clock.now(),
-        )?;
+        TaskRun::new(0, (order.clone(), author.clone()), config.clone())?;
         let kind = order.kind.word().to_owned();
         let parameters = serde_json::to_string(&order).unwrap_or_default();
         let recorded = request::start_task(id, kind, parameters, author.clone());
         let recorded = self.link.ask(&recorded).map_err(refusal_of_memory)?;
-        let task = TaskRun::new(recorded.task_id, (order, author), config, self.clock.now())?;
+        let task = TaskRun::new(recorded.task_id, (order, author), config)?;
         tracing::info!("task {}: {} begins", recorded.task_id, recorded.kind);
         let report = task.report();
         self.task = Some(task);
@@ -276,9 +256,8 @@ impl Executor {
     /// Goes on with a task of this daemon; one of an earlier daemon has ended with it.
     fn take_up(&mut self, document: &TaskDocument, order: TaskOrder, is_holding: bool) {
         let number = document.task_id;
-        let held = (is_holding, self.clock.now());
         let ended = if self.is_of_this_daemon(document) {
-            match TaskRun::restored(document, order, self.live.get(), held) {
+            match TaskRun::restored(document, order, self.live.get(), is_holding) {
                 Ok(task) => {
                     tracing::info!("task {number}: goes on from its record");
                     self.task = Some(task);
@@ -311,8 +290,8 @@ impl Executor {
         let Some(task) = self.task.as_mut().filter(|task| !task.has_ended()) else {
             return;
         };
-        let link = (&mut self.link, &self.common);
-        let Ok(mut robot) = robot(&self.context, self.clock, &mut self.watch, link) else {
+        let Ok(mut robot) = robot(&self.context, &mut self.watch, &mut self.link, &self.common)
+        else {
             return;
         };
         task.abandon(&mut robot);
@@ -329,16 +308,15 @@ impl Executor {
 /// The robot, with the topics of the camera joined.
 fn robot<'a>(
     context: &Context,
-    clock: RobotClock,
     watch: &'a mut Option<SceneWatch>,
-    (link, common): (&'a mut DaemonLink, &'a CommonArguments),
+    link: &'a mut DaemonLink,
+    common: &'a CommonArguments,
 ) -> Result<Robot<'a>, Failure> {
     let watch = match watch {
         Some(watch) => watch,
         None => watch.insert(SceneWatch::new(&context.domain)?),
     };
     Ok(Robot {
-        clock,
         link,
         watch,
         common,
@@ -352,7 +330,7 @@ fn await_scene(watch: &mut SceneWatch, follower: &mut FrameFollower) -> Result<(
         if let Some(frame) = follower.next_frame()? {
             follower.report(frame)?;
         }
-        watch.poll(begun.elapsed())?;
+        watch.poll()?;
         std::thread::sleep(LOCKSTEP_PERIOD);
     }
     Ok(())

@@ -10,7 +10,7 @@ mod transport_record;
 mod way_home;
 
 use crate::config::Config;
-use crate::robot::{ArmDriver, RobotClock, SceneWatch};
+use crate::robot::{ArmDriver, SceneWatch};
 use control_protocol::{RecordedStep, Refusal, TaskOrder, TaskOutcome};
 use daemon_client::DaemonLink;
 use journal::Journal;
@@ -29,7 +29,6 @@ const N_WAYS_MAX: u32 = 2;
 
 /// The robot as a task uses it.
 pub(crate) struct Robot<'a> {
-    pub(crate) clock: RobotClock,
     pub(crate) link: &'a mut DaemonLink,
     pub(crate) watch: &'a mut SceneWatch,
     pub(crate) common: &'a CommonArguments,
@@ -61,9 +60,12 @@ pub(crate) struct TaskRun {
     reason: String,
     /// Report of the ended task.
     outcome: String,
-    /// Time of the robot's clock at the last look.
+    /// Time of the watch at the last look.
     now: Duration,
-    phase_began: Duration,
+    /// True if that is the time of a source in lockstep.
+    is_lockstep: bool,
+    /// Time at which the phase began; `None` before the first look.
+    phase_began: Option<Duration>,
     /// End of the time that is charged for a planning in lockstep.
     planned_until: Duration,
     /// True if the motions of the phase were begun.
@@ -75,7 +77,7 @@ pub(crate) struct TaskRun {
 }
 
 impl TaskRun {
-    /// Task of an order, with the number that the memory has given it, at a time of the robot's clock.
+    /// Task of an order, with the number that the memory has given it.
     ///
     /// # Errors
     /// A refusal about an order that cannot be carried out.
@@ -83,7 +85,6 @@ impl TaskRun {
         number: u64,
         (order, author): (TaskOrder, String),
         config: Arc<Config>,
-        now: Duration,
     ) -> Result<Self, Refusal> {
         Ok(Self {
             number,
@@ -104,9 +105,10 @@ impl TaskRun {
             waits_for: String::new(),
             reason: String::new(),
             outcome: String::new(),
-            now,
-            phase_began: now,
-            planned_until: now,
+            now: Duration::ZERO,
+            is_lockstep: false,
+            phase_began: None,
+            planned_until: Duration::ZERO,
             is_begun: false,
             primitive: TaskPhase::Plan,
             n_tries: 0,
@@ -114,7 +116,7 @@ impl TaskRun {
     }
 
     /// Task that an earlier executive began, from its record alone. `is_holding` tells whether the
-    /// gripper holds something at that time of the robot's clock.
+    /// gripper holds something.
     ///
     /// # Errors
     /// A refusal about an order that cannot be carried out any more.
@@ -122,10 +124,10 @@ impl TaskRun {
         document: &TaskDocument,
         order: TaskOrder,
         config: Arc<Config>,
-        (is_holding, now): (bool, Duration),
+        is_holding: bool,
     ) -> Result<Self, Refusal> {
         let author = document.author.clone();
-        let mut task = Self::new(document.task_id, (order, author), config, now)?;
+        let mut task = Self::new(document.task_id, (order, author), config)?;
         task.steps = document.steps.iter().map(step_of).collect();
         let open = document.steps.last();
         let open = open.filter(|_| task.steps.last().is_some_and(|step| step.state.is_open()));
@@ -207,8 +209,8 @@ impl TaskRun {
     /// # Errors
     /// When shared memory fails.
     pub(crate) fn tick(&mut self, robot: &mut Robot<'_>) -> Result<(), Failure> {
-        self.now = robot.clock.now();
-        robot.watch.poll(self.now)?;
+        robot.watch.poll()?;
+        self.tell_time(robot.watch);
         if let Err(unanswered) = self.journal.flush(self.number, robot.link) {
             tracing::warn!("task {}: not recorded yet: {unanswered}", self.number);
         }
@@ -281,7 +283,7 @@ impl TaskRun {
             let track = self.steps.last().map(|step| step.track);
             self.failed.extend(track.zip(self.record.take()));
         }
-        self.phase_began = self.now;
+        self.phase_began = Some(self.now);
         self.is_begun = false;
         if self.state.phase != TaskPhase::Halt {
             self.waits_for.clear();
@@ -378,9 +380,20 @@ impl TaskRun {
         self.journal.end(outcome, sentence);
     }
 
+    /// Takes the time of a look. It begins anew when the source turns out to be in lockstep.
+    fn tell_time(&mut self, watch: &SceneWatch) {
+        self.now = watch.now();
+        if self.is_lockstep != watch.is_lockstep() {
+            self.is_lockstep = watch.is_lockstep();
+            self.phase_began = None;
+        }
+        self.phase_began.get_or_insert(self.now);
+    }
+
     /// Time since the begin of the phase.
     fn elapsed(&self) -> Duration {
-        self.now.saturating_sub(self.phase_began)
+        let began = self.phase_began.unwrap_or(self.now);
+        self.now.saturating_sub(began)
     }
 
     /// Failure of the phase with its reason, a sentence without its full stop.

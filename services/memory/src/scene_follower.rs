@@ -2,9 +2,10 @@
 
 use crate::config::Config;
 use crate::world_model_updater::WorldModelUpdater;
-use channel::topic::{FinishedFrames, Scene};
-use channel::{Domain, Error, Publisher, Received, Subscriber};
-use message::{FrameDone, PlainHeader, ProcessKind, SceneSummary, Span, Stage, frame_flag};
+use capture::{Follower, FrameFollower};
+use channel::topic::Scene;
+use channel::{Domain, Error, Received, Subscriber};
+use message::{ProcessKind, SceneSummary, Span, Stage};
 use service::{HealthCounters, LiveConfig, TracePublisher, monotonic_ns};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -14,13 +15,7 @@ use tokio::time::{Interval, MissedTickBehavior};
 /// Subscriber to scenes that acknowledges each frame of a lockstep source.
 pub(crate) struct SceneFollower {
     scenes: Subscriber<Scene>,
-    finished: Publisher<FinishedFrames>,
-    /// Reports of all followers of a lockstep source.
-    reports: Subscriber<FinishedFrames>,
-    /// Session and number of the frame on which perception has reported last.
-    of_perception: Option<(u64, u64)>,
-    /// Session and number of the frame on which this process has reported last.
-    reported: Option<(u64, u64)>,
+    frames: FrameFollower,
     trace: TracePublisher,
     health: Arc<HealthCounters>,
     feed: WorldModelUpdater,
@@ -37,10 +32,11 @@ impl SceneFollower {
     ) -> Result<Self, Error> {
         Ok(Self {
             scenes: Subscriber::waiting(domain)?,
-            finished: Publisher::new(domain)?,
-            reports: Subscriber::waiting(domain)?,
-            of_perception: None,
-            reported: None,
+            frames: FrameFollower::waiting(
+                domain,
+                Follower::Process(ProcessKind::MEMORY),
+                &[ProcessKind::PERCEPTION],
+            )?,
             trace: TracePublisher::new(domain, ProcessKind::MEMORY)?,
             health,
             feed,
@@ -50,7 +46,7 @@ impl SceneFollower {
 
     /// Shared memory reserved by the publishers, bytes.
     pub(crate) fn reserved_bytes(&self) -> u64 {
-        self.finished.reservation().bytes() + self.trace.reserved_bytes()
+        self.frames.reserved_bytes() + self.trace.reserved_bytes()
     }
 
     pub(crate) async fn run(mut self) {
@@ -58,7 +54,7 @@ impl SceneFollower {
         loop {
             let followed = tokio::select! {
                 () = self.scenes.wake_event() => self.take_all(),
-                () = self.reports.wake_event() => self.repeat_reports(),
+                () = self.frames.wake_event() => self.finish_frames(),
                 _ = looks.tick() => self.feed.look(&mut self.trace),
                 config = self.live.change() => {
                     looks = interval(config.world_period);
@@ -71,6 +67,15 @@ impl SceneFollower {
         }
     }
 
+    /// Reports each frame that perception has finished, with its scene.
+    fn finish_frames(&mut self) -> Result<(), Error> {
+        while let Some(frame) = self.frames.next_frame()? {
+            self.take_all()?;
+            self.frames.report(frame)?;
+        }
+        Ok(())
+    }
+
     fn take_all(&mut self) -> Result<(), Error> {
         while let Received::Message(scene) = self.scenes.receive()? {
             self.health.frames.fetch_add(1, Ordering::Relaxed);
@@ -81,39 +86,9 @@ impl SceneFollower {
             let published_ns = header.stamps.published_ns;
             let hop = Span::waiting(Stage::LabelHop, 0, published_ns, monotonic_ns());
             self.trace.send(header, &[hop]);
-            if header.frame_flags & frame_flag::LOCKSTEP != 0 {
-                self.report((header.session, header.sequence))?;
-            }
             self.feed.keep(scene);
         }
         Ok(())
-    }
-
-    /// Reports again when perception does: the source has sent the frame again, and waits for all.
-    fn repeat_reports(&mut self) -> Result<(), Error> {
-        while let Received::Message(reports) = self.reports.receive()? {
-            for done in reports.items() {
-                if done.process != u64::from(ProcessKind::PERCEPTION.code()) {
-                    continue;
-                }
-                let frame = (done.session, done.sequence);
-                let is_repeated = self.of_perception.replace(frame) == Some(frame);
-                if is_repeated && self.reported == Some(frame) {
-                    self.report(frame)?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn report(&mut self, (session, sequence): (u64, u64)) -> Result<(), Error> {
-        self.reported = Some((session, sequence));
-        let done = FrameDone {
-            session,
-            sequence,
-            process: u64::from(ProcessKind::MEMORY.code()),
-        };
-        self.finished.send_copy(PlainHeader::default(), &[done])
     }
 }
 

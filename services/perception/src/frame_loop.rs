@@ -27,7 +27,7 @@ use constraint::Assumptions;
 use detection::Table;
 use learning::{NoveltyPrior, TrackEvidence, UnknownRule};
 use message::{
-    Duty, FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
+    FrameDone, PlainHeader, ProcessKind, SceneObject, SceneSummary, Stage, Text, points,
 };
 use pipeline::{FramePipeline, LessonFeedback};
 use service::{HealthCounters, LiveConfig, Stopwatch, monotonic_ns};
@@ -61,16 +61,8 @@ pub(crate) struct FrameLoop {
     health: Arc<HealthCounters>,
     publishers: Publishers,
     objects: Vec<SceneObject>,
-    last_finished: Option<FinishedFrame>,
-}
-
-/// Frame on which the work has ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct FinishedFrame {
-    session: u64,
-    sequence: u64,
-    /// False for a frame that could not be used.
-    has_scene: bool,
+    /// Session and number of the frame on which the work has ended last.
+    last_finished: Option<(u64, u64)>,
 }
 
 /// Dependencies of the frame loop.
@@ -189,8 +181,8 @@ impl FrameLoop {
     async fn frame(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
         self.camera_watch
             .frame_received(received.received_ns, received.is_lockstep());
-        if let Some(finished) = self.repeated(received) {
-            return self.report_finished(received, finished.has_scene);
+        if self.is_repeated(received) {
+            return self.report_finished(received);
         }
         if received.is_lockstep() {
             // Determinism: a replay has the same categories at the same frame.
@@ -212,7 +204,7 @@ impl FrameLoop {
             Err(FrameError::Channel(error)) => return Err(error),
             Err(FrameError::Detection(failed)) => {
                 self.log_failure(received, &failed);
-                return self.report_finished(received, false);
+                return self.report_finished(received);
             }
         };
         self.reread_labels(taught).await;
@@ -225,13 +217,11 @@ impl FrameLoop {
         self.finish(received, detected, receipts).await
     }
 
-    /// Last finished frame, if the frame is a retransmission of it: a lockstep source sends a frame
-    /// again when a report was lost.
-    fn repeated(&self, received: &ReceivedFrame) -> Option<FinishedFrame> {
+    /// True for a retransmission of the last finished frame: a lockstep source sends a frame again
+    /// when a report was lost.
+    fn is_repeated(&self, received: &ReceivedFrame) -> bool {
         let header = received.frame.header();
-        let frame = (header.session, header.sequence);
-        self.last_finished
-            .filter(|last| (last.session, last.sequence) == frame)
+        self.last_finished == Some((header.session, header.sequence))
     }
 
     /// Publishes the results of a frame: key views to the memory, objects and scene to
@@ -408,34 +398,25 @@ impl FrameLoop {
             };
             self.liveness_probe.while_waiting(stored).await;
         }
-        self.report_finished(received, true)
+        self.report_finished(received)
     }
 
-    /// Ends the work on a frame, used or unusable: that is progress. Those who follow the scene of
-    /// a frame cannot report one that has none; perception does it for them.
-    fn report_finished(&mut self, received: &ReceivedFrame, has_scene: bool) -> Result<(), Error> {
+    /// Ends the work on a frame, used or unusable: that is progress.
+    fn report_finished(&mut self, received: &ReceivedFrame) -> Result<(), Error> {
         self.health.record_progress();
         let header = received.frame.header();
         let (session, sequence) = (header.session, header.sequence);
-        self.last_finished = Some(FinishedFrame {
-            session,
-            sequence,
-            has_scene,
-        });
+        self.last_finished = Some((session, sequence));
         if !received.is_lockstep() {
             return Ok(());
         }
-        let followers = ProcessKind::all().filter(|process| process.has(Duty::FollowsFrames));
-        for follower in followers.filter(|&one| one == ProcessKind::PERCEPTION || !has_scene) {
-            let done = FrameDone {
-                session,
-                sequence,
-                process: u64::from(follower.code()),
-            };
-            let finished = &mut self.publishers.finished;
-            finished.send_copy(PlainHeader::default(), &[done])?;
-        }
-        Ok(())
+        let done = FrameDone {
+            session,
+            sequence,
+            process: u64::from(ProcessKind::PERCEPTION.code()),
+        };
+        let finished = &mut self.publishers.finished;
+        finished.send_copy(PlainHeader::default(), &[done])
     }
 
     fn log_failure(&self, received: &ReceivedFrame, failed: &DetectionError) {

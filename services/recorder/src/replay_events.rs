@@ -2,7 +2,7 @@
 
 use crate::arguments::ReplayArguments;
 use crate::events_file::EventsFile;
-use capture::{FrameFollower, OBSERVER_CODE};
+use capture::{Follower, FrameFollower};
 use channel::topic::{ProcessHealth, Scene};
 use channel::{Domain, DomainName, Received, Role, RunFolder, Subscriber};
 use command_line::{Output, StopSignal};
@@ -37,7 +37,7 @@ pub(crate) fn run(
     let mut collector = EventCollector {
         scenes: Subscriber::polled(&domain)?,
         health: Subscriber::polled(&domain)?,
-        follower: FrameFollower::new(&domain, OBSERVER_CODE, &[ProcessKind::PERCEPTION])?,
+        follower: FrameFollower::polled(&domain, Follower::Observer, &[ProcessKind::PERCEPTION])?,
         stream: EventStream::new(),
         file,
         order: SceneOrder::default(),

@@ -1,6 +1,6 @@
 //! Command-line arguments of the simulator.
 
-use capture::ExtraFollower;
+use capture::Follower;
 use clap::{Args, Parser};
 use service::ProcessArguments;
 
@@ -40,5 +40,5 @@ pub(crate) struct SceneArguments {
 
     /// In lockstep, also wait for the reports of another follower: executive or observer
     #[arg(long, hide = true, value_name = "FOLLOWER")]
-    pub(crate) lockstep_with: Vec<ExtraFollower>,
+    pub(crate) lockstep_with: Vec<Follower>,
 }

@@ -6,7 +6,7 @@
 use crate::arm_orders::{ChangedWorld, Order, Orders, Snapshot};
 use crate::frame_interval::{ArmSample, FrameInterval};
 use crate::wire_conversion;
-use arm_driver::{Arm, ArmDuties, ArmReading, BrakingCause};
+use arm_driver::{Arm, ArmDuties, ArmReading, BrakingCause, FINAL_BRAKING, REQUESTS_PER_CYCLE};
 use channel::Publisher;
 use channel::topic::ArmStates;
 use control_protocol::ArmMotion;
@@ -15,12 +15,6 @@ use service::monotonic_ns;
 use simulated_world::{ArmCommand as SimulatedCommand, STEP_NS};
 use std::thread::Thread;
 use std::time::Duration;
-
-/// Largest number of requests that are answered in a cycle. Chosen: the camera waits meanwhile.
-const REQUESTS_PER_CYCLE: usize = 16;
-/// Longest time for which the arm brakes after the end of the camera, nanoseconds. Chosen: twice
-/// that of the fastest motion.
-const FINAL_BRAKING_NS: u64 = 1_000_000_000;
 
 /// The loop's parts that outlive a frame interval.
 pub(crate) struct ArmLoop {
@@ -152,8 +146,8 @@ impl RunningLoop {
         if self.arm.reading().is_ok_and(|reading| reading.is_busy()) {
             self.duties.stop(&mut self.arm);
         }
-        let begin_ns = monotonic_ns();
-        while self.duties.is_braking() && monotonic_ns() < begin_ns + FINAL_BRAKING_NS {
+        let end_ns = monotonic_ns() + FINAL_BRAKING.as_nanos() as u64;
+        while self.duties.is_braking() && monotonic_ns() < end_ns {
             if self.arm.n_published == self.arm.interval.samples().len() {
                 self.arm.advance();
             }

@@ -78,11 +78,7 @@ impl Config {
                 .models
                 .map_or(ModelSource::Generated, ModelSource::Folder),
             rate_hz: given.rate.or(raw.rate_hz).unwrap_or(30.0),
-            pace: if given.lockstep || raw.lockstep {
-                FramePace::Lockstep(given.lockstep_with.clone())
-            } else {
-                FramePace::Schedule
-            },
+            pace: FramePace::new(given.lockstep || raw.lockstep, &given.lockstep_with),
             real_time: raw.real_time.unwrap_or(true),
             gripper: found.section(GRIPPER_SECTION)?,
         };

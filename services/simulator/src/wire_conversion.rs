@@ -1,13 +1,10 @@
 //! Conversion between the simulation's types and wire messages.
 
-use arm_driver::ArmReading;
+use arm_driver::{ArmReading, commanded_pose};
 use control_protocol::ArmMotion;
 use message::{ArmActivity, Text, TrueObject as WireObject, TrueState, WireCapsule, WirePose};
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::Isometry3;
 use simulated_world::{ArmCommand, ArmStatus, MotionState, ObjectState, ObjectTruth};
-
-/// Tolerance of a quaternion's norm. Chosen.
-const UNIT_TOLERANCE: f64 = 1e-2;
 
 /// Arm command of a motion on the wire.
 ///
@@ -20,7 +17,7 @@ pub(crate) fn command(motion: &ArmMotion) -> Result<ArmCommand, String> {
             orientation_xyzw,
             straight,
         } => ArmCommand::MoveTo {
-            world_from_gripper: pose(position_m, orientation_xyzw)?,
+            world_from_gripper: commanded_pose(position_m, orientation_xyzw)?,
             is_straight: straight,
         },
         ArmMotion::MoveJoints { angles_rad } => ArmCommand::MoveJoints(angles_rad),
@@ -29,22 +26,6 @@ pub(crate) fn command(motion: &ArmMotion) -> Result<ArmCommand, String> {
         ArmMotion::OpenTo { opening_m } => ArmCommand::OpenTo(opening_m),
         ArmMotion::Close => ArmCommand::Close,
     })
-}
-
-fn pose(position_m: [f64; 3], [x, y, z, w]: [f64; 4]) -> Result<Isometry3<f64>, String> {
-    let quaternion = Quaternion::new(w, x, y, z);
-    let is_unit = (quaternion.norm() - 1.0).abs() < UNIT_TOLERANCE;
-    if !is_unit || !position_m.iter().all(|v| v.is_finite()) {
-        return Err(format!(
-            "the pose at {position_m:?} with orientation {:?} is none: positions are finite, \
-             an orientation x, y, z, w has length 1",
-            [x, y, z, w]
-        ));
-    }
-    Ok(Isometry3::from_parts(
-        Translation3::from(Vector3::from(position_m)),
-        UnitQuaternion::new_normalize(quaternion),
-    ))
 }
 
 fn activity(status: &ArmStatus) -> ArmActivity {

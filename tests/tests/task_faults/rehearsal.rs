@@ -2,14 +2,14 @@
 
 use crate::daemon::{Daemon, Sandbox};
 use crate::simulation::scene_file;
-use capture::{FrameFollower, OBSERVER_CODE};
+use capture::{Follower, FrameFollower};
 use channel::topic::TrueObjects;
 use channel::{Domain, Role, Subscriber};
 use control_protocol::{RefusalKind, TaskReport, TypedRequest, request};
-use daemon_client::{CallError, DaemonClient};
+use daemon_client::{DaemonLink, Unanswered};
+use evaluation::disturbance::is_disturbed;
 use geometry::RigidTransform;
 use message::{ProcessKind, TrueState};
-use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -22,9 +22,6 @@ const POLL_PERIOD: Duration = Duration::from_micros(300);
 pub(super) const ENDS: [&str; 3] = ["succeeded", "failed", "cancelled"];
 /// Fall between two frames of what nobody holds, metres: after 3 cm of a free fall.
 const FALL_M: f64 = 0.022;
-/// Motion of what the robot does not handle, metres, and tilt, radians, that is a collision.
-const MOVED_M: f64 = 0.01;
-const TIPPED_RAD: f64 = 0.17;
 
 /// Object as the truth of one frame shows it.
 struct TrueBody {
@@ -35,10 +32,9 @@ struct TrueBody {
 /// Running rehearsal.
 pub(super) struct Rehearsal<'a> {
     pub(super) daemon: Daemon<'a>,
-    sandbox: &'a Sandbox,
     follower: FrameFollower,
     truth: Subscriber<TrueObjects>,
-    client: Option<DaemonClient>,
+    link: DaemonLink,
     bodies: BTreeMap<u32, TrueBody>,
     /// Poses of the objects when the rehearsal began.
     first: BTreeMap<u32, RigidTransform>,
@@ -60,14 +56,13 @@ impl<'a> Rehearsal<'a> {
             ProcessKind::MEMORY,
             ProcessKind::EXECUTIVE,
         ];
-        let follower = FrameFollower::new(&domain, OBSERVER_CODE, &before).unwrap();
+        let follower = FrameFollower::polled(&domain, Follower::Observer, &before).unwrap();
         let truth = Subscriber::polled(&domain).unwrap();
         Self {
             daemon: sandbox.start(&["--source", &source, "--lockstep", "--lockstep-observer"]),
-            sandbox,
             follower,
             truth,
-            client: None,
+            link: DaemonLink::new(sandbox.domain.clone(), sandbox.run_folder(), PATIENCE),
             bodies: BTreeMap::new(),
             first: BTreeMap::new(),
             n_frames: 0,
@@ -102,28 +97,18 @@ impl<'a> Rehearsal<'a> {
     pub(super) fn ask<T>(&mut self, request: &TypedRequest<T>) -> Result<T, String> {
         let begun = Instant::now();
         loop {
-            let answer = self.try_ask(request);
-            match answer {
+            match self.link.ask(request) {
                 Ok(value) => return Ok(value),
-                Err(CallError::Refusal(refusal)) if refusal.kind != RefusalKind::Unavailable => {
+                Err(Unanswered::Refused(refusal)) if refusal.kind != RefusalKind::Unavailable => {
                     return Err(refusal.sentence);
                 }
-                Err(error) => {
-                    assert!(begun.elapsed() < PATIENCE, "{error}\n{}", self.daemon.log());
-                    self.client = None;
+                Err(unanswered) => {
+                    let log = self.daemon.log();
+                    assert!(begun.elapsed() < PATIENCE, "{unanswered}\n{log}");
                     std::thread::sleep(Duration::from_millis(50));
                 }
             }
         }
-    }
-
-    fn try_ask<T>(&mut self, request: &TypedRequest<T>) -> Result<T, CallError> {
-        if self.client.is_none() {
-            let folders = [self.sandbox.run_folder()];
-            let client = DaemonClient::connect(&self.sandbox.domain, &folders, PATIENCE)?;
-            self.client = Some(client);
-        }
-        self.client.as_mut().unwrap().ask(request)
     }
 
     /// State of the task.
@@ -181,11 +166,9 @@ impl<'a> Rehearsal<'a> {
         let moved = self.bodies.iter().filter(|(_, it)| it.category == category);
         for (id, body) in moved {
             let first = &self.first[id];
-            let moved_m = (body.pose.translation.vector - first.translation.vector).norm();
-            let up = first.rotation.inverse() * Vector3::z();
-            let tipped_rad = (body.pose.rotation * up).angle(&Vector3::z());
-            if moved_m > MOVED_M || tipped_rad > TIPPED_RAD {
-                let sentence = format!("the {category} was moved by {moved_m:.3} m");
+            if is_disturbed(first, &body.pose) {
+                let moved = body.pose.translation.vector - first.translation.vector;
+                let sentence = format!("the {category} was moved by {:.3} m", moved.norm());
                 self.faults.push(sentence);
             }
         }

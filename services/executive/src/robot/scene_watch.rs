@@ -8,7 +8,7 @@ use message::SceneObject;
 use nalgebra::{Isometry3, Point2, Quaternion, Translation3, UnitQuaternion, Vector3};
 use scene_client::{DaemonModels, SnapshotReceiver, is_seen};
 use service::{CommonArguments, Failure};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tasks::TableObject;
 
 /// Age of the newest scene above which it says nothing about the present.
@@ -22,10 +22,12 @@ pub(crate) struct SceneWatch {
     bodies: ArmAndPeople,
     /// Number of scenes received since the last [`begin_look`](Self::begin_look).
     n_scenes: u32,
-    /// Time of the newest scene.
-    received: Option<Duration>,
+    /// Begin of the time, but in lockstep.
+    start: Instant,
     /// Time of the last look at the topics.
     now: Duration,
+    /// Time of the newest scene.
+    received: Option<Duration>,
 }
 
 impl SceneWatch {
@@ -38,22 +40,36 @@ impl SceneWatch {
             receiver: SnapshotReceiver::new(domain)?,
             bodies: ArmAndPeople::new(domain)?,
             n_scenes: 0,
-            received: None,
+            start: Instant::now(),
             now: Duration::ZERO,
+            received: None,
         })
     }
 
-    /// Receives what has come until now.
+    /// Receives what has come.
     ///
     /// # Errors
     /// When shared memory fails.
-    pub(crate) fn poll(&mut self, now: Duration) -> Result<(), Failure> {
-        self.now = now;
-        if self.receiver.receive()? {
+    pub(crate) fn poll(&mut self) -> Result<(), Failure> {
+        let is_new = self.receiver.receive()?;
+        let lockstep = self.receiver.lockstep_ns().map(Duration::from_nanos);
+        self.now = lockstep.unwrap_or_else(|| self.start.elapsed());
+        if is_new {
             self.n_scenes += 1;
-            self.received = Some(now);
+            self.received = Some(self.now);
         }
         self.bodies.receive()
+    }
+
+    /// Time of the last look, for differences: that of the frames in lockstep, so that a repetition
+    /// decides the same.
+    pub(crate) fn now(&self) -> Duration {
+        self.now
+    }
+
+    /// True if the source waits for each frame to be finished.
+    pub(crate) fn is_lockstep(&self) -> bool {
+        self.receiver.lockstep_ns().is_some()
     }
 
     /// Begins to count scenes.

@@ -26,7 +26,7 @@ impl TaskRun {
         let Some(arm_scene) = self.arm_scene(robot)? else {
             return Ok(self.no_scene());
         };
-        self.charge(robot);
+        self.charge();
         let Some(step) = self.present_step().cloned() else {
             return Ok(Some(self.fail("no object was chosen")));
         };
@@ -53,7 +53,7 @@ impl TaskRun {
         let Some(arm_scene) = self.arm_scene(robot)? else {
             return Ok(self.no_scene());
         };
-        self.charge(robot);
+        self.charge();
         self.n_tries += 1;
         if self.n_tries > 2 * N_WAYS_MAX {
             let reason = format!("the hand holds the object, {}", self.reason);
@@ -98,7 +98,7 @@ impl TaskRun {
         let Some(arm_scene) = self.arm_scene(robot)? else {
             return Ok(self.no_scene());
         };
-        self.charge(robot);
+        self.charge();
         self.n_tries += 1;
         let motions = way_home(&arm_scene, &report);
         match motions {
@@ -117,8 +117,8 @@ impl TaskRun {
     }
 
     /// Charges the time of a planning, which begins now, to a source in lockstep: it waits meanwhile.
-    fn charge(&mut self, robot: &Robot<'_>) {
-        if robot.clock.is_lockstep() {
+    fn charge(&mut self) {
+        if self.is_lockstep {
             self.planned_until = self.now + self.config.planning_time;
         }
     }

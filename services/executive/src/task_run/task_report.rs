@@ -79,8 +79,7 @@ impl TaskRun {
         config: Arc<Config>,
         robot: &Robot<'_>,
     ) -> Result<TaskReport, Refusal> {
-        let now = robot.clock.now();
-        let mut task = Self::new(0, (order, String::new()), config, now)?;
+        let mut task = Self::new(0, (order, String::new()), config)?;
         task.select(robot);
         let what_is_left = report(&task.goal, &[], &task.selection.left);
         let sentence = match task.selection.next.as_slice() {

@@ -35,6 +35,7 @@ pub mod box_picture;
 pub mod calibration_score;
 pub mod clear_mot;
 pub mod cross_validation;
+pub mod disturbance;
 pub mod hypothesis_image;
 pub mod id_f1;
 pub mod labelled_scenes;

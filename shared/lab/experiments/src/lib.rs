@@ -30,7 +30,6 @@ pub mod sweep;
 pub mod training_examples;
 
 mod csv;
-mod disturbance;
 mod frame_detector;
 mod metric_views;
 mod output_files;

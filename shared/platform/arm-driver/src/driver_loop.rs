@@ -15,10 +15,10 @@ use tokio::sync::oneshot;
 
 /// Period of the loop: 125 cycles a second. Chosen: the rate of the simulated arm is 120.
 pub const CYCLE: Duration = Duration::from_millis(8);
-/// Largest number of requests that are answered in a cycle. Chosen: the stop word waits meanwhile.
-const REQUESTS_PER_CYCLE: usize = 16;
+/// Largest number of requests that are answered in a cycle. Chosen: the other duties wait meanwhile.
+pub const REQUESTS_PER_CYCLE: usize = 16;
 /// Longest time for which an arm that is to end brakes. Chosen: twice that of the fastest motion.
-const FINAL_BRAKING: Duration = Duration::from_secs(1);
+pub const FINAL_BRAKING: Duration = Duration::from_secs(1);
 
 /// Loop of a driver, with its arm.
 struct DriverLoop<A> {

@@ -13,6 +13,7 @@ mod arm_duties;
 mod arm_log;
 mod arm_reading;
 mod arm_requests;
+mod commanded_pose;
 mod driver_loop;
 
 pub use arm::{Arm, BrakingCause, CyclicArm};
@@ -20,4 +21,5 @@ pub use arm_duties::ArmDuties;
 pub use arm_log::ArmLog;
 pub use arm_reading::ArmReading;
 pub use arm_requests::{ArmRequest, ArmRequests, arm_requests};
-pub use driver_loop::{CYCLE, run};
+pub use commanded_pose::commanded_pose;
+pub use driver_loop::{CYCLE, FINAL_BRAKING, REQUESTS_PER_CYCLE, run};

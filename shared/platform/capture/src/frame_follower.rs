@@ -1,6 +1,7 @@
 //! Follower of a source in lockstep that handles each frame after other followers.
 
-use channel::topic::{FinishedFrames, Scene};
+use crate::lockstep::Follower;
+use channel::topic::FinishedFrames;
 use channel::{Domain, Error, Publisher, Received, Subscriber};
 use message::{FrameDone, PlainHeader, ProcessKind};
 
@@ -11,8 +12,6 @@ pub struct FollowedFrame {
     pub session: u64,
     /// Number of the frame in its session.
     pub sequence: u64,
-    /// Capture time of the newest scene, nanoseconds of the source's clock; 0 before the first.
-    pub captured_ns: u64,
 }
 
 /// Follower of a source in lockstep: it gets each frame when others have finished it, and the source
@@ -21,41 +20,64 @@ pub struct FollowedFrame {
 pub struct FrameFollower {
     reports: Subscriber<FinishedFrames>,
     finished: Publisher<FinishedFrames>,
-    scenes: Subscriber<Scene>,
-    code: u64,
+    own_code: u64,
     /// Codes of the followers that come before this one.
     before: Vec<u64>,
-    /// Session and number of the newest frame on which one of them has reported.
-    frame: Option<(u64, u64)>,
+    /// Newest frame on which one of them has reported.
+    frame: Option<FollowedFrame>,
     /// Those of them that have not reported on it.
     missing: Vec<u64>,
-    captured_ns: u64,
-    /// Session and number of the frame on which this follower has reported last.
-    reported: Option<(u64, u64)>,
+    /// Frame on which this follower has reported last.
+    reported: Option<FollowedFrame>,
 }
 
 impl FrameFollower {
-    /// Follower with the code of its reports, after some processes.
+    /// Follower after some processes, which polls.
     ///
     /// # Errors
-    /// When a topic has no room for it, or shared memory fails.
-    pub fn new(domain: &Domain, code: u64, before: &[ProcessKind]) -> Result<Self, Error> {
+    /// When the topic has no room for it, or shared memory fails.
+    pub fn polled(domain: &Domain, own: Follower, before: &[ProcessKind]) -> Result<Self, Error> {
+        Self::new(domain, own, before, Subscriber::polled(domain)?)
+    }
+
+    /// Follower after some processes, which can wait for reports; within a tokio runtime.
+    ///
+    /// # Errors
+    /// As [`polled`](Self::polled).
+    pub fn waiting(domain: &Domain, own: Follower, before: &[ProcessKind]) -> Result<Self, Error> {
+        Self::new(domain, own, before, Subscriber::waiting(domain)?)
+    }
+
+    fn new(
+        domain: &Domain,
+        own: Follower,
+        before: &[ProcessKind],
+        reports: Subscriber<FinishedFrames>,
+    ) -> Result<Self, Error> {
         Ok(Self {
-            reports: Subscriber::polled(domain)?,
+            reports,
             finished: Publisher::new(domain)?,
-            scenes: Subscriber::polled(domain)?,
-            code,
+            own_code: own.code(),
             before: before.iter().map(|one| u64::from(one.code())).collect(),
             frame: None,
             missing: Vec::new(),
-            captured_ns: 0,
             reported: None,
         })
+    }
+
+    /// Shared memory reserved by the publisher, bytes.
+    pub fn reserved_bytes(&self) -> u64 {
+        self.finished.reservation().bytes()
     }
 
     /// True once any frame of a source in lockstep was finished.
     pub fn is_in_lockstep(&self) -> bool {
         self.frame.is_some()
+    }
+
+    /// Waits until a report may have come. A polled follower waits for ever.
+    pub async fn wake_event(&self) {
+        self.reports.wake_event().await;
     }
 
     /// The frame that the others have finished, once. On a frame that the source has sent again this
@@ -66,11 +88,10 @@ impl FrameFollower {
     pub fn next_frame(&mut self) -> Result<Option<FollowedFrame>, Error> {
         while let Received::Message(report) = self.reports.receive()? {
             for done in report.items() {
-                if !self.is_last_missing(done) {
+                let Some(frame) = self.finished_by(done) else {
                     continue;
-                }
-                let frame = self.followed(done)?;
-                if self.reported != self.frame {
+                };
+                if self.reported != Some(frame) {
                     return Ok(Some(frame));
                 }
                 self.report(frame)?;
@@ -79,29 +100,21 @@ impl FrameFollower {
         Ok(None)
     }
 
-    /// Takes a report; true if it was the last one on its frame.
-    fn is_last_missing(&mut self, done: &FrameDone) -> bool {
+    /// Takes a report; returns its frame if it was the last one that was missing.
+    fn finished_by(&mut self, done: &FrameDone) -> Option<FollowedFrame> {
         if !self.before.contains(&done.process) {
-            return false;
+            return None;
         }
-        let frame = Some((done.session, done.sequence));
-        if self.frame != frame || self.missing.is_empty() {
-            self.frame = frame;
+        let frame = FollowedFrame {
+            session: done.session,
+            sequence: done.sequence,
+        };
+        if self.frame != Some(frame) || self.missing.is_empty() {
+            self.frame = Some(frame);
             self.missing.clone_from(&self.before);
         }
         self.missing.retain(|code| *code != done.process);
-        self.missing.is_empty()
-    }
-
-    fn followed(&mut self, done: &FrameDone) -> Result<FollowedFrame, Error> {
-        if let Some(scene) = self.scenes.latest()? {
-            self.captured_ns = scene.header().stamps.capture_ns;
-        }
-        Ok(FollowedFrame {
-            session: done.session,
-            sequence: done.sequence,
-            captured_ns: self.captured_ns,
-        })
+        self.missing.is_empty().then_some(frame)
     }
 
     /// Reports that this follower has finished a frame. A report for which another follower has no room,
@@ -110,12 +123,12 @@ impl FrameFollower {
     /// # Errors
     /// When shared memory fails.
     pub fn report(&mut self, frame: FollowedFrame) -> Result<(), Error> {
+        self.reported = Some(frame);
         let done = FrameDone {
             session: frame.session,
             sequence: frame.sequence,
-            process: self.code,
+            process: self.own_code,
         };
-        self.reported = Some((frame.session, frame.sequence));
         match self.finished.send_copy(PlainHeader::default(), &[done]) {
             Err(Error::QueueFull { .. }) => Ok(()),
             sent => sent,

@@ -62,7 +62,7 @@ mod source_images;
 
 pub use capture_loop::{CaptureEnd, CaptureLoop};
 pub use frame_follower::{FollowedFrame, FrameFollower};
-pub use lockstep::{ExtraFollower, FramePace, OBSERVER_CODE};
+pub use lockstep::{Follower, FramePace};
 pub use outage::Outage;
 pub use source::{FrameInfo, FrameSize, IdleUpdate, Source};
 pub use source_error::SourceError;

@@ -14,35 +14,35 @@ const SILENCE: Duration = Duration::from_secs(3);
 const PROGRESS_PERIOD: Duration = Duration::from_millis(500);
 
 /// Code of an observer in its reports of finished frames, in the place of that of a process.
-pub const OBSERVER_CODE: u64 = 64;
+const OBSERVER_CODE: u64 = 64;
 
-/// Follower of a source in lockstep beside the processes that follow every source.
+/// Follower of a source in lockstep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ExtraFollower {
-    /// The executive, which acts on each scene.
-    Executive,
-    /// A program that takes all that was published for a frame.
+pub enum Follower {
+    /// Process of the daemon.
+    Process(ProcessKind),
+    /// Program that takes all that was published for a frame.
     Observer,
 }
 
-impl ExtraFollower {
-    fn code(self) -> u64 {
+impl Follower {
+    /// Code of the follower in its reports.
+    pub(crate) fn code(self) -> u64 {
         match self {
-            Self::Executive => u64::from(ProcessKind::EXECUTIVE.code()),
+            Self::Process(process) => u64::from(process.code()),
             Self::Observer => OBSERVER_CODE,
         }
     }
 }
 
-impl FromStr for ExtraFollower {
+impl FromStr for Follower {
     type Err = String;
 
     fn from_str(word: &str) -> Result<Self, String> {
-        match word {
-            "executive" => Ok(Self::Executive),
-            "observer" => Ok(Self::Observer),
-            other => Err(format!("{other:?} is neither executive nor observer")),
-        }
+        let process = || ProcessKind::from_word(word).map(Self::Process);
+        let observer = (word == "observer").then_some(Self::Observer);
+        let known = observer.or_else(process);
+        known.ok_or_else(|| format!("{word:?} is neither observer nor a process of the daemon"))
     }
 }
 
@@ -52,10 +52,19 @@ pub enum FramePace {
     /// On schedule, or as a live sensor sends them.
     Schedule,
     /// Each frame when perception, memory and these others have finished the one before.
-    Lockstep(Vec<ExtraFollower>),
+    Lockstep(Vec<Follower>),
 }
 
 impl FramePace {
+    /// Pace of a source, in lockstep with others beside perception and memory.
+    pub fn new(is_lockstep: bool, others: &[Follower]) -> Self {
+        if is_lockstep {
+            Self::Lockstep(others.to_owned())
+        } else {
+            Self::Schedule
+        }
+    }
+
     /// True if a frame waits for the one before to be finished.
     pub fn is_lockstep(&self) -> bool {
         *self != Self::Schedule
@@ -65,7 +74,7 @@ impl FramePace {
 /// Receiver of the followers' reports.
 pub(crate) struct Lockstep {
     reports: Subscriber<FinishedFrames>,
-    others: Vec<ExtraFollower>,
+    others: Vec<Follower>,
 }
 
 /// Outcome of waiting for the lockstep followers.

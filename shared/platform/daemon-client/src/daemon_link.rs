@@ -29,6 +29,7 @@ impl std::fmt::Display for Unanswered {
 #[derive(Debug)]
 pub struct DaemonLink {
     domain: DomainName,
+    folder: RunFolder,
     /// Time limit of a call.
     deadline: Duration,
     /// Connection with the time of its last answer.
@@ -36,10 +37,12 @@ pub struct DaemonLink {
 }
 
 impl DaemonLink {
-    /// Link to a daemon of this user, with the time limit of a call; connects with the first request.
-    pub fn new(domain: DomainName, deadline: Duration) -> Self {
+    /// Link to the daemon of a run folder, with the time limit of a call; connects with the first
+    /// request.
+    pub fn new(domain: DomainName, folder: RunFolder, deadline: Duration) -> Self {
         Self {
             domain,
+            folder,
             deadline,
             client: None,
         }
@@ -55,8 +58,12 @@ impl DaemonLink {
         let fresh = known.filter(|(_, used)| used.elapsed() < IDLE_MAX);
         let mut client = match fresh {
             Some((client, _)) => client,
-            None => DaemonClient::connect(&self.domain, &[RunFolder::of_user()], self.deadline)
-                .map_err(no_answer)?,
+            None => DaemonClient::connect(
+                &self.domain,
+                std::slice::from_ref(&self.folder),
+                self.deadline,
+            )
+            .map_err(no_answer)?,
         };
         let reply = client.call(request.command().clone()).map_err(no_answer)?;
         self.client = Some((client, Instant::now()));

@@ -7,7 +7,7 @@ use crate::visibility::is_seen;
 use channel::topic::CameraCloud;
 use channel::{Domain, Error, SharedMessage};
 use geometry::RigidTransform;
-use message::{FrameHeader, SceneObject, TrackState};
+use message::{FrameHeader, SceneObject, TrackState, frame_flag};
 use point_cloud::Point;
 use service::monotonic_ns;
 use std::collections::{BTreeMap, VecDeque};
@@ -32,6 +32,8 @@ struct TrackCloud {
 struct SceneOfFrame {
     session: u64,
     sequence: u64,
+    /// Capture time in lockstep, nanoseconds of the source's clock.
+    lockstep_ns: Option<u64>,
     surfaces: Vec<SceneSurface>,
     objects: Vec<SceneObject>,
 }
@@ -95,6 +97,7 @@ impl SnapshotReceiver {
             return Ok(false);
         };
         let header = scene.header();
+        let is_lockstep = header.frame_flags & frame_flag::LOCKSTEP != 0;
         let objects = scene.items().iter().copied();
         let objects: Vec<SceneObject> = objects.filter(is_valid).collect();
         release(&mut self.held, header.session, header.sequence);
@@ -103,6 +106,7 @@ impl SnapshotReceiver {
         self.scene = Some(SceneOfFrame {
             session: header.session,
             sequence: header.sequence,
+            lockstep_ns: is_lockstep.then_some(header.stamps.capture_ns),
             surfaces: SceneSurface::all_of(header),
             objects,
         });
@@ -112,6 +116,12 @@ impl SnapshotReceiver {
     /// Objects of the newest scene; `None` before the first one.
     pub fn objects(&self) -> Option<&[SceneObject]> {
         self.scene.as_ref().map(|scene| scene.objects.as_slice())
+    }
+
+    /// Capture time of the newest scene of a source in lockstep, nanoseconds of its clock; `None` for
+    /// another source.
+    pub fn lockstep_ns(&self) -> Option<u64> {
+        self.scene.as_ref()?.lockstep_ns
     }
 
     /// Pose of the camera in the frame of the newest scene; `None` when it is unknown.
@@ -204,7 +214,7 @@ impl SnapshotReceiver {
 
 /// Pose of the camera in a frame; `None` when it is unknown.
 fn pose_of(header: &FrameHeader) -> Option<RigidTransform> {
-    let is_known = header.has(message::frame_flag::HAS_WORLD_POSE);
+    let is_known = header.has(frame_flag::HAS_WORLD_POSE);
     header.world_from_camera.checked().filter(|_| is_known)
 }
 

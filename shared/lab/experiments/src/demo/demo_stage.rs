@@ -2,7 +2,7 @@
 
 use super::demo_table::DemoTable;
 use crate::output_files::write;
-use capture::{FollowedFrame, FrameFollower, OBSERVER_CODE};
+use capture::{FollowedFrame, Follower, FrameFollower};
 use channel::topic::{ArmStates, CameraCloud, Scene};
 use channel::{Domain, DomainName, Received, Role, RunFolder, SharedMessage, Subscriber};
 use command_line::StopSignal;
@@ -32,6 +32,8 @@ pub(super) struct DemoStage {
     arm: Subscriber<ArmStates>,
     /// Objects of the newest scene.
     pub(super) objects: Vec<SceneObject>,
+    /// Capture time of the newest scene, nanoseconds of the source's clock.
+    pub(super) captured_ns: u64,
     /// Newest frame of the camera.
     pub(super) cloud: Option<SharedMessage<CameraCloud>>,
     /// Activity and note of the arm's newest state.
@@ -80,12 +82,13 @@ impl DemoStage {
             ProcessKind::EXECUTIVE,
         ];
         Ok(Self {
-            link: DaemonLink::new(name.clone(), CALL_DEADLINE),
-            follower: FrameFollower::new(&domain, OBSERVER_CODE, &before)?,
+            link: DaemonLink::new(name.clone(), RunFolder::of_user(), CALL_DEADLINE),
+            follower: FrameFollower::polled(&domain, Follower::Observer, &before)?,
             scenes: Subscriber::polled(&domain)?,
             clouds: Subscriber::polled(&domain)?,
             arm: Subscriber::polled(&domain)?,
             objects: Vec::new(),
+            captured_ns: 0,
             cloud: None,
             arm_state: (ArmActivity::Idle.code(), String::new()),
             arm_failures: Vec::new(),
@@ -159,6 +162,7 @@ impl DemoStage {
     fn receive(&mut self) -> Result<(), Failure> {
         if let Some(scene) = self.scenes.latest()? {
             self.objects = scene.items().to_vec();
+            self.captured_ns = scene.header().stamps.capture_ns;
         }
         if let Some(cloud) = self.clouds.latest()? {
             self.cloud = Some(cloud);

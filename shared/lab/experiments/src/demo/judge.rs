@@ -2,9 +2,9 @@
 
 use super::demo_table::{DemoTable, PLACES};
 use super::run_record::{Collision, ObjectOutcome};
-use crate::disturbance::is_disturbed;
 use channel::topic::TrueObjects;
 use channel::{Domain, Error, Subscriber};
+use evaluation::disturbance::is_disturbed;
 use geometry::RigidTransform;
 use message::{SceneObject, TrueState};
 use nalgebra::Vector3;

@@ -121,8 +121,9 @@ impl<'t> Play<'t> {
     /// When the daemon does not answer, or the demonstration is stopped.
     pub(super) fn frame(&mut self) -> Result<bool, Failure> {
         let frame = self.stage.next_frame()?;
-        let first_ns = *self.first_ns.get_or_insert(frame.captured_ns);
-        let elapsed_ns = frame.captured_ns.saturating_sub(first_ns);
+        let captured_ns = self.stage.captured_ns;
+        let first_ns = *self.first_ns.get_or_insert(captured_ns);
+        let elapsed_ns = captured_ns.saturating_sub(first_ns);
         self.time_s = (elapsed_ns / 1_000_000) as f64 / 1000.0;
         self.n_frames += 1;
         self.judge

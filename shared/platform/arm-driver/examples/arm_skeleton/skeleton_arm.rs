@@ -1,7 +1,7 @@
 //! Arm of the skeleton: motions become paths of its joints, which its motors follow.
 
 use super::motors::{HOLD_TIME_S, Measured, Motors};
-use arm_driver::{Arm as DrivenArm, ArmReading, BrakingCause, CYCLE, CyclicArm};
+use arm_driver::{Arm as DrivenArm, ArmReading, BrakingCause, CYCLE, CyclicArm, commanded_pose};
 use arm_kinematics::{
     Arm, ArmController, Command, CommandState, FingerContact, HOME, JointVector, MotionState,
     N_JOINTS, PathKind, link_capsules,
@@ -9,7 +9,7 @@ use arm_kinematics::{
 use control_protocol::ArmMotion;
 use geometry::RigidTransform;
 use message::{ArmActivity, WireCapsule, WirePose};
-use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// Place of the arm's base, world frame, metres. Measure yours.
 const BASE_M: [f64; 3] = [-0.44, -0.50, 0.70];
@@ -28,8 +28,6 @@ const MAX_DISTANCE_RAD: f64 = 0.2;
 /// Chosen.
 const ARRIVED_RAD: f64 = 0.005;
 const ARRIVED_M: f64 = 0.001;
-/// Tolerance of a quaternion's norm. Chosen.
-const UNIT_TOLERANCE: f64 = 1e-2;
 
 /// Arm whose controller makes paths, and whose motors follow them.
 pub(crate) struct SkeletonArm<M> {
@@ -77,7 +75,7 @@ impl<M: Motors> SkeletonArm<M> {
                 straight,
             } => Command::MoveTo {
                 base_from_tool: self.world_from_base.inverse()
-                    * pose(position_m, orientation_xyzw)?,
+                    * commanded_pose(position_m, orientation_xyzw)?,
                 path: if straight {
                     PathKind::Linear
                 } else {
@@ -224,20 +222,4 @@ impl<M: Motors> CyclicArm for SkeletonArm<M> {
             .map(|capsule| WireCapsule::from(&capsule.transformed(&self.world_from_base)))
             .collect()
     }
-}
-
-fn pose(position_m: [f64; 3], [x, y, z, w]: [f64; 4]) -> Result<RigidTransform, String> {
-    let quaternion = Quaternion::new(w, x, y, z);
-    let is_unit = (quaternion.norm() - 1.0).abs() < UNIT_TOLERANCE;
-    if !is_unit || !position_m.iter().all(|value| value.is_finite()) {
-        return Err(format!(
-            "the pose at {position_m:?} with orientation {:?} is none: positions are finite, an \
-             orientation x, y, z, w has length 1",
-            [x, y, z, w]
-        ));
-    }
-    Ok(RigidTransform::from_parts(
-        Translation3::from(Vector3::from(position_m)),
-        UnitQuaternion::new_normalize(quaternion),
-    ))
 }

@@ -1,7 +1,7 @@
 //! Run of a planned transport in the simulated world, and what it did to the other objects.
 
-use crate::disturbance::{TIPPED_RAD, is_disturbed, tipped_rad};
 use crate::evaluate::arm_motion::command;
+use evaluation::disturbance::{TIPPED_RAD, is_disturbed, tipped_rad};
 use geometry::RigidTransform;
 use grasping::Grasp;
 use nalgebra::{Translation3, Vector3};
